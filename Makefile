@@ -1,0 +1,40 @@
+# make demo   the main job on the shipped samples, results in gallery/
+# make test   every check and test
+# make check  the checks without the tests
+# make bench  speed and memory, as ratios in one run
+#
+# Each sets up what it needs first: a virtual environment in .venv, and the system packages for it where it may.
+
+VENV ?= .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.ready
+
+.PHONY: demo test check bench samples setup clean
+
+setup: $(STAMP)
+
+$(STAMP): pyproject.toml setup.sh
+	@sh setup.sh $(VENV)
+	@touch $(STAMP)
+
+demo: $(STAMP)
+	@PATH="$(CURDIR)/$(BIN):$$PATH" sh samples/demo.sh gallery
+
+samples: $(STAMP)
+	$(BIN)/python samples/make_samples.py samples
+
+check: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+test: check
+	$(BIN)/python -m pytest
+
+bench: $(STAMP)
+	$(BIN)/python -m bench.solver
+	$(BIN)/python -m bench.relief
+
+clean:
+	rm -rf $(VENV) gallery build *.egg-info

@@ -1,0 +1,1 @@
+"""The command line: options to library calls, and nothing the library does not do."""

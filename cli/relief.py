@@ -1,0 +1,183 @@
+"""``nmap relief``."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from nmaptool.errors import UsageError
+from nmaptool.options import ReadOptions, ReliefOptions
+from nmaptool_cli.session import INPUTS, OUTPUTS, READING, RELIEF, RUN, RunOptions, Session, input_files
+
+if TYPE_CHECKING:
+    import nmaptool as nm
+
+
+@dataclass(frozen=True)
+class ReliefInputs:
+    """Files beside the map.
+
+    Parameters
+    ----------
+    detail:
+        Detail map of the same size: its detail is kept or exaggerated by --mu.
+    mask:
+        Grey picture, white where the motif is. Default: what the map's own background tells.
+    surface:
+        Curved background for --background surface: a normal map, or heights in mm (.exr .tif .npy).
+    mu_map:
+        Grey picture that multiplies mu per pixel.
+    beta_map:
+        Grey picture that multiplies beta per pixel.
+    delta_map:
+        Grey picture that multiplies delta per pixel.
+    """
+
+    detail: str | None = None
+    mask: str | None = None
+    surface: str | None = None
+    mu_map: str | None = None
+    beta_map: str | None = None
+    delta_map: str | None = None
+
+
+@dataclass(frozen=True)
+class ReliefOutputs:
+    """What is written.
+
+    Parameters
+    ----------
+    output:
+        Repeatable. By ending: .exr .tif .npy heights in mm; .png 16-bit heights; .stl .ply .obj .glb surface in mm.
+    preview:
+        Picture of the relief under two raking lights, .png.
+    report:
+        Full account of the run as JSON; - for standard output.
+    overwrite:
+        Replace files that exist.
+    """
+
+    output: Annotated[tuple[Path, ...], Parameter(name=["--output", "-o"])] = ()
+    preview: Path | None = None
+    report: Path | None = None
+    overwrite: bool = False
+
+
+def relief(
+    map: str,
+    /,
+    *,
+    inputs: Annotated[ReliefInputs, Parameter(name="*", group=INPUTS)] = ReliefInputs(),
+    outputs: Annotated[ReliefOutputs, Parameter(name="*", group=OUTPUTS)] = ReliefOutputs(),
+    options: Annotated[ReliefOptions, Parameter(name="*", group=RELIEF)] = ReliefOptions(),
+    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
+    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
+) -> None:
+    """Make a relief in millimetres from one or two normal maps.
+
+    With the original map and --detail, shape and detail are both kept; with a base map alone, the structure.
+
+    Example: nmap relief lion.png -o lion.stl --preview lion-view.png --height 4mm --width 80mm
+
+    Parameters
+    ----------
+    map:
+        Original or base normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
+    """
+    from nmaptool.io.outputs import ReliefFiles
+
+    session = Session(run)
+    to_stdout = str(outputs.report) == "-"
+    files = ReliefFiles(
+        outputs.output, outputs.preview, None if to_stdout else outputs.report, overwrite=outputs.overwrite
+    )
+    if not (files.targets or run.json or to_stdout):
+        raise UsageError("nothing to write: say where, such as -o relief.stl --preview relief.png")
+    files.check()
+    names = (map, inputs.detail, inputs.mask, inputs.surface, inputs.mu_map, inputs.beta_map, inputs.delta_map)
+    with input_files(*names) as sources:
+        result, account = _solve(session, sources, options, reading)
+    import nmaptool as nm
+
+    account["outputs"] = [str(path) for path in files.targets]
+    nm.write_relief(
+        result, *files.outputs, preview=files.preview, report=files.report, overwrite=files.overwrite, account=account
+    )
+    for path in files.targets:
+        session.say(f"  wrote {path}")
+    if run.json or to_stdout:
+        session.data(account)
+
+
+def _solve(
+    session: Session, sources: list[str | None], options: ReliefOptions, reading: ReadOptions
+) -> tuple[nm.Relief, dict[str, Any]]:
+    """Read the inputs, solve, say what was done; also the account for the report."""
+    import nmaptool as nm
+    from nmaptool_cli.wording import describe_decoding, describe_relief
+
+    source, detail_source, mask, surface, mu_map, beta_map, delta_map = sources
+    assert source is not None
+    with session.progress() as progress:
+        original = nm.read_normal_map(source, reading)
+        detail = _read_like(detail_source, original, reading)
+
+        def grey(path: str | None) -> Any:
+            return None if path is None else nm.read_grey(path, reading.max_megapixels)
+
+        result = nm.relief(
+            original,
+            detail,
+            mask=grey(mask),
+            surface=_surface(surface, original, options, reading),
+            mu_map=grey(mu_map),
+            beta_map=grey(beta_map),
+            delta_map=grey(delta_map),
+            options=options,
+            progress=progress,
+        )
+    maps = [m for m in (original, detail) if m is not None]
+    for each in maps:
+        share = float(each.foreground.mean())
+        session.say(f"{each.name}: {each.frame}, {describe_decoding(each.decoding, share)}")
+        for warning in each.decoding.warnings:
+            session.warn(f"{each.name}: {warning}")
+    for line in describe_relief(result.report):
+        session.say(line)
+    for warning in result.report.warnings:
+        session.warn(warning)
+    session.detail(f"  residuals {' '.join(f'{r:.1e}' for r in result.report.history)}")
+    inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
+    return result, {"version": nm.__version__, "inputs": inputs, **result.report.to_dict()}
+
+
+def _read_like(path: str | None, original: nm.NormalMap, reading: ReadOptions) -> nm.NormalMap | None:
+    """The detail map, read as the original was: its own curl says little."""
+    import dataclasses
+
+    import nmaptool as nm
+
+    if path is None:
+        return None
+    same = dataclasses.replace(reading, layer=None)
+    if reading.green == "auto" and original.decoding.green_from == "found":
+        same = dataclasses.replace(same, green="down" if original.decoding.green == "down" else "up")
+    return nm.read_normal_map(path, same)
+
+
+def _surface(path: str | None, original: nm.NormalMap, options: ReliefOptions, reading: ReadOptions) -> Any:
+    """The curved background: heights where the file holds heights, else a normal map."""
+    import dataclasses
+
+    import nmaptool as nm
+    from nmaptool.io.heights import is_height
+    from nmaptool.verbs.relief import pitch_of
+
+    if path is None:
+        return None
+    if is_height(Path(path)):
+        return nm.read_height(path, pitch_of(original, options)[0], reading.max_megapixels)
+    return nm.read_normal_map(path, dataclasses.replace(reading, layer=None, background_color="none"))

@@ -1,0 +1,159 @@
+"""What every command shares: messages on stderr, data on stdout, progress, exit codes, standard input as a file."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import App, Group, Parameter
+from cyclopts.exceptions import CycloptsError
+
+from nmaptool.errors import InputError, NmaptoolError
+from nmaptool.units import Length, length
+
+EXIT_USAGE = 2
+EXIT_LIMIT = 4
+EXIT_OUTPUT = 5
+EXIT_INTERRUPTED = 130
+EXIT_BUG = 70
+Progress = Callable[[str, float], None]
+
+# a Length is one word on the command line, such as 12mm
+Parameter(n_tokens=1, accepts_keys=False, converter=lambda _, tokens: length(tokens[0].value))(Length)
+
+
+# groups of flags in the order that --help shows them
+INPUTS, OUTPUTS, RELIEF, READING, RUN = (
+    Group(name, sort_key=place) for place, name in enumerate(("Inputs", "Outputs", "Relief", "Reading", "Run"), start=1)
+)
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a command speaks.
+
+    Parameters
+    ----------
+    quiet:
+        Say nothing but errors.
+    verbose:
+        Say more: every decision and the residual history.
+    json:
+        Print the full report as JSON on standard output.
+    """
+
+    quiet: Annotated[bool, Parameter(alias="-q")] = False
+    verbose: Annotated[bool, Parameter(alias="-v")] = False
+    json: bool = False
+
+
+class Session:
+    """One run of a command.
+
+    Parameters
+    ----------
+    options : RunOptions
+    """
+
+    def __init__(self, options: RunOptions) -> None:
+        self.options = options
+
+    def say(self, text: str) -> None:
+        """A message, unless quiet."""
+        if not self.options.quiet:
+            print(text, file=sys.stderr)
+
+    def detail(self, text: str) -> None:
+        """A message for --verbose."""
+        if self.options.verbose and not self.options.quiet:
+            print(text, file=sys.stderr)
+
+    def warn(self, text: str) -> None:
+        """A warning, unless quiet."""
+        self.say(f"nmap: warning: {text}")
+
+    def data(self, value: Any) -> None:
+        """A JSON value on standard output."""
+        print(json.dumps(value, indent=2))
+
+    @contextlib.contextmanager
+    def progress(self) -> Iterator[Progress | None]:
+        """A progress bar on stderr where that is a terminal, else nothing."""
+        if self.options.quiet or not sys.stderr.isatty():
+            yield None
+            return
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        columns = (TextColumn("{task.description:<12}"), BarColumn(), TimeElapsedColumn())
+        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task("reading", total=1.0)
+
+            def report(word: str, share: float) -> None:
+                bar.update(task, description=word, completed=share)
+
+            yield report
+
+
+@contextlib.contextmanager
+def input_files(*names: str | None) -> Iterator[list[str | None]]:
+    """The names with ``-`` replaced by a temporary file that holds standard input.
+
+    Raises
+    ------
+    InputError
+        If ``-`` is named twice or standard input is empty.
+    """
+    if names.count("-") > 1:
+        raise InputError("-: standard input can be read once only")
+    if "-" not in names:
+        yield list(names)
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        data = sys.stdin.buffer.read()
+        if not data:
+            raise InputError("-: standard input is empty")
+        spooled = Path(folder) / "standard-input"
+        spooled.write_bytes(data)
+        yield [str(spooled) if name == "-" else name for name in names]
+
+
+def _fail(text: str, code: int) -> int:
+    print(f"nmap: error: {' '.join(text.split())}", file=sys.stderr)
+    return code
+
+
+def guarded(app: App, arguments: list[str]) -> int:
+    """Run the application; every failure is one line on stderr and an exit code, never a traceback."""
+    try:
+        code = app(arguments, exit_on_error=False, print_error=False)
+        sys.stdout.flush()
+        return code if isinstance(code, int) else 0
+    except NmaptoolError as error:
+        return _fail(str(error), error.exit_code)
+    except CycloptsError as error:
+        if isinstance(error.__cause__, NmaptoolError):
+            return _fail(str(error.__cause__), error.__cause__.exit_code)
+        return _fail(f"{error} (see nmap --help)", EXIT_USAGE)
+    except MemoryError:
+        return _fail("out of memory; use a smaller map", EXIT_LIMIT)
+    except KeyboardInterrupt:
+        return _fail("interrupted; nothing was written", EXIT_INTERRUPTED)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter complains at exit
+        return EXIT_OUTPUT
+    except Exception as error:  # the last line of defence: a designer should not meet a traceback
+        if os.environ.get("NMAPTOOL_TRACEBACK"):
+            raise
+        return _fail(
+            f"this is a bug in nmaptool ({type(error).__name__}: {error}); run again with NMAPTOOL_TRACEBACK=1 and "
+            "report what it prints",
+            EXIT_BUG,
+        )

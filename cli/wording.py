@@ -1,0 +1,68 @@
+"""Reports as sentences for a designer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from nmaptool import Decoding, Inspection, SolveReport
+
+
+def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
+    """How a map was read, in one line."""
+    parts = [f"background {decoding.background} ({decoding.background_from})", f"motif {foreground_share:.0%}"]
+    if decoding.swizzle != "r,g,b":
+        parts.append(f"channels {decoding.swizzle}")
+    parts.append(f"green {decoding.green} ({decoding.green_from})")
+    parts.append(f"zero at {decoding.zero_code} ({decoding.zero_code_from})")
+    return ", ".join(parts)
+
+
+def describe_inspection(seen: Inspection) -> Iterator[str]:
+    """An inspection, a line each."""
+    d = seen.decoding
+    kind = "float" if d.encoding == "signed" or seen.bits == 32 else "integer"
+    yield f"{seen.name}: {seen.cols} x {seen.rows}, {seen.bits} bit {kind}, channels {' '.join(seen.channels)}"
+    sure = "too little curl to tell" if d.curl_ratio is None else f"the other way has {_ratio(d)} times the curl"
+    yield f"  green        {d.green} ({d.green_from}; {sure})"
+    yield f"  channels     x,y,z = {d.swizzle}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
+    yield f"  background   {d.background} ({d.background_from}); motif {seen.foreground_share:.1%} of the picture"
+    if d.rim_pixels:
+        yield f"  rim          {d.rim_pixels} anti-aliased pixels take the normals just inside them"
+    yield f"  unit length  off by {seen.unit_length_error:.4f} on average; {seen.off_length_share:.2%} by more than 0.1"
+    yield f"  facing away  {seen.away_share:.2%} (nz <= 0)"
+    yield f"  mean |curl|  {seen.mean_abs_curl:.4f} slope per px"
+    if seen.neutral_bias_px is not None:
+        yield f"  neutral bias {seen.neutral_bias_px:+.2f} px across, were the middle code read as zero"
+    if seen.pitch_mm is not None:
+        yield f"  pitch        {seen.pitch_mm:g} mm per px"
+    for finding in seen.findings:
+        yield f"! {finding.message}"
+        yield f"    -> {finding.remedy}"
+    if not seen.findings:
+        yield "  clean: nothing to report"
+
+
+def _ratio(decoding: Decoding) -> str:
+    ratio = decoding.curl_ratio or 1.0
+    return f"{ratio if decoding.green == 'up' else 1 / ratio:.1f}"
+
+
+def describe_relief(report: SolveReport) -> Iterator[str]:
+    """A solve, a line each."""
+    o = report.options
+    reach = f"{report.reach_px:.1f} px = {report.reach_mm:.2f} mm" if report.reach_px < 1e9 else "unlimited"
+    detail = f"mu {report.mu:g}, " if report.mu else ""
+    yield f"  {o.background}: {detail}beta {o.beta:g}, delta {o.delta:g}, reach {reach}"
+    yield (
+        f"  {report.solver}: {report.unknowns} unknowns, {report.iterations} iterations, residual "
+        f"{report.residual:.1e}, {sum(report.seconds.values()):.2f} s"
+    )
+    low, high = report.height_min_mm, report.height_max_mm
+    size = f"pitch {report.pitch_mm:.4g} mm ({report.pitch_from})"
+    yield f"  height {low:.3f} to {high:.3f} mm = {report.height_range_mm:.3f} mm, {size}"
+    if report.below_background_share > 0.001:
+        yield f"  {report.below_background_share:.1%} of the motif lies below its background; a larger --delta lifts it"
+    if report.pitch_from == "assumed":
+        yield "  no size was given: 100 mm on the longer side is assumed; say --width 80mm for your own"

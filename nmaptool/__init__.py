@@ -1,0 +1,122 @@
+"""Normal maps in, carved bas-reliefs in exact millimetres out.
+
+    import nmaptool as nm
+
+    relief = nm.relief(nm.read_normal_map("a.png"), options=nm.ReliefOptions(height=nm.length("3mm")))
+    nm.write_relief(relief, "a.stl", preview="a.png")
+
+Names load when they are first used: importing the package alone loads no heavy library.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from nmaptool._version import __version__
+
+if TYPE_CHECKING:
+    from nmaptool.decoding import decode_normal_map
+    from nmaptool.errors import (
+        ConvergenceError,
+        InputError,
+        LimitError,
+        NmaptoolError,
+        OutputError,
+        UsageError,
+    )
+    from nmaptool.io.heights import read_height
+    from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
+    from nmaptool.io.outputs import write_relief
+    from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
+    from nmaptool.options import ReadOptions, ReliefOptions
+    from nmaptool.results import Relief, SolveReport
+    from nmaptool.shading import preview
+    from nmaptool.tessellate import Mesh, surface_mesh
+    from nmaptool.units import Length, length
+    from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
+    from nmaptool.verbs.integrate import integrate
+    from nmaptool.verbs.relief import relief
+
+_HOME = {
+    "decode_normal_map": "decoding",
+    "ConvergenceError": "errors",
+    "InputError": "errors",
+    "LimitError": "errors",
+    "NmaptoolError": "errors",
+    "OutputError": "errors",
+    "UsageError": "errors",
+    "read_height": "io.heights",
+    "read_grey": "io.normal_maps",
+    "read_normal_map": "io.normal_maps",
+    "read_raster": "io.normal_maps",
+    "write_normal_map": "io.normal_maps",
+    "write_relief": "io.outputs",
+    "Decoding": "model",
+    "Frame": "model",
+    "Height": "model",
+    "NormalMap": "model",
+    "RasterImage": "model",
+    "ReadOptions": "options",
+    "ReliefOptions": "options",
+    "Relief": "results",
+    "SolveReport": "results",
+    "preview": "shading",
+    "Mesh": "tessellate",
+    "surface_mesh": "tessellate",
+    "Length": "units",
+    "length": "units",
+    "Finding": "verbs.inspect",
+    "Inspection": "verbs.inspect",
+    "inspect_map": "verbs.inspect",
+    "integrate": "verbs.integrate",
+    "relief": "verbs.relief",
+}
+
+__all__ = [
+    "ConvergenceError",
+    "Decoding",
+    "Finding",
+    "Frame",
+    "Height",
+    "InputError",
+    "Inspection",
+    "Length",
+    "LimitError",
+    "Mesh",
+    "NmaptoolError",
+    "NormalMap",
+    "OutputError",
+    "RasterImage",
+    "ReadOptions",
+    "Relief",
+    "ReliefOptions",
+    "SolveReport",
+    "UsageError",
+    "__version__",
+    "decode_normal_map",
+    "inspect_map",
+    "integrate",
+    "length",
+    "preview",
+    "read_grey",
+    "read_height",
+    "read_normal_map",
+    "read_raster",
+    "relief",
+    "surface_mesh",
+    "write_normal_map",
+    "write_relief",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'nmaptool' has no attribute {name!r}")
+    value = getattr(import_module(f"nmaptool.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,128 @@
+"""Stored codes to vectors and back: sign, bit depth, zero code and channel order are settled here and nowhere else."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float32
+from nmaptool.errors import UsageError
+
+ZERO_CODES = ("127", "127.5", "128")
+_SWIZZLE = re.compile(r"([+-]?)([rgb])")
+# A flat code is taken for the file's own zero only where it stands out as a spike: fields that merely pass through
+# flat hold its three neighbours about as often.
+_SPIKE = 4
+_SPIKE_PIXELS = 64
+
+
+def zero_and_scale(zero_code: str, max_code: int) -> tuple[float, float]:
+    """Code that means 0 and codes per unit, so that n = (v - zero) / scale.
+
+    Parameters
+    ----------
+    zero_code : str
+        "127.5" (the middle), "128" (upper neighbour) or "127" (lower neighbour: a truncating writer), in 8-bit terms.
+    max_code : int
+        255 or 65535.
+
+    Examples
+    --------
+    >>> zero_and_scale("128", 65535)
+    (32768.0, 32767.0)
+    """
+    middle = max_code / 2
+    if zero_code == "128":
+        return middle + 0.5, middle - 0.5
+    if zero_code == "127":
+        return middle - 0.5, middle
+    return middle, middle
+
+
+def flat_codes(max_code: int) -> dict[str, tuple[int, int, int]]:
+    """Codes that writers store for the flat normal, by the zero code they imply."""
+    middle = (max_code + 1) // 2
+    return {"128": (middle, middle, max_code), "127": (middle - 1, middle - 1, max_code)}
+
+
+def detect_zero_code(rgb: NDArray[Any]) -> str | None:
+    """Zero code told by the exact flat code, or None where no flat code stands out.
+
+    Parameters
+    ----------
+    rgb : (H, W, 3) uint8 or uint16
+
+    Returns
+    -------
+    "128", "127" or None
+    """
+    max_code = int(np.iinfo(rgb.dtype).max)
+    middle = (max_code + 1) // 2
+    # a truncating writer stores 254 or 255 for nz = 1
+    candidates = rgb[rgb[..., 2] >= max_code - 1][:, :2]
+    near = candidates[((candidates == middle) | (candidates == middle - 1)).all(axis=1)]
+    counts = np.bincount((near[:, 0] == middle) * 2 + (near[:, 1] == middle), minlength=4)
+    order = np.sort(counts)
+    if order[-1] < _SPIKE_PIXELS or order[-1] < _SPIKE * order[-2]:
+        return None
+    winner = int(np.argmax(counts))
+    return {3: "128", 0: "127"}.get(winner)
+
+
+def decode_codes(rgb: NDArray[Any], zero_code: str) -> Float32:
+    """Integer codes to vectors in [-1, 1]; the exact flat code becomes exactly (0, 0, 1).
+
+    Parameters
+    ----------
+    rgb : (H, W, 3) uint8 or uint16
+    zero_code : str
+        See `zero_and_scale`. With "127.5", n = 2v/M - 1 (M the largest code).
+
+    Returns
+    -------
+    (H, W, 3) float32, not normalised
+    """
+    max_code = int(np.iinfo(rgb.dtype).max)
+    zero, scale = zero_and_scale(zero_code, max_code)
+    table = ((np.arange(max_code + 1, dtype=np.float64) - zero) / scale).clip(-1, 1).astype(np.float32)
+    vectors: Float32 = table[rgb]
+    flat = flat_codes(max_code)["127" if zero_code == "127" else "128"]
+    vectors[(rgb == np.array(flat, rgb.dtype)).all(axis=-1)] = (0, 0, 1)
+    return vectors
+
+
+def encode_codes(vectors: Float32, bits: int) -> NDArray[Any]:
+    """Vectors in [-1, 1] to integer codes, rounded: v = floor((n + 1)/2 M + .5).
+
+    Parameters
+    ----------
+    vectors : (H, W, 3) float32
+    bits : int
+        8 or 16.
+
+    Returns
+    -------
+    (H, W, 3) uint8 or uint16
+    """
+    max_code = (1 << bits) - 1
+    codes = np.floor((vectors.astype(np.float64) + 1) / 2 * max_code + 0.5)
+    clipped: NDArray[Any] = codes.clip(0, max_code).astype(np.uint8 if bits == 8 else np.uint16)
+    return clipped
+
+
+def parse_swizzle(text: str) -> tuple[tuple[int, int], ...]:
+    """Read "-g,r,b" as ((1, -1), (0, 1), (2, 1)): (channel, sign) of x, y and z.
+
+    Raises
+    ------
+    UsageError
+        If it is not three different channels out of r, g, b, each with an optional sign.
+    """
+    parts = [_SWIZZLE.fullmatch(part.strip().lower()) for part in text.split(",")]
+    found = [part for part in parts if part is not None]
+    if len(parts) != 3 or len(found) != 3 or {part.group(2) for part in found} != {"r", "g", "b"}:
+        raise UsageError(f"--swizzle {text!r}: give the channels of x, y and z, such as r,g,b or -g,r,b")
+    return tuple(("rgb".index(part.group(2)), -1 if part.group(1) == "-" else 1) for part in found)

@@ -1,0 +1,219 @@
+"""A raw picture to a normal map: which channels, which sign, which zero, which background; and what was decided."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool import background as bg
+from nmaptool import codec
+from nmaptool.arrays import Float32, Mask
+from nmaptool.errors import InputError
+from nmaptool.model import Decoding, NormalMap, RasterImage
+from nmaptool.options import ReadOptions
+from nmaptool.vectors import FLAT, mean_abs_curl, unit
+
+# the wrong sign of green must have this many times the curl of the right one, and more curl than codes alone make
+SURE_CURL_RATIO = 1.5
+
+
+def color_channels(image: RasterImage) -> NDArray[Any]:
+    """The three colour channels as stored.
+
+    Raises
+    ------
+    InputError
+        If the picture has fewer than three.
+    """
+    if not {"R", "G", "B"} <= set(image.channels):
+        raise InputError(
+            f"{image.name}: has {len(image.channels)} channel(s) ({', '.join(image.channels)}); "
+            "a normal map needs red, green and blue; a grey picture is a height or depth image"
+        )
+    if image.channels[:3] == ("R", "G", "B"):
+        return image.pixels[..., :3]
+    return image.pixels[..., [image.channels.index(c) for c in "RGB"]]
+
+
+def _check_finite(image: RasterImage, rgb: NDArray[Any]) -> NDArray[Any]:
+    """Refuse NaN and infinity where the map is defined; where alpha is 0 they are nobody's business."""
+    if not image.is_float:
+        return rgb
+    bad = ~np.isfinite(rgb).all(axis=-1)
+    if not bad.any():
+        return rgb
+    alpha = image.alpha
+    if alpha is not None:
+        if not np.isfinite(alpha).all():
+            raise InputError(f"{image.name}: alpha holds NaN or infinite values; write it again with alpha in 0..1")
+        bad &= alpha > 0
+    if bad.any():
+        row, col = np.argwhere(bad)[0]
+        raise InputError(
+            f"{image.name}: {int(bad.sum())} pixel(s) hold NaN or infinite values, the first at x={col}, y={row}; "
+            "repair them or make them transparent (alpha 0)"
+        )
+    finite: NDArray[Any] = np.nan_to_num(rgb, nan=0.0, posinf=0.0, neginf=0.0)
+    return finite
+
+
+def is_unsigned_float(rgb: NDArray[Any]) -> bool:
+    """Whether floats hold (n + 1)/2: none is negative and 2v - 1 is closer to unit length than v."""
+    if float(rgb.min()) < -1e-3:
+        return False
+    sample = rgb.reshape(-1, 3)[:: max(1, rgb.size // 300_000)].astype(np.float64)
+    as_signed = np.abs(np.linalg.norm(sample, axis=1) - 1)
+    as_unsigned = np.abs(np.linalg.norm(2 * sample - 1, axis=1) - 1)
+    return bool(np.median(as_unsigned) < np.median(as_signed))
+
+
+def _to_vectors(image: RasterImage, xyz: NDArray[Any], options: ReadOptions, facts: dict[str, Any]) -> Float32:
+    """Codes to vectors in file order of components, noting encoding and zero code in ``facts``."""
+    if image.is_float:
+        unsigned = options.encoding == "unsigned" or (options.encoding == "auto" and is_unsigned_float(xyz))
+        facts.update(encoding="unsigned" if unsigned else "signed", zero_code="0.5" if unsigned else "0")
+        return xyz.astype(np.float32) * 2 - 1 if unsigned else xyz.astype(np.float32)
+    said = image.attributes.get("zero_code")
+    found = codec.detect_zero_code(xyz) if options.zero_code == "auto" and said not in codec.ZERO_CODES else None
+    if options.zero_code != "auto":
+        facts.update(zero_code=options.zero_code, zero_code_from="given")
+    elif said in codec.ZERO_CODES:
+        facts.update(zero_code=said, zero_code_from="file")
+    elif found is not None:
+        facts.update(zero_code=found, zero_code_from="found")
+    else:
+        facts.update(zero_code="127.5", zero_code_from="assumed")
+    return codec.decode_codes(xyz, facts["zero_code"])
+
+
+def green_evidence(normals: Float32, mask: Mask, code_step: float) -> float | None:
+    """How many times the mean |curl| of green-down is that of green-up (below 1: green-down fits better).
+
+    None where both are near what quantisation alone makes, so that nothing can be said.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+        Decoded as green up.
+    mask : (H, W) bool
+        Where to look.
+    code_step : float
+        Smallest step of a component in the file.
+    """
+    up = mean_abs_curl(normals, mask)
+    down = mean_abs_curl(normals * np.array([1, -1, 1], np.float32), mask)
+    if max(up, down) < max(2 * code_step, 1e-6):
+        return None
+    return down / max(up, 1e-9)
+
+
+def _settle_green(image: RasterImage, options: ReadOptions, facts: dict[str, Any], ratio: float | None) -> None:
+    said = image.attributes.get("green")
+    facts["curl_ratio"] = ratio
+    if options.green != "auto":
+        facts.update(green=options.green, green_from="given")
+    elif said in ("up", "down"):
+        facts.update(green=said, green_from="file")
+    elif options.swizzle is not None:  # a swizzle already says which way y points
+        facts.update(green="up", green_from="given")
+    elif ratio is not None and ratio < 1 / SURE_CURL_RATIO:
+        facts.update(green="down", green_from="found")
+    elif ratio is not None and ratio > SURE_CURL_RATIO:
+        facts.update(green="up", green_from="found")
+    else:
+        facts.update(green="up", green_from="assumed")
+
+
+def code_step(image: RasterImage) -> float:
+    """Smallest step of a normal's component that the file can hold."""
+    return 1e-3 * 2**-8 if image.is_float else 2 / image.max_code
+
+
+def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) -> NormalMap:
+    """Turn a raw picture into unit normals in eye space.
+
+    Parameters
+    ----------
+    image : RasterImage
+        Three or four channels R, G, B(, A).
+    options : ReadOptions, optional
+
+    Returns
+    -------
+    NormalMap
+        Its ``decoding`` says what was decided and from what.
+
+    Raises
+    ------
+    InputError
+        If it has fewer than three colour channels, or NaN or infinity where it is defined.
+    UsageError
+        If the swizzle cannot be meant.
+    """
+    options = options or ReadOptions()
+    swizzle = codec.parse_swizzle(options.swizzle or "r,g,b")
+    facts: dict[str, Any] = {"swizzle": options.swizzle or "r,g,b", "warnings": ()}
+    order = tuple(channel for channel, _ in swizzle)
+    xyz = _check_finite(image, color_channels(image))
+    if order != (0, 1, 2):
+        xyz = xyz[..., list(order)]
+    vectors = _to_vectors(image, xyz, options, facts)
+    found = bg.find_background(image, xyz, options.background_color, order)
+    facts.update(background=found.kind, background_from="found" if options.background_color == "auto" else "given")
+    alpha = image.alpha
+    if alpha is not None and options.background_color == "auto" and bg.alpha_is_data(alpha):
+        facts["warnings"] += ("alpha looks like data (a height or gloss channel), not coverage: ignored",)
+    vectors, coverage = _cover(vectors, found, alpha, facts, _decode_like(image, facts))
+    normals = unit(vectors)
+    for axis, (_, sign) in enumerate(swizzle):
+        if sign < 0:
+            normals[..., axis] = -normals[..., axis] + np.float32(0)  # + 0: flat gives 0, not -0
+    normals[coverage <= 0] = FLAT
+    foreground = (coverage >= 0.5) & ~found.mask
+    _settle_green(image, options, facts, green_evidence(normals, foreground, code_step(image)))
+    if facts["green"] == "down":
+        normals[..., 1] = -normals[..., 1] + np.float32(0)
+    return NormalMap(normals, coverage, image.frame, foreground, image.name, Decoding(**facts))
+
+
+def raw_vectors(image: RasterImage, decoding: Decoding) -> Float32:
+    """(H, W, 3) float32 stored vectors by a decoding already settled, neither normalised nor repaired."""
+    order = [channel for channel, _ in codec.parse_swizzle(decoding.swizzle)]
+    xyz = color_channels(image)[..., order]
+    if not image.is_float:
+        return codec.decode_codes(xyz, decoding.zero_code)
+    finite: Float32 = np.nan_to_num(xyz, nan=0.0, posinf=0.0, neginf=0.0)
+    return finite * 2 - 1 if decoding.encoding == "unsigned" else finite
+
+
+def _decode_like(image: RasterImage, facts: Mapping[str, Any]) -> Any:
+    """One stored colour to the vector that this file's decoding gives it."""
+
+    def decode(codes: tuple[float, ...]) -> Float32:
+        if image.is_float:
+            vector = np.array(codes, np.float32)
+            return vector * 2 - 1 if facts["encoding"] == "unsigned" else vector
+        zero, scale = codec.zero_and_scale(facts["zero_code"], image.max_code)
+        return ((np.array(codes) - zero) / scale).astype(np.float32)
+
+    return decode
+
+
+def _cover(
+    vectors: Float32, found: bg.Background, alpha: Float32 | None, facts: dict[str, Any], decode: Any
+) -> tuple[Float32, Float32]:
+    """Coverage of the map by the kind of its background, the rim repaired."""
+    everywhere = np.ones(vectors.shape[:2], np.float32)
+    if found.kind in ("none", "flat"):  # a flat background is a defined part of the map
+        return vectors, everywhere
+    if found.kind == "alpha":
+        if alpha is None:
+            return vectors, everywhere
+        vectors, _, facts["rim_pixels"] = bg.repair_rim(vectors, alpha <= 0.02, None)
+        return vectors, alpha.copy()
+    assert found.codes is not None
+    vectors, coverage, facts["rim_pixels"] = bg.repair_rim(vectors, found.mask, decode(found.codes))
+    return vectors, coverage

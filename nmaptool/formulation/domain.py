@@ -1,0 +1,63 @@
+"""The four backgrounds: which faces act, where the height term acts, which vertices are held and at what height."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.arrays import Float64, Mask
+from nmaptool.grid import touching
+
+
+@dataclass(frozen=True, eq=False)
+class Domain:
+    """Where a relief is solved.
+
+    Attributes
+    ----------
+    surface : (H, W) bool
+        Faces of the finished surface.
+    acting : (H, W) bool
+        Faces whose normals act.
+    foreground : (H, W) bool
+        Faces on which the height term acts.
+    held : (H+1, W+1) bool
+        Vertices held at the background's height.
+    base_px : (H+1, W+1) float64
+        The background's height; delta counts from it.
+    """
+
+    surface: Mask
+    acting: Mask
+    foreground: Mask
+    held: Mask
+    base_px: Float64
+
+
+def lay_out(mode: str, foreground: Mask, covered: Mask, base_px: Float64 | None = None) -> Domain:
+    """The domain of a background mode.
+
+    ``plane`` and ``surface`` hold every vertex that touches a background face, the outline's included: were the outline
+    free, the flat face outside and the steep face inside would pull it below the plate and carve a groove around the
+    motif. ``free`` and ``cut`` hold nothing.
+
+    Parameters
+    ----------
+    mode : {"plane", "free", "cut", "surface"}
+    foreground : (H, W) bool
+        The motif.
+    covered : (H, W) bool
+        Where the map is defined.
+    base_px : (H+1, W+1) float64, optional
+        Height of the curved background, for ``surface``.
+    """
+    rows, cols = foreground.shape
+    vertices = (rows + 1, cols + 1)
+    flat = np.zeros(vertices) if base_px is None else base_px
+    if mode in ("plane", "surface"):
+        everywhere = np.ones(foreground.shape, bool)
+        # faces between held vertices only have no say: leaving them out keeps separate motifs separate
+        return Domain(everywhere, foreground, foreground, touching(~foreground), flat)
+    acting = foreground if mode == "cut" else covered | foreground
+    return Domain(acting, acting, foreground, np.zeros(vertices, bool), flat)

@@ -1,0 +1,41 @@
+"""Sums and means between the faces and the vertices of a quad grid: H x W faces, (H+1) x (W+1) vertices."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nmaptool.arrays import Float64, Mask
+
+
+def corner_sum(faces: Float64) -> Float64:
+    """(H+1, W+1) sum over the faces that meet at each vertex, from (H, W).
+
+    >>> corner_sum(np.array([[1.0, 2.0]])).tolist()
+    [[1.0, 3.0, 2.0], [1.0, 3.0, 2.0]]
+    """
+    rows, cols = faces.shape
+    out = np.zeros((rows + 1, cols + 1))
+    out[:-1, :-1] += faces
+    out[:-1, 1:] += faces
+    out[1:, :-1] += faces
+    out[1:, 1:] += faces
+    return out
+
+
+def corner_mean(vertices: Float64) -> Float64:
+    """(H, W) mean over the four corners of each face, from (H+1, W+1)."""
+    across = vertices[:, :-1] + vertices[:, 1:]
+    out = across[:-1] + across[1:]
+    out *= 0.25
+    return out
+
+
+def touching(faces: Mask) -> Mask:
+    """(H+1, W+1) bool: vertices that touch a face of the (H, W) mask."""
+    rows, cols = faces.shape
+    out = np.zeros((rows + 1, cols + 1), bool)
+    out[:-1, :-1] |= faces
+    out[:-1, 1:] |= faces
+    out[1:, :-1] |= faces
+    out[1:, 1:] |= faces
+    return out

@@ -1,0 +1,1 @@
+"""The only library code that knows paths: pictures, normal maps, heights, meshes, reports."""

@@ -1,0 +1,154 @@
+"""Height fields as pictures and arrays: millimetres at pixel centres."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float64
+from nmaptool.errors import InputError, OutputError, UsageError
+from nmaptool.grid import corner_mean
+from nmaptool.io.images import write_image
+from nmaptool.io.normal_maps import read_raster
+from nmaptool.model import Frame, Height, RasterImage
+from nmaptool.options import ReadOptions
+
+ENDINGS = (".exr", ".tif", ".tiff", ".npy", ".png")
+
+
+def height_attributes(height: Height) -> dict[str, str]:
+    """Metadata that every height picture carries: kind, unit, pitch and range at pixel centres."""
+    z = height.at_pixels()
+    return {
+        "kind": "height",
+        "unit": "mm",
+        "pitch_mm": repr(height.pitch_mm),
+        "height_min_mm": repr(float(np.nanmin(z))),
+        "height_max_mm": repr(float(np.nanmax(z))),
+    }
+
+
+def write_height(path: Path, height: Height, attributes: Mapping[str, str], ending: str | None = None) -> None:
+    """Write heights in mm at pixel centres.
+
+    ``.exr`` and ``.tif`` hold float32 mm, with alpha 0 outside the surface; ``.npy`` float64 mm, NaN outside; ``.png``
+    16-bit codes from the lowest (0) to the highest (65535) height, the range being in the file's text.
+
+    Parameters
+    ----------
+    path : Path
+    height : Height
+    attributes : mapping
+        Metadata beside that of `height_attributes`.
+    ending : str, optional
+        Format by its ending. Default: the path's own.
+
+    Raises
+    ------
+    UsageError
+        If the ending is not offered.
+    OutputError
+        If it cannot be written.
+    """
+    kind = (ending or path.suffix).lower()
+    z = height.at_pixels()
+    if kind == ".npy":
+        try:
+            with path.open("wb") as stream:
+                np.save(stream, z, allow_pickle=False)
+        except OSError as error:
+            raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+        return
+    if kind not in ENDINGS:
+        raise UsageError(f"{path}: heights are written as {', '.join(ENDINGS)}")
+    everything = {**height_attributes(height), **attributes}
+    inside = height.domain
+    values: NDArray[Any]
+    if kind == ".png":
+        low, high = float(np.nanmin(z)), float(np.nanmax(z))
+        share = (z - low) / (high - low) if high > low else np.zeros_like(z)
+        values = np.floor(np.where(inside, share, 0) * 65535 + 0.5).astype(np.uint16)
+        opaque: NDArray[Any] = inside.astype(np.uint16) * np.uint16(65535)
+    else:
+        values = np.where(inside, z, 0).astype(np.float32)
+        opaque = inside.astype(np.float32)
+    if inside.all():
+        write_image(path, values[..., None], ("Y",), everything, ending=kind)
+    else:
+        write_image(path, np.dstack([values, opaque]), ("Y", "A"), everything, ending=kind)
+
+
+def to_vertices(centre: Float64) -> Float64:
+    """(H+1, W+1) heights at corners from (H, W) at centres: means of neighbours, continued straight at the edges.
+
+    >>> to_vertices(np.array([[0.0, 1.0], [0.0, 1.0]]))[0].tolist()
+    [-0.5, 0.5, 1.5]
+    """
+    if min(centre.shape) > 1:
+        return corner_mean(np.pad(centre, 1, mode="reflect", reflect_type="odd"))
+    return corner_mean(np.pad(centre, 1, mode="edge"))
+
+
+def is_height(path: Path) -> bool:
+    """Whether a file holds heights (an array, or a grey picture) rather than normals."""
+    return path.suffix.lower() == ".npy" or "R" not in read_raster(path).channels
+
+
+def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels: float = 270.0) -> Height:
+    """Read heights in mm at pixel centres, as `write_height` writes them.
+
+    Parameters
+    ----------
+    path : Path
+        ``.exr``, ``.tif``, ``.npy`` in mm, or a ``.png`` whose text says its range.
+    pitch_mm : float, optional
+        Size of a pixel where the file does not say it.
+    max_megapixels : float
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is no height field, or holds NaN or infinite values.
+    """
+    path = Path(path)
+    if path.suffix.lower() == ".npy":
+        centre, stated = _read_npy(path), None
+    else:
+        image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
+        if image.channels[0] != "Y":
+            raise InputError(f"{path}: has channels {', '.join(image.channels)}; a height file has one grey channel")
+        centre, stated = _in_mm(image), image.frame.pitch_mm
+    if not np.isfinite(centre).all():
+        raise InputError(f"{path}: holds NaN or infinite heights; a curved background must be defined everywhere")
+    frame = Frame(centre.shape[0], centre.shape[1], stated or pitch_mm)
+    return Height(to_vertices(centre), np.ones(centre.shape, bool), frame)
+
+
+def _read_npy(path: Path) -> Float64:
+    try:
+        values = np.load(path, allow_pickle=False)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, ValueError, EOFError):
+        raise InputError(f"{path}: is not a NumPy array file, or is cut short") from None
+    if not isinstance(values, np.ndarray) or values.ndim != 2 or values.dtype.kind not in "fiu" or not values.size:
+        raise InputError(f"{path}: must hold one (rows, columns) array of numbers, heights in mm")
+    return values.astype(np.float64)
+
+
+def _in_mm(image: RasterImage) -> Float64:
+    values = image.pixels[..., 0].astype(np.float64)
+    if image.is_float:
+        alpha = image.alpha
+        return values if alpha is None else np.where(alpha > 0, values, np.nan)
+    try:
+        low, high = float(image.attributes["height_min_mm"]), float(image.attributes["height_max_mm"])
+    except (KeyError, ValueError):
+        raise InputError(
+            f"{image.name}: does not say its height range in mm; give the heights as EXR, float TIFF or NPY in mm"
+        ) from None
+    return low + values / image.max_code * (high - low)

@@ -1,0 +1,160 @@
+"""Normal maps and grey control maps as files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from nmaptool import codec
+from nmaptool._version import __version__
+from nmaptool.arrays import Float32
+from nmaptool.decoding import decode_normal_map
+from nmaptool.errors import InputError, OutputError, UsageError
+from nmaptool.io.images import read_image, write_image
+from nmaptool.io.replace import written_beside
+from nmaptool.model import NormalMap, RasterImage
+from nmaptool.options import ReadOptions
+
+WRITE_ENDINGS = (".png", ".exr", ".tif", ".tiff")
+
+
+def split_layer(text: str) -> tuple[Path, str | None]:
+    """``maps.exr:detail`` as a path and a layer; a file of that very name wins.
+
+    >>> split_layer("maps.exr:detail")[1]
+    'detail'
+    """
+    path = Path(text)
+    head, mark, layer = text.rpartition(":")
+    if mark and layer and Path(head).suffix and not path.exists():
+        return Path(head), layer
+    return path, None
+
+
+def read_raster(path: str | Path, options: ReadOptions | None = None) -> RasterImage:
+    """Read a picture as stored, for `nmaptool.inspect_map` or `nmaptool.decode_normal_map`.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``FILE`` or ``FILE.exr:layer``.
+    options : ReadOptions, optional
+        ``layer`` and ``max_megapixels`` are used.
+
+    Raises
+    ------
+    InputError, LimitError
+        As `nmaptool.io.images.read_image`.
+    """
+    options = options or ReadOptions()
+    file, layer = split_layer(str(path))
+    return read_image(file, layer or options.layer, options.max_megapixels)
+
+
+def read_normal_map(path: str | Path, options: ReadOptions | None = None) -> NormalMap:
+    """Read a normal map: PNG, EXR, TIFF, JPEG or BMP.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``FILE`` or ``FILE.exr:layer``.
+    options : ReadOptions, optional
+
+    Returns
+    -------
+    NormalMap
+        Unit normals in eye space; ``decoding`` says what was decided.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no normal map.
+    LimitError
+        If it is larger than ``options.max_megapixels``.
+    """
+    return decode_normal_map(read_raster(path, options), options)
+
+
+def read_grey(path: str | Path, max_megapixels: float = 270.0) -> Float32:
+    """Read a grey control picture: a mask, or a map of weights.
+
+    Integer codes become 0..1; floats stay as they are. A picture with colours all equal counts as grey. Where alpha
+    is the only thing that varies, alpha is meant.
+
+    Returns
+    -------
+    (H, W) float32
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is coloured, or holds NaN or infinite values.
+    """
+    image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
+    colors = [i for i, name in enumerate(image.channels) if name != "A"]
+    grey = image.pixels[..., colors[0]]
+    tolerance = 8 if image.lossy else 0
+    for other in colors[1:]:
+        difference = np.abs(image.pixels[..., other].astype(np.float64) - grey)
+        if not np.all(difference <= tolerance):
+            raise InputError(f"{image.name}: is a colour picture; a mask or weight map must be grey")
+    values = grey.astype(np.float32) / np.float32(image.max_code)
+    if not np.isfinite(values).all():
+        raise InputError(f"{image.name}: holds NaN or infinite values; repair them")
+    alpha = image.alpha
+    if alpha is not None and values.min() == values.max() and alpha.min() < alpha.max():
+        return alpha
+    return values
+
+
+def write_normal_map(
+    path: str | Path, normal_map: NormalMap, *, bits: int = 16, half: bool = False, overwrite: bool = False
+) -> None:
+    """Write a normal map; coverage travels as unassociated alpha, the convention and pitch as metadata.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.png``, ``.tif`` (integer codes) or ``.exr`` (signed floats).
+    normal_map : NormalMap
+    bits : int
+        8 or 16, for PNG and TIFF; 32 for a float TIFF.
+    half : bool
+        EXR in half precision.
+    overwrite : bool
+        Replace a file that exists.
+
+    Raises
+    ------
+    UsageError
+        If the ending or the bits are not offered.
+    OutputError
+        If it cannot be written, or exists.
+    """
+    target = Path(path)
+    ending = target.suffix.lower()
+    if ending not in WRITE_ENDINGS:
+        raise UsageError(f"{target}: normal maps are written as {', '.join(WRITE_ENDINGS)}")
+    floating = ending == ".exr" or (bits == 32 and ending != ".png")
+    if not floating and bits not in (8, 16):
+        raise UsageError(f"{target}: {bits} bits are not offered for {ending}; use 8 or 16")
+    covered = bool((normal_map.coverage < 1).any())
+    channels = ("R", "G", "B", "A") if covered else ("R", "G", "B")
+    attributes = {"version": __version__, "kind": "normal", "green": "up"}
+    if normal_map.frame.pitch_mm is not None:
+        attributes["pitch_mm"] = repr(normal_map.frame.pitch_mm)
+    if floating:
+        attributes["encoding"] = "signed"
+        colors, alpha = normal_map.normals, normal_map.coverage
+    else:
+        attributes["zero_code"] = "127.5"
+        colors = codec.encode_codes(normal_map.normals, bits)
+        top = (1 << bits) - 1
+        alpha = np.floor(normal_map.coverage.astype(np.float64) * top + 0.5).astype(colors.dtype)
+    pixels = np.dstack([colors, alpha]) if covered else colors
+    with written_beside([target], overwrite) as (beside,):
+        try:
+            write_image(beside, pixels, channels, attributes, half=half and ending == ".exr")
+        except OutputError as error:
+            raise OutputError(str(error).replace(str(beside), str(target))) from None

@@ -1,0 +1,133 @@
+"""A relief to files, all of them or none."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from nmaptool._version import __version__
+from nmaptool.errors import OutputError, UsageError
+from nmaptool.io import heights, meshes
+from nmaptool.io.images import write_image
+from nmaptool.io.replace import check_target, written_beside
+from nmaptool.model import Height
+from nmaptool.results import Relief
+from nmaptool.shading import preview
+from nmaptool.tessellate import Mesh, surface_mesh
+
+RELIEF_ENDINGS = tuple(dict.fromkeys((*heights.ENDINGS, *meshes.ENDINGS)))
+
+
+@dataclass(frozen=True)
+class ReliefFiles:
+    """Where a relief goes.
+
+    Parameters
+    ----------
+    outputs : sequence of Path
+        Heights (.exr .tif .npy .png) and meshes (.stl .ply .obj .glb), by ending.
+    preview : Path or None
+        Shaded picture, .png.
+    report : Path or None
+        .json.
+    overwrite : bool
+        Replace files that exist.
+    """
+
+    outputs: Sequence[Path] = ()
+    preview: Path | None = None
+    report: Path | None = None
+    overwrite: bool = False
+
+    @property
+    def targets(self) -> list[Path]:
+        """All files, in the order they are named."""
+        return [*self.outputs, *(p for p in (self.preview, self.report) if p is not None)]
+
+    def check(self) -> None:
+        """Refuse what could not be written, before any work is done.
+
+        Raises
+        ------
+        UsageError
+            If an ending is not offered or a file is named twice.
+        OutputError
+            If a target cannot be written or exists.
+        """
+        for path in self.outputs:
+            if path.suffix.lower() not in RELIEF_ENDINGS:
+                found = f"ends in {path.suffix}" if path.suffix else "has no ending"
+                raise UsageError(f"{path}: {found}; a relief is written as {', '.join(RELIEF_ENDINGS)}")
+        if self.preview is not None and self.preview.suffix.lower() != ".png":
+            raise UsageError(f"{self.preview}: a preview is written as .png")
+        seen: set[Path] = set()
+        for path in self.targets:
+            if path.resolve() in seen:
+                raise UsageError(f"{path}: is named twice as an output")
+            seen.add(path.resolve())
+            check_target(path, self.overwrite)
+
+
+def write_relief(
+    relief: Relief,
+    *outputs: str | Path,
+    preview: str | Path | None = None,
+    report: str | Path | None = None,
+    overwrite: bool = False,
+    account: Mapping[str, Any] | None = None,
+) -> None:
+    """Write a relief to any number of files: all of them appear, or none.
+
+    Parameters
+    ----------
+    relief : Relief
+    *outputs : str or Path
+        Heights and meshes, by ending: .exr .tif .npy .png .stl .ply .obj .glb.
+    preview : str or Path, optional
+        Shaded picture, .png.
+    report : str or Path, optional
+        JSON account of the run.
+    overwrite : bool
+        Replace files that exist.
+    account : mapping, optional
+        What to put in the report. Default: ``relief.report.to_dict()``.
+
+    Raises
+    ------
+    UsageError
+        If an ending is not offered.
+    OutputError
+        If a file cannot be written, or exists and ``overwrite`` is False.
+    """
+    files = ReliefFiles(
+        [Path(p) for p in outputs],
+        Path(preview) if preview is not None else None,
+        Path(report) if report is not None else None,
+        overwrite,
+    )
+    files.check()
+    attributes = {"version": __version__, "options": json.dumps(relief.report.to_dict()["options"])}
+    mesh: Mesh | None = None
+    with written_beside(files.targets, overwrite) as beside:
+        for target, temporary in zip(files.targets, beside, strict=True):
+            try:
+                if target is files.report:
+                    temporary.write_text(json.dumps(account or relief.report.to_dict(), indent=2) + "\n")
+                elif target is files.preview:
+                    _write_preview(temporary, relief.height, attributes)
+                elif target.suffix.lower() in meshes.ENDINGS:
+                    mesh = mesh or surface_mesh(relief.height)
+                    meshes.write_mesh(temporary, mesh)
+                else:
+                    heights.write_height(temporary, relief.height, attributes)
+            except OutputError as error:
+                raise OutputError(str(error).replace(str(temporary), str(target))) from None
+            except OSError as error:
+                raise OutputError(f"{target}: cannot be written ({error.strerror})") from None
+
+
+def _write_preview(path: Path, height: Height, attributes: Mapping[str, str]) -> None:
+    write_image(path, preview(height), ("R", "G", "B"), {"kind": "preview", **attributes})

@@ -1,0 +1,160 @@
+"""Options of every verb as frozen dataclasses: their defaults feed the Python API, the command line and the docs.
+
+Nothing heavy is imported here, so that ``nmap --help`` stays quick.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from nmaptool.errors import UsageError
+from nmaptool.units import Length
+
+Green = Literal["auto", "up", "down"]
+ZeroCode = Literal["auto", "127", "127.5", "128"]
+Encoding = Literal["auto", "signed", "unsigned"]
+BackgroundMode = Literal["plane", "free", "cut", "surface"]
+Energy = Literal["eq6", "eq4"]
+Fit = Literal["scale", "slope", "delta"]
+SolverName = Literal["auto", "dct", "amg"]
+
+_BACKGROUND_WORDS = ("auto", "none", "alpha", "white", "grey", "black", "flat")
+
+
+def _is_hex_color(text: str) -> bool:
+    return len(text) == 7 and text[0] == "#" and all(c in "0123456789abcdefABCDEF" for c in text[1:])
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """How a normal map file is read.
+
+    Parameters
+    ----------
+    layer:
+        Layer of an EXR that holds several, such as "detail". Also written as FILE.exr:detail.
+    green:
+        Which way the green channel points: "up" (+Y, OpenGL), "down" (DirectX), or "auto": what the file says of
+        itself, else "down" where the picture proves it, else "up".
+    swizzle:
+        Which channel feeds x, y and z, each with an optional minus sign: "-g,r,b" reads nx = -G, ny = R, nz = B.
+    zero_code:
+        The 8-bit code that means zero: "127.5" (the middle), "128", "127" (truncated when it was written), or "auto".
+    encoding:
+        How floating-point files store a normal: "signed" (-1 to 1), "unsigned" (0 to 1), or "auto".
+    background_color:
+        What the background looks like: "auto", "none" (every pixel is surface), "alpha", "white", "grey", "black",
+        "flat", or a colour such as "#7f7fff".
+    max_megapixels:
+        Refuse larger pictures before any memory is taken.
+    """
+
+    layer: str | None = None
+    green: Green = "auto"
+    swizzle: str | None = None
+    zero_code: ZeroCode = "auto"
+    encoding: Encoding = "auto"
+    background_color: str = "auto"
+    max_megapixels: float = 270.0
+
+    def __post_init__(self) -> None:
+        if self.background_color not in _BACKGROUND_WORDS and not _is_hex_color(self.background_color):
+            raise UsageError(
+                f"--background-color {self.background_color!r}: use one of {', '.join(_BACKGROUND_WORDS)}, "
+                "or a colour such as #7f7fff"
+            )
+        if not (math.isfinite(self.max_megapixels) and self.max_megapixels > 0):
+            raise UsageError(f"--max-megapixels {self.max_megapixels:g}: must be greater than zero")
+
+
+@dataclass(frozen=True)
+class ReliefOptions:
+    """How a relief is solved from one or two normal maps.
+
+    mu, beta and delta mean what they mean on a picture of 1000 px on its longer side, so that one setting gives one
+    shape at every resolution; --per-pixel takes them literally.
+
+    Parameters
+    ----------
+    mu:
+        Weight of the detail map. 0.1 adds crispness, 1 exaggerates. Without a detail map it does nothing.
+    beta:
+        Pull of every foreground point towards the height delta. Small is round, large is flat: the shape is kept
+        over sqrt((1 + mu) / beta) px (32 px at 0.001, 10 px at 0.01, 1 px at 1).
+    delta:
+        Height in px that beta pulls the foreground to.
+    background:
+        "plane": the background is a flat plate at height 0; "free": it follows its own normals, nothing is held;
+        "cut": only the foreground is made, with its outline; "surface": the background is held to a curved surface
+        given with --surface.
+    slope_cap:
+        Steepest slope (rise per run) that is believed; normals that graze or face away are brought down to it.
+    energy:
+        "eq6" averages original and detail (detail keeps its size, the base is compressed by 1 + mu); "eq4" adds
+        mu times the detail to the original.
+    per_pixel:
+        Take mu, beta and delta per pixel of this very picture.
+    height:
+        Exact height between the lowest and the highest point, such as 3mm (of the relief above its background).
+    fit:
+        How the exact height is reached: "scale" multiplies all heights, "slope" changes the slopes and keeps delta,
+        "delta" changes delta and keeps the slopes.
+    width:
+        Width of the whole picture, such as 100mm. Default: what the file says, else 100 mm on the longer side.
+    solver:
+        "auto", "dct" (exact; full rectangle and one weight only) or "amg" (any mask, any weights).
+    tolerance:
+        Relative residual at which the solver stops.
+    max_iterations:
+        Solver iterations after which the solve is given up.
+    """
+
+    mu: float = 0.1
+    beta: float = 0.001
+    delta: float = 20.0
+    background: BackgroundMode = "plane"
+    slope_cap: float = 3.0
+    energy: Energy = "eq6"
+    per_pixel: bool = False
+    height: Length | None = None
+    fit: Fit = "scale"
+    width: Length | None = None
+    solver: SolverName = "auto"
+    tolerance: float = 1e-8
+    max_iterations: int = 100
+
+    def __post_init__(self) -> None:
+        _require_choices(self)
+        _require_at_least_zero(mu=self.mu, beta=self.beta)
+        if not math.isfinite(self.delta):
+            raise UsageError(f"--delta {self.delta}: must be a number")
+        if not (math.isfinite(self.slope_cap) and self.slope_cap > 0):
+            raise UsageError(f"--slope-cap {self.slope_cap:g}: must be greater than zero, such as 3")
+        if not 1e-14 <= self.tolerance < 1:
+            raise UsageError(f"--tolerance {self.tolerance:g}: must lie between 1e-14 and 1, such as 1e-8")
+        if self.max_iterations < 1:
+            raise UsageError(f"--max-iterations {self.max_iterations}: must be at least 1")
+        if self.width is not None and not self.width.is_absolute:
+            raise UsageError(f"--width {self.width}: the size of a pixel follows from it, so give it in mm, cm or in")
+        if self.fit != "scale" and self.height is None:
+            raise UsageError(f"--fit {self.fit}: needs --height, such as --height 3mm")
+
+
+def _require_at_least_zero(**values: float) -> None:
+    for name, value in values.items():
+        if not (math.isfinite(value) and value >= 0):
+            raise UsageError(f"--{name} {value:g}: must be zero or more")
+
+
+def _require_choices(options: ReliefOptions) -> None:
+    choices: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+        ("background", options.background, ("plane", "free", "cut", "surface")),
+        ("energy", options.energy, ("eq6", "eq4")),
+        ("fit", options.fit, ("scale", "slope", "delta")),
+        ("solver", options.solver, ("auto", "dct", "amg")),
+    )
+    for name, value, accepted in choices:
+        if value not in accepted:
+            raise UsageError(f"--{name} {value!r}: use one of {', '.join(accepted)}")

@@ -1,0 +1,112 @@
+"""What the verbs return beside plain values: a relief with the account of its solve."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from nmaptool.arrays import Float64, Mask
+from nmaptool.model import Height
+from nmaptool.options import ReliefOptions
+
+
+@dataclass(frozen=True)
+class SolveReport:
+    """What a relief run did.
+
+    Attributes
+    ----------
+    options : ReliefOptions
+        As given.
+    pitch_mm, pitch_from : float, str
+        Size of a pixel, and whether it was ``given``, in the ``file`` or ``assumed``.
+    mu, beta_px, delta_px, reach_px, reach_mm : float
+        What was solved with, in pixels of this picture; the reach is sqrt((1 + mu)/beta).
+    solver, unknowns, islands, floating_islands, iterations, residual, history
+        The solve; the residual is relative, the largest over the islands.
+    height_min_mm, height_max_mm, height_range_mm : float
+        Over the vertices of the surface.
+    relief_range_mm : float
+        The same measured from the background: what --height sets.
+    below_background_share : float
+        Share of the foreground's vertices below the background.
+    foreground_share, steep_share : float
+        Share of the picture that is foreground; share of it whose slope was capped.
+    scale : float
+        Factor on all heights (``fit="scale"``) or on the slopes (``fit="slope"``).
+    seconds : mapping of str to float
+        Time by stage.
+    warnings : tuple of str
+    """
+
+    options: ReliefOptions
+    pitch_mm: float
+    pitch_from: str
+    mu: float
+    beta_px: float
+    delta_px: float
+    reach_px: float
+    reach_mm: float
+    solver: str
+    unknowns: int
+    islands: int
+    floating_islands: int
+    iterations: int
+    residual: float
+    history: tuple[float, ...]
+    height_min_mm: float
+    height_max_mm: float
+    height_range_mm: float
+    relief_range_mm: float
+    below_background_share: float
+    foreground_share: float
+    steep_share: float
+    scale: float
+    seconds: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; an infinite reach becomes None."""
+        out = dataclasses.asdict(self)
+        out["options"] = {
+            f.name: str(v) if dataclasses.is_dataclass(v := getattr(self.options, f.name)) else v
+            for f in dataclasses.fields(self.options)
+        }
+        for key in ("reach_px", "reach_mm"):
+            out[key] = out[key] if math.isfinite(out[key]) else None
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class Relief:
+    """A relief: heights, where they are, and how they came about.
+
+    Attributes
+    ----------
+    height : Height
+        Heights in mm at vertices, the surface's pixels, the frame.
+    foreground : (H, W) bool
+        The motif.
+    report : SolveReport
+    """
+
+    height: Height
+    foreground: Mask
+    report: SolveReport
+
+    @property
+    def z_mm(self) -> Float64:
+        """(H+1, W+1) float64 heights in mm at the corners of the pixels."""
+        return self.height.z_mm
+
+    @property
+    def mask(self) -> Mask:
+        """(H, W) bool: pixels of the surface."""
+        return self.height.domain
+
+    @property
+    def pitch_mm(self) -> float:
+        """Millimetres per pixel."""
+        return self.height.pitch_mm

@@ -1,0 +1,9 @@
+"""Least-squares heights on a quad grid: one statement of the operator (`system`), several ways to solve it.
+
+Setup and solve are apart: `prepare` returns a solver that serves any number of right-hand sides.
+"""
+
+from nmaptool.solver.prepare import Solution, Solver, choose, prepare
+from nmaptool.solver.system import QuadSystem, energy, slope_load
+
+__all__ = ["QuadSystem", "Solution", "Solver", "choose", "energy", "prepare", "slope_load"]

@@ -1,0 +1,100 @@
+"""Any mask, any weights: conjugate gradients preconditioned by a Ruge-Stueben hierarchy of the assembled matrix."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+from scipy import sparse
+
+from nmaptool.arrays import Float64, Mask
+from nmaptool.grid import corner_sum
+from nmaptool.solver.prepare import Progress
+from nmaptool.solver.system import QuadSystem
+
+_COARSEST = 500
+
+
+def assemble(system: QuadSystem, unknown: Mask) -> sparse.csr_matrix:
+    """The operator restricted to ``unknown`` vertices, in CSR: a 9-point stencil, zeros dropped.
+
+    Parameters
+    ----------
+    system : QuadSystem
+    unknown : (H+1, W+1) bool
+    """
+    rows, cols = system.weight.shape
+    k = np.zeros((rows + 2, cols + 2))
+    k[1:-1, 1:-1] = system.weight / 4
+    nw, ne, sw, se = k[:-1, :-1], k[:-1, 1:], k[1:, :-1], k[1:, 1:]
+    diagonal = 0.75 * corner_sum(system.weight) + system.beta
+    stencil = (-nw, -(nw + ne), -ne, -(nw + sw), diagonal, -(ne + se), -sw, -(sw + se), -se)
+    count = int(unknown.sum())
+    index = np.full((rows + 3, cols + 3), -1, np.int32)
+    index[1:-1, 1:-1][unknown] = np.arange(count, dtype=np.int32)
+    columns = np.empty((count, 9), np.int32)
+    values = np.empty((count, 9))
+    for place in range(9):
+        down, across = divmod(place, 3)
+        columns[:, place] = index[down : down + rows + 1, across : across + cols + 1][unknown]
+        values[:, place] = stencil[place][unknown]
+    keep = (columns >= 0) & (values != 0)
+    pointer = np.zeros(count + 1, np.int32)
+    np.cumsum(keep.sum(axis=1), out=pointer[1:])
+    return sparse.csr_matrix((values[keep], columns[keep], pointer), shape=(count, count))
+
+
+class AmgMethod:
+    """One hierarchy, any number of right-hand sides.
+
+    Parameters
+    ----------
+    system : QuadSystem
+    anchors : (H+1, W+1) bool
+        Vertices to leave out besides the held ones, one per floating island.
+    """
+
+    name = "amg"
+
+    def __init__(self, system: QuadSystem, anchors: Mask) -> None:
+        import pyamg
+
+        self._unknown = system.unknown & ~anchors
+        self._matrix = assemble(system, self._unknown)
+        self._hierarchy = None
+        if self._matrix.shape[0]:
+            self._hierarchy = pyamg.ruge_stuben_solver(self._matrix, max_coarse=_COARSEST, coarse_solver="splu")
+
+    def correct(
+        self, residual: Float64, tolerance: float, max_iterations: int, progress: Progress | None
+    ) -> tuple[Float64, tuple[float, ...]]:
+        """Preconditioned conjugate gradients from zero; see `nmaptool.solver.prepare.Method`."""
+        from pyamg import krylov
+
+        step = np.zeros(residual.shape)
+        b = residual[self._unknown]
+        start = float(np.linalg.norm(b))
+        if self._hierarchy is None or start == 0:
+            return step, (0.0,)
+        seen: list[float] = []
+
+        def report(_: Float64) -> None:
+            if progress is not None and seen:
+                done = math.log(max(seen[-1] / start, 1e-300)) / math.log(tolerance)
+                progress("solving", min(max(done, 0.0), 1.0))
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # pyamg warns on near-zero curvature; the residual below decides
+            x, _ = krylov.cg(
+                self._matrix,
+                b,
+                tol=tolerance,
+                maxiter=max_iterations,
+                M=self._hierarchy.aspreconditioner(cycle="V"),
+                residuals=seen,
+                callback=report,
+            )
+        if np.isfinite(x).all():
+            step[self._unknown] = x
+        return step, tuple(r / start for r in seen[1:]) or (0.0,)

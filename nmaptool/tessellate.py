@@ -1,0 +1,62 @@
+"""A height field to triangles in mm: +x right, +y up, +z to the viewer, the picture's lower left corner at 0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float64
+from nmaptool.model import Height
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles.
+
+    Attributes
+    ----------
+    vertices_mm : (N, 3) float64
+    faces : (M, 3) int32
+        Counter-clockwise seen from the viewer, so that normals point outwards (+z).
+    """
+
+    vertices_mm: Float64
+    faces: NDArray[np.int32]
+
+
+def surface_mesh(height: Height) -> Mesh:
+    """The surface of a height field: two triangles a pixel of its domain, so that its outline is the mask's.
+
+    Each pixel is split along the diagonal whose ends differ less in height, which keeps ridges and valleys unbroken.
+
+    Parameters
+    ----------
+    height : Height
+
+    Returns
+    -------
+    Mesh
+    """
+    rows = height.frame.rows
+    used = height.vertex_mask
+    index = np.full(used.shape, -1, np.int32)
+    index[used] = np.arange(int(used.sum()), dtype=np.int32)
+    row, col = np.nonzero(used)
+    pitch = height.pitch_mm
+    vertices = np.column_stack([col * pitch, (rows - row) * pitch, height.z_mm[used]])
+    inside = height.domain
+    z = height.z_mm
+    falls = np.abs(z[:-1, :-1] - z[1:, 1:]) <= np.abs(z[:-1, 1:] - z[1:, :-1])
+    nw, ne = index[:-1, :-1], index[:-1, 1:]
+    sw, se = index[1:, :-1], index[1:, 1:]
+    down, up = inside & falls, inside & ~falls
+    parts = [
+        (nw[down], sw[down], se[down]),
+        (nw[down], se[down], ne[down]),
+        (nw[up], sw[up], ne[up]),
+        (sw[up], se[up], ne[up]),
+    ]
+    faces = np.concatenate([np.column_stack(part) for part in parts])
+    return Mesh(vertices, faces)

@@ -1,0 +1,236 @@
+"""Look a normal map over before it is carved: what it is, and what is wrong with it, each with a remedy."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import ndimage
+
+from nmaptool import background as bg
+from nmaptool import codec
+from nmaptool.arrays import Float32, Mask
+from nmaptool.decoding import SURE_CURL_RATIO, code_step, color_channels, decode_normal_map, raw_vectors
+from nmaptool.errors import InputError
+from nmaptool.model import Decoding, NormalMap, RasterImage
+from nmaptool.options import ReadOptions
+from nmaptool.vectors import mean_abs_curl
+from nmaptool.verbs.findings import RULES
+
+_LENGTH_OFF = 0.1
+_PARTIAL_ALPHA_PIXELS = 50
+# channels for x and y, up to a common sign: every way a map can be turned or mirrored
+_TURNS = (("r", "g", 1), ("r", "g", -1), ("g", "r", 1), ("g", "r", -1))
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something wrong or doubtful, and what to do about it."""
+
+    code: str
+    message: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """Everything `inspect_map` measures; shares are of the foreground unless said otherwise.
+
+    Attributes
+    ----------
+    name, cols, rows, bits, channels, layer
+        The file.
+    decoding : Decoding
+        Convention, zero code and background, each with its source; ``curl_ratio`` is how many times more curl the
+        other green would have.
+    foreground_share, coverage_mean : float
+        Of the picture.
+    unit_length_error : float
+        Mean of ||v| - 1| of the stored vectors.
+    off_length_share : float
+        Share with an error above 0.1.
+    away_share : float
+        Share with nz <= 0.
+    neutral_bias_px : float or None
+        Height by which the file's own flat code, read with the middle code as zero, tilts a flat map from one side of
+        the longer side to the other; None where no flat code stands out.
+    mean_abs_curl : float
+        Slope per px.
+    outline_sign : float or None
+        Mean of n . outward over the outline: near +1 for a raised motif, negative for an inverted one.
+    better_swizzle : str or None
+        Channel order with clearly less curl.
+    premultiplied, eight_bit_data : bool
+    color_chunks : tuple of str
+    findings : tuple of Finding
+    """
+
+    name: str
+    cols: int
+    rows: int
+    bits: int
+    channels: tuple[str, ...]
+    layer: str | None
+    pitch_mm: float | None
+    decoding: Decoding
+    foreground_share: float
+    coverage_mean: float
+    unit_length_error: float
+    off_length_share: float
+    away_share: float
+    neutral_bias_px: float | None
+    mean_abs_curl: float
+    outline_sign: float | None
+    better_swizzle: str | None
+    premultiplied: bool
+    eight_bit_data: bool
+    color_chunks: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return dataclasses.asdict(self)
+
+
+def inspect_map(
+    image: RasterImage, options: ReadOptions | None = None, mask: Float32 | Mask | None = None
+) -> Inspection:
+    """Measure a raw picture as the normal map it is said to be.
+
+    Parameters
+    ----------
+    image : RasterImage
+    options : ReadOptions, optional
+    mask : (H, W) float or bool, optional
+        Where to look, instead of the recognised foreground.
+
+    Returns
+    -------
+    Inspection
+
+    Raises
+    ------
+    InputError
+        As `nmaptool.decode_normal_map`, or if the mask has another size.
+    """
+    options = options or ReadOptions()
+    normal_map = decode_normal_map(image, options)
+    foreground = normal_map.foreground
+    if mask is not None:
+        if np.shape(mask) != foreground.shape:
+            rows, cols = np.shape(mask)
+            raise InputError(
+                f"{image.name} is {image.frame} pixels but the mask is {cols} x {rows}; make them the same"
+            )
+        foreground = foreground & (np.asarray(mask, np.float32) >= 0.5)
+    vectors = raw_vectors(image, normal_map.decoding)
+    # the repaired rim is counted apart: its short vectors are no fault of the surface
+    core = ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=2, border_value=1)
+    core = core if core.any() else foreground
+    error = np.abs(np.sqrt(np.einsum("ik,ik->i", vectors[core], vectors[core])) - 1)
+    facts = Inspection(
+        name=image.name,
+        cols=image.frame.cols,
+        rows=image.frame.rows,
+        bits=image.bits,
+        channels=image.channels,
+        layer=image.layer,
+        pitch_mm=image.frame.pitch_mm,
+        decoding=normal_map.decoding,
+        foreground_share=float(foreground.mean()),
+        coverage_mean=float(normal_map.coverage.mean()),
+        unit_length_error=_mean(error),
+        off_length_share=_mean(error > _LENGTH_OFF),
+        away_share=_mean(normal_map.normals[..., 2][core] <= 0),
+        neutral_bias_px=_neutral_bias_px(image),
+        mean_abs_curl=mean_abs_curl(normal_map.normals, core),
+        outline_sign=_outline_sign(normal_map.normals, foreground),
+        better_swizzle=_better_swizzle(normal_map, core, code_step(image)),
+        premultiplied=_is_premultiplied(image, normal_map.decoding),
+        eight_bit_data=_is_eight_bit_data(image),
+        color_chunks=image.color_chunks,
+    )
+    return dataclasses.replace(facts, findings=tuple(_findings(facts)))
+
+
+def _mean(values: Any) -> float:
+    return float(np.mean(values)) if np.size(values) else 0.0
+
+
+def _neutral_bias_px(image: RasterImage) -> float | None:
+    if image.is_float:
+        return None
+    zero = codec.detect_zero_code(color_channels(image))
+    if zero is None:
+        return None
+    code, _ = codec.zero_and_scale(zero, image.max_code)
+    middle, scale = codec.zero_and_scale("127.5", image.max_code)
+    return (code - middle) / scale * image.frame.longer_side
+
+
+def _outward(foreground: Mask) -> tuple[Float32, Float32, Mask]:
+    """Outward direction (x, y up) at the pixels along the outline."""
+    smooth = ndimage.gaussian_filter(foreground.astype(np.float32), 3.0, mode="nearest")
+    down, across = np.gradient(smooth)
+    size = np.hypot(down, across)
+    at = foreground & ~ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=3, border_value=1) & (size > 0.02)
+    size = np.maximum(size, 1e-9)
+    return -across / size, down / size, at
+
+
+def _outline_sign(normals: Float32, foreground: Mask) -> float | None:
+    if foreground.all() or not foreground.any():
+        return None
+    x, y, at = _outward(foreground)
+    if at.sum() < _PARTIAL_ALPHA_PIXELS:
+        return None
+    return float((normals[..., 0] * x + normals[..., 1] * y)[at].mean())
+
+
+def _better_swizzle(normal_map: NormalMap, core: Mask, step: float) -> str | None:
+    """Channel order whose curl is clearly the least, where that is not the present one."""
+    if normal_map.decoding.swizzle != "r,g,b":
+        return None
+    n = normal_map.normals
+    green = -1 if normal_map.decoding.green == "down" else 1
+    channels = {"r": n[..., 0], "g": green * n[..., 1]}
+    results = []
+    for x, y, sign in _TURNS:
+        turned = np.stack([channels[x], sign * channels[y], n[..., 2]], axis=-1)
+        results.append((mean_abs_curl(turned, core), x, y, sign, turned))
+    results.sort(key=lambda r: r[0])
+    (least, x, y, sign, turned), second = results[0], results[1][0]
+    if (x, y, sign) == ("r", "g", green) or second < max(2 * step, 1e-6) or second < SURE_CURL_RATIO * least:
+        return None
+    outline = _outline_sign(turned, normal_map.foreground)
+    flip = -1 if outline is not None and outline < 0 else 1
+    return f"{'-' if flip < 0 else ''}{x},{'-' if flip * sign < 0 else ''}{y},b"
+
+
+def _is_premultiplied(image: RasterImage, decoding: Decoding) -> bool:
+    """Whether colours were multiplied by alpha: dividing by it gives the unit vectors back."""
+    alpha = image.alpha
+    if alpha is None or bg.alpha_is_data(alpha) or decoding.encoding == "signed":
+        return False
+    partial = (alpha > 0.1) & (alpha < 0.9)
+    if partial.sum() < _PARTIAL_ALPHA_PIXELS:
+        return False
+    colors = color_channels(image)[partial].astype(np.float64) / image.max_code
+    a = alpha[partial].astype(np.float64)[:, None]
+    if np.mean(colors <= a + 2 / 255) < 0.98:
+        return False
+    straight = np.abs(np.linalg.norm(2 * colors - 1, axis=1) - 1)
+    divided = np.abs(np.linalg.norm(2 * colors / a - 1, axis=1) - 1)
+    return bool(np.median(divided) < 0.5 * np.median(straight))
+
+
+def _is_eight_bit_data(image: RasterImage) -> bool:
+    return image.pixels.dtype == np.uint16 and not np.any(image.pixels % 257)
+
+
+def _findings(facts: Inspection) -> list[Finding]:
+    """Every finding that the measurements give."""
+    told = ((code, rule(facts)) for code, rule in RULES.items())
+    return [Finding(code, *words) for code, words in told if words is not None]

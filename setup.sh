@@ -1,0 +1,32 @@
+#!/bin/sh
+# Makes the virtual environment that the Makefile works in; installs the system packages it needs where it may,
+# otherwise prints the exact command.
+set -eu
+venv=${1:-.venv}
+
+for candidate in ${PYTHON:-} python3.13 python3.12 python3.11 python3 python; do
+    if command -v "$candidate" >/dev/null 2>&1 &&
+        "$candidate" -c 'import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))' 2>/dev/null; then
+        python=$candidate
+        break
+    fi
+done
+if [ -z "${python:-}" ]; then
+    echo "nmaptool needs Python 3.11, 3.12 or 3.13; install one, or say which: make PYTHON=/path/to/python3.12" >&2
+    exit 1
+fi
+
+if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
+    version=$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
+    install="apt-get install -y python$version-venv"
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
+        apt-get update -q && $install
+    else
+        echo "Python's venv module is missing. Run this, then make again:  sudo $install" >&2
+        exit 1
+    fi
+fi
+
+[ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
+echo "installing nmaptool into $venv"
+"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
