@@ -30,6 +30,13 @@ def corner_mean(vertices: Float64) -> Float64:
     return out
 
 
+def height_slopes(vertices: Float64) -> tuple[Float64, Float64]:
+    """(H, W) slopes p = dz/dx and q = dz/dy (y up, row 0 on top) of each face, from heights at its corners."""
+    across = vertices[:, 1:] - vertices[:, :-1]
+    up = vertices[:-1] - vertices[1:]
+    return (across[:-1] + across[1:]) / 2, (up[:, :-1] + up[:, 1:]) / 2
+
+
 def touching(faces: Mask) -> Mask:
     """(H+1, W+1) bool: vertices that touch a face of the (H, W) mask."""
     rows, cols = faces.shape

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64
+from nmaptool.grid import height_slopes
 from nmaptool.model import Height
 
 # azimuth (counter-clockwise from +x) and elevation in degrees, and strength: a low key light from the upper left, a
@@ -16,6 +17,7 @@ from nmaptool.model import Height
 _LIGHTS = ((135.0, 38.0, 0.74), (15.0, 22.0, 0.22))
 _AMBIENT = 0.09
 _BACKDROP = 0.16
+_TONE = 0.85  # lifts the shadows a little
 _SMALLEST_LONGER_SIDE = 900
 _WARM = np.array([1.0, 0.975, 0.94])
 Picture = NDArray[np.uint8]
@@ -28,9 +30,7 @@ def _direction(azimuth: float, elevation: float) -> Float64:
 
 def lambert(height: Height) -> Float64:
     """(H, W) brightness in [0, 1] of each pixel under the two lights; the backdrop's outside the domain."""
-    z = height.z_mm / height.pitch_mm
-    p = (z[:-1, 1:] - z[:-1, :-1] + z[1:, 1:] - z[1:, :-1]) / 2
-    q = (z[:-1, :-1] - z[1:, :-1] + z[:-1, 1:] - z[1:, 1:]) / 2
+    p, q = height_slopes(height.z_mm / height.pitch_mm)
     length = np.sqrt(1 + p * p + q * q)
     light = np.full(p.shape, _AMBIENT)
     for azimuth, elevation, strength in _LIGHTS:
@@ -56,5 +56,5 @@ def preview(height: Height) -> Picture:
     factor = max(1, -(-_SMALLEST_LONGER_SIDE // max(light.shape)))
     if factor > 1:
         light = cv2.resize(light, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC)
-    encoded: NDArray[Any] = light.clip(0, 1)[..., None] ** (1 / 1.6) * _WARM
+    encoded: NDArray[Any] = light.clip(0, 1)[..., None] ** _TONE * _WARM
     return (encoded * 255 + 0.5).astype(np.uint8)

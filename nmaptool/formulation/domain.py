@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nmaptool.arrays import Float64, Mask
+from nmaptool.arrays import Float32, Float64, Mask
 from nmaptool.grid import touching
 
 
@@ -26,6 +26,8 @@ class Domain:
         Vertices held at the background's height.
     base_px : (H+1, W+1) float64
         The background's height; delta counts from it.
+    share : (H, W) float32 or None
+        How much of each face is motif, where the rest is a held background (soft edges); None: all of it.
     """
 
     surface: Mask
@@ -33,9 +35,12 @@ class Domain:
     foreground: Mask
     held: Mask
     base_px: Float64
+    share: Float32 | None = None
 
 
-def lay_out(mode: str, foreground: Mask, covered: Mask, base_px: Float64 | None = None) -> Domain:
+def lay_out(
+    mode: str, foreground: Mask, covered: Mask, share: Float32 | None = None, base_px: Float64 | None = None
+) -> Domain:
     """The domain of a background mode.
 
     ``plane`` and ``surface`` hold every vertex that touches a background face, the outline's included: were the outline
@@ -49,6 +54,8 @@ def lay_out(mode: str, foreground: Mask, covered: Mask, base_px: Float64 | None 
         The motif.
     covered : (H, W) bool
         Where the map is defined.
+    share : (H, W) float32, optional
+        Share of each face that is motif, for ``plane`` and ``surface``: soft edges lean less.
     base_px : (H+1, W+1) float64, optional
         Height of the curved background, for ``surface``.
     """
@@ -58,6 +65,6 @@ def lay_out(mode: str, foreground: Mask, covered: Mask, base_px: Float64 | None 
     if mode in ("plane", "surface"):
         everywhere = np.ones(foreground.shape, bool)
         # faces between held vertices only have no say: leaving them out keeps separate motifs separate
-        return Domain(everywhere, foreground, foreground, touching(~foreground), flat)
+        return Domain(everywhere, foreground, foreground, touching(~foreground), flat, share)
     acting = foreground if mode == "cut" else covered | foreground
     return Domain(acting, acting, foreground, np.zeros(vertices, bool), flat)

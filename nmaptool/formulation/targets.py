@@ -8,7 +8,7 @@ import numpy as np
 
 from nmaptool.arrays import Float32, Float64
 from nmaptool.formulation.domain import Domain
-from nmaptool.grid import corner_sum
+from nmaptool.grid import corner_sum, height_slopes
 from nmaptool.model import NormalMap
 from nmaptool.vectors import slopes
 
@@ -106,6 +106,10 @@ def aim(
     shape = original.frame.shape
     acting = domain.acting.astype(np.float64)
     p, q = (slope * acting for slope in slopes(original.normals, cap))
+    if domain.share is not None:
+        p_base, q_base = height_slopes(domain.base_px)
+        p = domain.share * p + (1 - domain.share) * acting * p_base
+        q = domain.share * q + (1 - domain.share) * acting * q_base
     weight = acting
     if detail is not None:
         mu = _mapped(weights.mu, weights.mu_map, shape) * acting

@@ -73,8 +73,9 @@ def relief(
     _check_sizes(original, detail, mask, surface, maps)
     pitch_mm, pitch_from = pitch_of(original, options)
     foreground = _foreground(original, mask)
+    share = original.coverage if mask is None else original.coverage * np.asarray(mask, np.float32).clip(0, 1)
     base = _base_px(surface, pitch_mm, options)
-    domain = lay_out(options.background, foreground, original.coverage >= 0.5, base)
+    domain = lay_out(options.background, foreground, original.coverage >= 0.5, share, base)
     beta, delta = to_pixels(options.beta, options.delta, original.frame.longer_side, options.per_pixel)
     mu = options.mu if detail is not None else 0.0
     weights = Weights(mu, beta, delta, mu_map, beta_map, delta_map)
