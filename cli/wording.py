@@ -62,7 +62,9 @@ def describe_relief(report: SolveReport) -> Iterator[str]:
     low, high = report.height_min_mm, report.height_max_mm
     size = f"pitch {report.pitch_mm:.4g} mm ({report.pitch_from})"
     yield f"  height {low:.3f} to {high:.3f} mm = {report.height_range_mm:.3f} mm, {size}"
-    if report.below_background_share > 0.001:
+    if o.background == "surface":
+        yield f"  relief {report.relief_range_mm:.3f} mm from its curved background"
+    if report.below_background_share > 0.001 and o.background in ("plane", "surface"):
         yield f"  {report.below_background_share:.1%} of the motif lies below its background; a larger --delta lifts it"
     if report.pitch_from == "assumed":
         yield "  no size was given: 100 mm on the longer side is assumed; say --width 80mm for your own"

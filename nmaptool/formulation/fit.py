@@ -69,11 +69,17 @@ def factor_for_range(a: Float64, b: Float64, wanted: float, what: str, pitch_mm:
     InputError
         If no t reaches the range; the message says the least reachable one.
     """
-    best, least = least_range(a, b)
-    if wanted < least or spread_of(b) == 0:
+    # a response that is the same everywhere, up to the solver's tolerance, moves the relief but keeps its range
+    without_effect = spread_of(b) <= 1e-4 * float(abs(b).max())
+    best, least = (0.0, spread_of(a)) if without_effect else least_range(a, b)
+    if wanted < least or without_effect:
+        reason = (
+            f"which has no effect here: it stays at {least * pitch_mm:.4g} mm"
+            if without_effect
+            else f"the least is {least * pitch_mm:.4g} mm; ask for more"
+        )
         raise InputError(
-            f"--height {wanted * pitch_mm:g}mm: cannot be reached by changing {what} alone, the least is "
-            f"{least * pitch_mm:.4g} mm; ask for more, or use --fit scale"
+            f"--height {wanted * pitch_mm:g}mm: cannot be reached by changing {what} alone, {reason}, or use --fit scale"
         )
     t = max(best + 1.0, 1.0)
     value, slope = _range_and_slope(a, b, t)
