@@ -117,6 +117,7 @@ def _solve(
 ) -> tuple[nm.Relief, dict[str, Any]]:
     """Read the inputs, solve, say what was done; also the account for the report."""
     import nmaptool as nm
+    from nmaptool.orientation import doubts
     from nmaptool_cli.wording import describe_decoding, describe_relief
 
     source, detail_source, mask, surface, mu_map, beta_map, delta_map = sources
@@ -145,6 +146,8 @@ def _solve(
         session.say(f"{each.name}: {each.frame}, {describe_decoding(each.decoding, share)}")
         for warning in each.decoding.warnings:
             session.warn(f"{each.name}: {warning}")
+    for doubt in doubts(original):
+        session.warn(f"{original.name}: {doubt}")
     for line in describe_relief(result.report):
         session.say(line)
     for warning in result.report.warnings:

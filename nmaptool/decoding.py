@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 from nmaptool import background as bg
 from nmaptool import codec
-from nmaptool.arrays import Float32, Mask
+from nmaptool.arrays import Float32
 from nmaptool.errors import InputError
 from nmaptool.model import Decoding, NormalMap, RasterImage
 from nmaptool.options import ReadOptions
-from nmaptool.vectors import FLAT, mean_abs_curl, unit
-
-# the wrong sign of green must have this many times the curl of the right one, and more curl than codes alone make
-SURE_CURL_RATIO = 1.5
+from nmaptool.orientation import SURE_CURL_RATIO, green_evidence
+from nmaptool.vectors import FLAT, unit
 
 
 def color_channels(image: RasterImage) -> NDArray[Any]:
@@ -87,27 +85,6 @@ def _to_vectors(image: RasterImage, xyz: NDArray[Any], options: ReadOptions, fac
     else:
         facts.update(zero_code="127.5", zero_code_from="assumed")
     return codec.decode_codes(xyz, facts["zero_code"])
-
-
-def green_evidence(normals: Float32, mask: Mask, code_step: float) -> float | None:
-    """How many times the mean |curl| of green-down is that of green-up (below 1: green-down fits better).
-
-    None where both are near what quantisation alone makes, so that nothing can be said.
-
-    Parameters
-    ----------
-    normals : (H, W, 3) float32
-        Decoded as green up.
-    mask : (H, W) bool
-        Where to look.
-    code_step : float
-        Smallest step of a component in the file.
-    """
-    up = mean_abs_curl(normals, mask)
-    down = mean_abs_curl(normals * np.array([1, -1, 1], np.float32), mask)
-    if max(up, down) < max(2 * code_step, 1e-6):
-        return None
-    return down / max(up, 1e-9)
 
 
 def _settle_green(image: RasterImage, options: ReadOptions, facts: dict[str, Any], ratio: float | None) -> None:

@@ -29,7 +29,7 @@ class Mesh:
 def surface_mesh(height: Height) -> Mesh:
     """The surface of a height field: two triangles a pixel of its domain, so that its outline is the mask's.
 
-    Each pixel is split along the diagonal whose ends differ less in height, which keeps ridges and valleys unbroken.
+    Each pixel is split along the diagonal whose continuation bends less, which keeps slanting ridges and valleys whole.
 
     Parameters
     ----------
@@ -47,8 +47,10 @@ def surface_mesh(height: Height) -> Mesh:
     pitch = height.pitch_mm
     vertices = np.column_stack([col * pitch, (rows - row) * pitch, height.z_mm[used]])
     inside = height.domain
-    z = height.z_mm
-    falls = np.abs(z[:-1, :-1] - z[1:, 1:]) <= np.abs(z[:-1, 1:] - z[1:, :-1])
+    z = np.pad(height.z_mm, 1, mode="edge")
+    bend_falling = np.abs(z[:-3, :-3] - z[1:-2, 1:-2] - z[2:-1, 2:-1] + z[3:, 3:])
+    bend_rising = np.abs(z[3:, :-3] - z[2:-1, 1:-2] - z[1:-2, 2:-1] + z[:-3, 3:])
+    falls = bend_falling <= bend_rising
     nw, ne = index[:-1, :-1], index[:-1, 1:]
     sw, se = index[1:, :-1], index[1:, 1:]
     down, up = inside & falls, inside & ~falls

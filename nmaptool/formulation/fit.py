@@ -74,12 +74,12 @@ def factor_for_range(a: Float64, b: Float64, wanted: float, what: str, pitch_mm:
     best, least = (0.0, spread_of(a)) if without_effect else least_range(a, b)
     if wanted < least or without_effect:
         reason = (
-            f"which has no effect here: it stays at {least * pitch_mm:.4g} mm"
+            f"which has no effect here: it stays at {least * pitch_mm:.4g} mm;"
             if without_effect
-            else f"the least is {least * pitch_mm:.4g} mm; ask for more"
+            else f"the least is {least * pitch_mm:.4g} mm; ask for more,"
         )
         raise InputError(
-            f"--height {wanted * pitch_mm:g}mm: cannot be reached by changing {what} alone, {reason}, or use --fit scale"
+            f"--height {wanted * pitch_mm:g}mm: cannot be reached by changing {what} alone, {reason} or use --fit scale"
         )
     t = max(best + 1.0, 1.0)
     value, slope = _range_and_slope(a, b, t)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from nmaptool.orientation import SURE_CURL_RATIO, is_inverted, upright_swizzle
+
 if TYPE_CHECKING:
     from nmaptool.verbs.inspect import Inspection
 
@@ -57,12 +59,11 @@ def _turned(f: Inspection) -> Told:
 
 
 def _inverted(f: Inspection) -> Told:
-    if f.better_swizzle is not None or f.outline_sign is None or f.outline_sign > -0.15:
+    if f.better_swizzle is not None or not is_inverted(f.outline_sign):
         return None
-    turned = ",".join(part[1:] if part.startswith("-") else "-" + part for part in f.decoding.swizzle.split(",")[:2])
     return (
         "looks inverted: along the outline the normals point inwards, so that bumps become dents",
-        f"if the motif should rise, read it with --swizzle={turned},{f.decoding.swizzle.split(',')[2]}",
+        f"if the motif should rise, read it with --swizzle={upright_swizzle(f.decoding.swizzle)}",
     )
 
 
@@ -81,7 +82,7 @@ def _green_wrong(f: Inspection) -> Told:
     d = f.decoding
     if f.better_swizzle is not None or d.green_from not in ("given", "file") or d.curl_ratio is None:
         return None
-    against = d.curl_ratio < 1 / 1.5 if d.green == "up" else d.curl_ratio > 1.5
+    against = d.curl_ratio < 1 / SURE_CURL_RATIO if d.green == "up" else d.curl_ratio > SURE_CURL_RATIO
     if not against:
         return None
     other = "down" if d.green == "up" else "up"

@@ -12,17 +12,16 @@ from scipy import ndimage
 from nmaptool import background as bg
 from nmaptool import codec
 from nmaptool.arrays import Float32, Mask
-from nmaptool.decoding import SURE_CURL_RATIO, code_step, color_channels, decode_normal_map, raw_vectors
+from nmaptool.decoding import code_step, color_channels, decode_normal_map, raw_vectors
 from nmaptool.errors import InputError
-from nmaptool.model import Decoding, NormalMap, RasterImage
+from nmaptool.model import Decoding, RasterImage
 from nmaptool.options import ReadOptions
+from nmaptool.orientation import better_swizzle, outline_sign
 from nmaptool.vectors import mean_abs_curl
 from nmaptool.verbs.findings import RULES
 
 _LENGTH_OFF = 0.1
 _PARTIAL_ALPHA_PIXELS = 50
-# channels for x and y, up to a common sign: every way a map can be turned or mirrored
-_TURNS = (("r", "g", 1), ("r", "g", -1), ("g", "r", 1), ("g", "r", -1))
 
 
 @dataclass(frozen=True)
@@ -146,8 +145,8 @@ def inspect_map(
         away_share=_mean(normal_map.normals[..., 2][core] <= 0),
         neutral_bias_px=_neutral_bias_px(image),
         mean_abs_curl=mean_abs_curl(normal_map.normals, core),
-        outline_sign=_outline_sign(normal_map.normals, foreground),
-        better_swizzle=_better_swizzle(normal_map, core, code_step(image)),
+        outline_sign=outline_sign(normal_map.normals, foreground),
+        better_swizzle=better_swizzle(normal_map, code_step(image)),
         premultiplied=_is_premultiplied(image, normal_map.decoding),
         eight_bit_data=_is_eight_bit_data(image),
         color_chunks=image.color_chunks,
@@ -168,45 +167,6 @@ def _neutral_bias_px(image: RasterImage) -> float | None:
     code, _ = codec.zero_and_scale(zero, image.max_code)
     middle, scale = codec.zero_and_scale("127.5", image.max_code)
     return (code - middle) / scale * image.frame.longer_side
-
-
-def _outward(foreground: Mask) -> tuple[Float32, Float32, Mask]:
-    """Outward direction (x, y up) at the pixels along the outline."""
-    smooth = ndimage.gaussian_filter(foreground.astype(np.float32), 3.0, mode="nearest")
-    down, across = np.gradient(smooth)
-    size = np.hypot(down, across)
-    at = foreground & ~ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=3, border_value=1) & (size > 0.02)
-    size = np.maximum(size, 1e-9)
-    return -across / size, down / size, at
-
-
-def _outline_sign(normals: Float32, foreground: Mask) -> float | None:
-    if foreground.all() or not foreground.any():
-        return None
-    x, y, at = _outward(foreground)
-    if at.sum() < _PARTIAL_ALPHA_PIXELS:
-        return None
-    return float((normals[..., 0] * x + normals[..., 1] * y)[at].mean())
-
-
-def _better_swizzle(normal_map: NormalMap, core: Mask, step: float) -> str | None:
-    """Channel order whose curl is clearly the least, where that is not the present one."""
-    if normal_map.decoding.swizzle != "r,g,b":
-        return None
-    n = normal_map.normals
-    green = -1 if normal_map.decoding.green == "down" else 1
-    channels = {"r": n[..., 0], "g": green * n[..., 1]}
-    results = []
-    for x, y, sign in _TURNS:
-        turned = np.stack([channels[x], sign * channels[y], n[..., 2]], axis=-1)
-        results.append((mean_abs_curl(turned, core), x, y, sign, turned))
-    results.sort(key=lambda r: r[0])
-    (least, x, y, sign, turned), second = results[0], results[1][0]
-    if (x, y, sign) == ("r", "g", green) or second < max(2 * step, 1e-6) or second < SURE_CURL_RATIO * least:
-        return None
-    outline = _outline_sign(turned, normal_map.foreground)
-    flip = -1 if outline is not None and outline < 0 else 1
-    return f"{'-' if flip < 0 else ''}{x},{'-' if flip * sign < 0 else ''}{y},b"
 
 
 def _is_premultiplied(image: RasterImage, decoding: Decoding) -> bool:

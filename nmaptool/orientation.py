@@ -1,0 +1,133 @@
+"""Which way a map's channels point, told from the map itself: its curl, and the normals along its outline."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage
+
+from nmaptool.arrays import Float32, Mask
+from nmaptool.model import NormalMap
+from nmaptool.vectors import mean_abs_curl
+
+# the wrong order or sign must have this many times the curl of the right one to be called wrong
+SURE_CURL_RATIO = 1.5
+# where the map is large, a window in its middle is enough
+_WINDOW_PX = 1200
+_OUTLINE_PIXELS = 50
+_INVERTED = -0.15
+# channels for x and y, up to a common sign: every way a map can be turned or mirrored
+_TURNS = (("r", "g", 1), ("r", "g", -1), ("g", "r", 1), ("g", "r", -1))
+
+
+def _window(shape: tuple[int, int]) -> tuple[slice, slice]:
+    starts = [max(0, (n - _WINDOW_PX) // 2) for n in shape]
+    return slice(starts[0], starts[0] + _WINDOW_PX), slice(starts[1], starts[1] + _WINDOW_PX)
+
+
+def green_evidence(normals: Float32, mask: Mask, code_step: float) -> float | None:
+    """How many times the mean |curl| of green-down is that of green-up (below 1: green-down fits better).
+
+    None where both are near what quantisation alone makes, so that nothing can be said.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+        Decoded as green up.
+    mask : (H, W) bool
+        Where to look.
+    code_step : float
+        Smallest step of a component in the file.
+    """
+    window = _window(mask.shape)
+    normals, mask = normals[window], mask[window]
+    up = mean_abs_curl(normals, mask)
+    down = mean_abs_curl(normals * np.array([1, -1, 1], np.float32), mask)
+    if max(up, down) < max(2 * code_step, 1e-6):
+        return None
+    return down / max(up, 1e-9)
+
+
+def outline_sign(normals: Float32, foreground: Mask) -> float | None:
+    """Mean of n . outward along the outline: near +1 for a raised motif, negative for an inverted one.
+
+    None where there is no outline to speak of.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+    foreground : (H, W) bool
+    """
+    if foreground.all() or not foreground.any():
+        return None
+    smooth = ndimage.gaussian_filter(foreground.astype(np.float32), 3.0, mode="nearest")
+    down, across = np.gradient(smooth)
+    size = np.hypot(down, across)
+    inner = ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=3, border_value=1)
+    at = foreground & ~inner & (size > 0.02)
+    if at.sum() < _OUTLINE_PIXELS:
+        return None
+    outward = (normals[..., 1] * down - normals[..., 0] * across)[at] / size[at]
+    return float(outward.mean())
+
+
+def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
+    """Channel order whose curl is clearly the least, as --swizzle takes it, where that is not the present one.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+        Read with the order r,g,b.
+    code_step : float
+        Smallest step of a component in the file.
+    """
+    if normal_map.decoding.swizzle != "r,g,b":
+        return None
+    window = _window(normal_map.frame.shape)
+    n, mask = normal_map.normals[window], normal_map.foreground[window]
+    green = -1 if normal_map.decoding.green == "down" else 1
+    channels = {"r": n[..., 0], "g": green * n[..., 1]}
+    curls = {
+        (x, y, sign): mean_abs_curl(np.stack([channels[x], sign * channels[y], n[..., 2]], axis=-1), mask)
+        for x, y, sign in _TURNS
+    }
+    (x, y, sign), runner_up = sorted(curls, key=lambda turn: curls[turn])[:2]
+    least, second = curls[x, y, sign], curls[runner_up]
+    if (x, y, sign) == ("r", "g", green) or second < max(2 * code_step, 1e-6) or second < SURE_CURL_RATIO * least:
+        return None
+    whole = {"r": normal_map.normals[..., 0], "g": green * normal_map.normals[..., 1]}
+    turned = np.stack([whole[x], sign * whole[y], normal_map.normals[..., 2]], axis=-1)
+    outline = outline_sign(turned, normal_map.foreground)
+    flip = -1 if outline is not None and outline < 0 else 1
+    return f"{'-' if flip < 0 else ''}{x},{'-' if flip * sign < 0 else ''}{y},b"
+
+
+def upright_swizzle(swizzle: str) -> str:
+    """The swizzle that turns an inverted relief into a raised one: x and y change sign.
+
+    >>> upright_swizzle("-g,r,b")
+    'g,-r,b'
+    """
+    x, y, z = swizzle.split(",")
+    return ",".join([*(part.removeprefix("-") if part[0] == "-" else f"-{part}" for part in (x, y)), z])
+
+
+def is_inverted(sign: float | None) -> bool:
+    """Whether an `outline_sign` tells that the motif is sunk rather than raised."""
+    return sign is not None and sign < _INVERTED
+
+
+def doubts(normal_map: NormalMap, code_step: float = 2 / 255) -> tuple[str, ...]:
+    """What speaks against the way a map was read, each with its remedy, for a warning before it is used.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+    code_step : float
+    """
+    better = better_swizzle(normal_map, code_step)
+    if better is not None:
+        return (f"its channels look turned or mirrored; try --swizzle={better}",)
+    if is_inverted(outline_sign(normal_map.normals, normal_map.foreground)):
+        swizzle = upright_swizzle(normal_map.decoding.swizzle)
+        return (f"it looks inverted, bumps become dents; if the motif should rise, try --swizzle={swizzle}",)
+    return ()

@@ -1,0 +1,137 @@
+"""The rules of the house: small files, light imports, one set of defaults, samples that can be made again."""
+
+import ast
+import dataclasses
+import filecmp
+import inspect
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import nmaptool as nm
+from nmaptool.errors import UsageError
+from nmaptool_cli.main import main
+
+ROOT = Path(__file__).parents[1]
+SOURCES = [p for d in ("nmaptool", "cli", "bench", "samples", "tests") for p in sorted((ROOT / d).rglob("*.py"))]
+HEAVY = {"cv2", "numpy", "OpenImageIO", "pyamg", "scipy", "skimage", "trimesh"}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_files_and_functions_are_small(path):
+    text = path.read_text()
+    limit = 300 if path.parent.name != "tests" else 450
+    assert len(text.splitlines()) <= limit
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef):
+            body = node.body[1:] if ast.get_docstring(node) else node.body
+            lines = body[-1].end_lineno - body[0].lineno + 1 if body else 0
+            assert lines <= 60, f"{node.name} has {lines} lines"
+
+
+def loaded_by(code):
+    script = f"import sys\n{code}\nprint(*{{name.partition('.')[0] for name in sys.modules}})"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return set(done.stdout.splitlines()[-1].split())
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["relief", "--help"], ["inspect", "--help"]])
+def test_help_loads_nothing_heavy(arguments):
+    assert not loaded_by(f"from nmaptool_cli.main import main\nassert main({arguments!r}) == 0") & HEAVY
+
+
+def test_every_public_name_loads_and_has_a_docstring():
+    for name in nm.__all__:
+        value = getattr(nm, name)
+        if name != "__version__":
+            assert inspect.getdoc(value), name
+    assert set(nm.__all__) - {"__version__"} == set(nm._HOME)
+    with pytest.raises(AttributeError, match="no attribute 'carve'"):
+        _ = nm.carve
+
+
+@pytest.mark.parametrize("options", [nm.ReliefOptions, nm.ReadOptions])
+def test_every_option_is_a_documented_flag_with_the_librarys_default(options, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "600")
+    main(["relief", "--help"])
+    shown = capsys.readouterr().out
+    for field in dataclasses.fields(options):
+        flag = "--" + field.name.replace("_", "-")
+        line = next(line for line in shown.splitlines() if line.startswith(f"│ {flag} "))
+        assert f"\n    {field.name}:" in options.__doc__
+        if field.default is not None and field.type != "bool":
+            assert f"[default: {field.default}]" in line
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"mu": -1.0}, "--mu -1: must be zero or more"),
+        ({"beta": float("nan")}, "--beta nan: must be zero or more"),
+        ({"delta": float("inf")}, "--delta inf: must be a number"),
+        ({"slope_cap": 0.0}, "--slope-cap 0: must be greater than zero"),
+        ({"tolerance": 0.0}, "--tolerance 0: must lie between 1e-14 and 1"),
+        ({"max_iterations": 0}, "--max-iterations 0: must be at least 1"),
+        ({"width": nm.length("3%")}, "--width 3%: .* give it in mm, cm or in"),
+        ({"fit": "delta"}, "--fit delta: needs --height"),
+        ({"background": "wall"}, "--background 'wall': use one of plane, free, cut, surface"),
+        ({"energy": "eq5"}, "--energy 'eq5': use one of eq6, eq4"),
+        ({"solver": "lu"}, "--solver 'lu': use one of auto, dct, amg"),
+    ],
+)
+def test_relief_options_that_cannot_be_meant(changes, message):
+    with pytest.raises(UsageError, match=message):
+        nm.ReliefOptions(**changes)
+
+
+def test_read_options_that_cannot_be_meant():
+    for color in ("pink", "#12345", "#gggggg"):
+        with pytest.raises(UsageError, match=r"--background-color .*: use one of auto, none, alpha"):
+            nm.ReadOptions(background_color=color)
+    with pytest.raises(UsageError, match="--max-megapixels 0: must be greater than zero"):
+        nm.ReadOptions(max_megapixels=0)
+
+
+@pytest.mark.parametrize("text", ["", "3", "mm", "-3mm", "0mm", "3 m", "nan mm", "1e400mm", "3mm4"])
+def test_lengths_that_are_none(text):
+    with pytest.raises(UsageError, match=r"expected a number with a unit|must be greater than zero"):
+        nm.length(text)
+
+
+def test_lengths_in_every_unit():
+    in_mm = {"12mm": 12, "1.2cm": 12, "0.5 in": 12.7, "4px": 2, "3%": 15, "1e1MM": 10}
+    for text, expected in in_mm.items():
+        assert nm.length(text).to_mm(pitch_mm=0.5, longer_side_px=1000) == pytest.approx(expected)
+
+
+def test_samples_are_small_and_made_by_their_script(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["make_samples.py", str(tmp_path)])
+    runpy.run_path(str(ROOT / "samples" / "make_samples.py"), run_name="__main__")
+    shipped = sorted(p.name for p in (ROOT / "samples").glob("*.png"))
+    assert shipped == sorted(p.name for p in tmp_path.iterdir())
+    assert sum((ROOT / "samples" / name).stat().st_size for name in shipped) < 1_000_000
+    for name in shipped:
+        made, kept = (nm.read_raster(folder / name).pixels for folder in (tmp_path, ROOT / "samples"))
+        # sines may differ in their last bit between machines
+        assert abs(made.astype(int) - kept.astype(int)).max() <= 1, name
+        assert filecmp.cmp(tmp_path / name, ROOT / "samples" / name) or made.shape == kept.shape
+
+
+def test_sample_layers_belong_together():
+    options = nm.ReadOptions()
+    original, base, detail = (
+        nm.read_normal_map(ROOT / "samples" / f"medal_{layer}.png", options) for layer in ("original", "base", "detail")
+    )
+    t = base.normals + np.array([0, 0, 1])
+    u = detail.normals * (-1, -1, 1)
+    blended = t * (t * u).sum(axis=-1, keepdims=True) / t[..., 2:] - u
+    angle = (blended * original.normals).sum(axis=-1).clip(-1, 1)
+    assert angle[original.foreground].min() > 0.99999  # reoriented blending of base and detail gives the original
