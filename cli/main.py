@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from cyclopts import App, Parameter
 
 from nmaptool._version import __version__
-from nmaptool_cli.session import guarded
+from nmaptool.errors import UsageError
+from nmaptool_cli.session import STREAM, guarded
 
 HELP = """Normal maps in, carved bas-reliefs in exact millimetres out.
 
@@ -23,7 +24,8 @@ app = App(
     version=__version__,
     version_flags=["--version"],
     result_action="return_value",
-    default_parameter=Parameter(negative="", allow_leading_hyphen=False),
+    default_parameter=Parameter(negative=""),
+    suppress_keyboard_interrupt=False,
 )
 # commands load when they are called, so that --help stays quick
 app.command(
@@ -37,11 +39,19 @@ app.command(
 _SIGNED_VALUE = re.compile(r"-[\d.rgb]")
 
 
-def _join_signed(arguments: list[str]) -> list[str]:
-    """``--swizzle -g,r,b`` as ``--swizzle=-g,r,b``, and lengths likewise: their values may start with a minus sign."""
+def _plain_words(arguments: list[str]) -> list[str]:
+    """The arguments as the parser can take them.
+
+    ``--swizzle -g,r,b`` becomes ``--swizzle=-g,r,b``, and lengths likewise, since their values may start with a minus
+    sign; ``-`` becomes the name that `nmaptool_cli.session` knows standard input and output by.
+    """
     joined: list[str] = []
     for word in arguments:
-        if joined and joined[-1] in ("--swizzle", "--height", "--width") and _SIGNED_VALUE.match(word):
+        if joined and joined[-1] == "--max-iterations" and not word.isdecimal() and not word.startswith("-"):
+            raise UsageError(f"--max-iterations {word!r}: must be a whole number")  # the parser would round it
+        if word == "-":
+            joined.append(STREAM)
+        elif joined and joined[-1] in ("--swizzle", "--height", "--width") and _SIGNED_VALUE.match(word):
             joined[-1] = f"{joined[-1]}={word}"
         else:
             joined.append(word)
@@ -50,7 +60,8 @@ def _join_signed(arguments: list[str]) -> list[str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
-    code: int = guarded(app, _join_signed(list(sys.argv[1:] if arguments is None else arguments)))
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    code: int = guarded(lambda: app(_plain_words(words), exit_on_error=False, print_error=False))
     return code
 
 

@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.errors import InputError, UsageError
 from nmaptool.options import ReadOptions, ReliefOptions
-from nmaptool_cli.session import INPUTS, OUTPUTS, READING, RELIEF, RUN, RunOptions, Session, input_files
+from nmaptool_cli.session import (
+    INPUTS,
+    OUTPUTS,
+    READING,
+    RELIEF,
+    RUN,
+    STREAM,
+    RunOptions,
+    Session,
+    input_files,
+    said_name,
+)
 
 if TYPE_CHECKING:
     import nmaptool as nm
@@ -66,6 +80,25 @@ class ReliefOutputs:
     overwrite: bool = False
 
 
+@contextlib.contextmanager
+def named_inputs(inputs: ReliefInputs) -> Iterator[None]:
+    """Errors that speak of the mask or a weight map name its file."""
+    try:
+        yield
+    except InputError as error:
+        text = str(error)
+        for words, file in (
+            ("the mask", inputs.mask),
+            ("the mu map", inputs.mu_map),
+            ("the beta map", inputs.beta_map),
+            ("the delta map", inputs.delta_map),
+            ("the curved background", inputs.surface),
+        ):
+            if file is not None:
+                text = text.replace(words, f"{words} {file}", 1)
+        raise InputError(text) from None
+
+
 def relief(
     map: str,
     /,
@@ -90,7 +123,7 @@ def relief(
     from nmaptool.io.outputs import ReliefFiles
 
     session = Session(run)
-    to_stdout = str(outputs.report) == "-"
+    to_stdout = str(outputs.report) == STREAM
     files = ReliefFiles(
         outputs.output, outputs.preview, None if to_stdout else outputs.report, overwrite=outputs.overwrite
     )
@@ -98,7 +131,10 @@ def relief(
         raise UsageError("nothing to write: say where, such as -o relief.stl --preview relief.png")
     files.check()
     names = (map, inputs.detail, inputs.mask, inputs.surface, inputs.mu_map, inputs.beta_map, inputs.delta_map)
-    with input_files(*names) as sources:
+    for path in files.targets:
+        if path.exists() and any(Path(name).exists() and path.samefile(name) for name in names if name):
+            raise UsageError(f"{path}: is also an input; give another name for the output")
+    with input_files(*names) as sources, named_inputs(inputs):
         result, account = _solve(session, sources, options, reading)
     import nmaptool as nm
 
@@ -140,14 +176,14 @@ def _solve(
             options=options,
             progress=progress,
         )
-    maps = [m for m in (original, detail) if m is not None]
+    maps = [dataclasses.replace(m, name=said_name(m.name)) for m in (original, detail) if m is not None]
     for each in maps:
         share = float(each.foreground.mean())
         session.say(f"{each.name}: {each.frame}, {describe_decoding(each.decoding, share)}")
         for warning in each.decoding.warnings:
             session.warn(f"{each.name}: {warning}")
     for doubt in doubts(original):
-        session.warn(f"{original.name}: {doubt}")
+        session.warn(f"{maps[0].name}: {doubt}")
     for line in describe_relief(result.report):
         session.say(line)
     for warning in result.report.warnings:
@@ -159,8 +195,6 @@ def _solve(
 
 def _read_like(path: str | None, original: nm.NormalMap, reading: ReadOptions) -> nm.NormalMap | None:
     """The detail map, read as the original was: its own curl says little."""
-    import dataclasses
-
     import nmaptool as nm
 
     if path is None:
@@ -173,14 +207,12 @@ def _read_like(path: str | None, original: nm.NormalMap, reading: ReadOptions) -
 
 def _surface(path: str | None, original: nm.NormalMap, options: ReliefOptions, reading: ReadOptions) -> Any:
     """The curved background: heights where the file holds heights, else a normal map."""
-    import dataclasses
-
     import nmaptool as nm
     from nmaptool.io.heights import is_height
     from nmaptool.verbs.relief import pitch_of
 
     if path is None:
         return None
-    if is_height(Path(path)):
+    if is_height(Path(path), reading.max_megapixels):
         return nm.read_height(path, pitch_of(original, options)[0], reading.max_megapixels)
     return nm.read_normal_map(path, dataclasses.replace(reading, layer=None, background_color="none"))

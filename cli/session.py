@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from cyclopts import App, Group, Parameter
-from cyclopts.exceptions import CycloptsError
+from cyclopts import Group, Parameter
+from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
 from nmaptool.errors import InputError, NmaptoolError
 from nmaptool.units import Length, length
@@ -24,6 +24,9 @@ EXIT_OUTPUT = 5
 EXIT_INTERRUPTED = 130
 EXIT_BUG = 70
 Progress = Callable[[str, float], None]
+
+# what - stands for once the words are parsed
+STREAM = "standard input"
 
 # a Length is one word on the command line, such as 12mm
 Parameter(n_tokens=1, accepts_keys=False, converter=lambda _, tokens: length(tokens[0].value))(Length)
@@ -104,25 +107,45 @@ class Session:
 
 @contextlib.contextmanager
 def input_files(*names: str | None) -> Iterator[list[str | None]]:
-    """The names with ``-`` replaced by a temporary file that holds standard input.
+    """The names, with `STREAM` replaced by a temporary file that holds standard input.
 
     Raises
     ------
     InputError
-        If ``-`` is named twice or standard input is empty.
+        If standard input is named twice or empty.
     """
-    if names.count("-") > 1:
-        raise InputError("-: standard input can be read once only")
-    if "-" not in names:
+    if names.count(STREAM) > 1:
+        raise InputError(f"{STREAM}: can be read once only")
+    if STREAM not in names:
         yield list(names)
         return
     with tempfile.TemporaryDirectory() as folder:
-        data = sys.stdin.buffer.read()
+        data = sys.stdin.buffer.read() if sys.stdin is not None else b""
         if not data:
-            raise InputError("-: standard input is empty")
-        spooled = Path(folder) / "standard-input"
+            raise InputError(f"{STREAM}: is empty")
+        spooled = Path(folder) / STREAM
         spooled.write_bytes(data)
-        yield [str(spooled) if name == "-" else name for name in names]
+        try:
+            yield [str(spooled) if name == STREAM else name for name in names]
+        except NmaptoolError as error:  # nobody knows the temporary file
+            error.args = (str(error).replace(str(spooled), STREAM), *error.args[1:])
+            raise
+
+
+def said_name(name: str) -> str:
+    """What to call an input in messages: standard input where it was read from there."""
+    path = Path(name)
+    return STREAM if path.name == STREAM and path.parent.parent == Path(tempfile.gettempdir()) else name
+
+
+def _usage(error: CycloptsError) -> str:
+    """A parser's complaint in a designer's words."""
+    if isinstance(error, CoercionError) and error.token is not None and error.target_type in (int, float):
+        kind = "a whole number" if error.target_type is int else "a number"
+        return f"{error.token.keyword} {error.token.value!r}: must be {kind}"
+    if isinstance(error, UnusedCliTokensError):
+        return f"{' '.join(error.unused_tokens or [])}: is one word too many; a command takes one map"
+    return str(error)
 
 
 def _fail(text: str, code: int) -> int:
@@ -130,10 +153,10 @@ def _fail(text: str, code: int) -> int:
     return code
 
 
-def guarded(app: App, arguments: list[str]) -> int:
-    """Run the application; every failure is one line on stderr and an exit code, never a traceback."""
+def guarded(command: Callable[[], Any]) -> int:
+    """Run a command; every failure is one line on stderr and an exit code, never a traceback."""
     try:
-        code = app(arguments, exit_on_error=False, print_error=False)
+        code = command()
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except NmaptoolError as error:
@@ -141,7 +164,7 @@ def guarded(app: App, arguments: list[str]) -> int:
     except CycloptsError as error:
         if isinstance(error.__cause__, NmaptoolError):
             return _fail(str(error.__cause__), error.__cause__.exit_code)
-        return _fail(f"{error} (see nmap --help)", EXIT_USAGE)
+        return _fail(f"{_usage(error)} (see nmap --help)", EXIT_USAGE)
     except MemoryError:
         return _fail("out of memory; use a smaller map", EXIT_LIMIT)
     except KeyboardInterrupt:

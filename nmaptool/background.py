@@ -23,10 +23,15 @@ _MIN_PATCH_PIXELS = 16
 _MIN_PATCH_SHARE = 2e-4
 _MIN_TOTAL_SHARE = 2e-3
 _MIN_FLAT_EDGE_SHARE = 0.1
-_LOSSY_TOLERANCE = 8  # 8-bit codes around a colour in JPEG
+_LOSSY_TOLERANCE = 8.0  # 8-bit codes around a colour in JPEG
+_HALF_TOLERANCE = 3e-4
 _DATA_ALPHA_SHARE = 0.3
 _RIM_PX = 2
 _RIM_LENGTH_TOLERANCE = 0.03
+# a rim vector of unit length is still a mixture where it lies this near the line from the normal inside it to the
+# background, and this far along it
+_MIXTURE_OFF_LINE = 0.35
+_MIXTURE_ALONG = 0.08
 _EIGHT = np.ones((3, 3), bool)
 
 
@@ -39,8 +44,11 @@ class Background:
     codes: tuple[float, ...] | None = None
 
 
-def alpha_is_data(alpha: Float32) -> bool:
-    """Whether alpha varies like a height or gloss channel rather than covering a motif."""
+def alpha_is_data(image: RasterImage) -> bool:
+    """Whether alpha varies like a height or gloss channel rather than covering a motif; never in our own files."""
+    alpha = image.alpha
+    if alpha is None or image.attributes.get("kind") == "normal":
+        return False
     partial = (alpha > 0.02) & (alpha < 0.98)
     return bool(partial.mean() > _DATA_ALPHA_SHARE)
 
@@ -50,9 +58,10 @@ def _candidates(image: RasterImage) -> Iterator[tuple[str, tuple[float, ...]]]:
     if image.is_float:
         yield "white", (1.0, 1.0, 1.0)
         yield "black", (0.0, 0.0, 0.0)
-        yield "grey", (0.5, 0.5, 0.5)
         yield "flat", (0.0, 0.0, 1.0)
-        yield "flat", (0.5, 0.5, 1.0)
+        for middle in (0.5, 128 / 255, 127 / 255):  # as it is, or as 8-bit codes were
+            yield "grey", (middle, middle, middle)
+            yield "flat", (middle, middle, 1.0)
         return
     top = image.max_code
     middle = (top + 1) // 2
@@ -75,9 +84,10 @@ def _hex_codes(text: str, image: RasterImage, order: tuple[int, ...]) -> tuple[f
 
 
 def _matches(xyz: NDArray[Any], codes: tuple[float, ...], image: RasterImage) -> Mask:
-    slack = _LOSSY_TOLERANCE if image.lossy else 0
+    slack = _LOSSY_TOLERANCE if image.lossy else 0.0
     if slack or image.is_float:
-        near = np.abs(xyz.astype(np.float32) - np.array(codes, np.float32)) <= (slack or 1e-6)
+        slack = slack or (1e-6 if image.bits == 32 else _HALF_TOLERANCE)
+        near = np.abs(xyz.astype(np.float32) - np.array(codes, np.float32)) <= slack
     else:
         near = xyz == np.array(codes, xyz.dtype)
     return np.asarray(near.all(axis=-1))
@@ -126,7 +136,7 @@ def find_background(
     if wanted == "none":
         return nothing
     alpha = image.alpha
-    if wanted == "alpha" or (wanted == "auto" and alpha is not None and not alpha_is_data(alpha)):
+    if wanted == "alpha" or (wanted == "auto" and alpha is not None and not alpha_is_data(image)):
         see_through = alpha < 0.5 if alpha is not None else nothing.mask
         if wanted == "alpha" or see_through.any():
             return Background("alpha", see_through)
@@ -152,8 +162,9 @@ def find_background(
 def repair_rim(vectors: Float32, outside: Mask, background: Float32 | None) -> tuple[Float32, Float32, int]:
     """Give the anti-aliased rim of a motif the normals just inside it, and its coverage by un-mixing.
 
-    A rim pixel is one within 2 px of the background whose vector is not of unit length: it is c n + (1 - c) b with b
-    the background's vector. n is taken from the nearest sound pixel, which leaves c to be read off.
+    A rim pixel is one within 2 px of the background that stores c n + (1 - c) b, with n a unit normal and b the
+    background's vector: its length is off, or it lies on the way from the normals inside to b. n is taken from the
+    nearest sound pixel, which leaves c to be read off.
 
     Parameters
     ----------
@@ -177,16 +188,34 @@ def repair_rim(vectors: Float32, outside: Mask, background: Float32 | None) -> t
     near = ndimage.binary_dilation(outside, _EIGHT, iterations=_RIM_PX) & ~outside
     length = np.sqrt(np.einsum("ijk,ijk->ij", vectors, vectors))
     sound = ~outside & (np.abs(length - 1) <= _RIM_LENGTH_TOLERANCE)
+    if background is not None and (sound & ~near).any():
+        at = near & sound
+        inner = _nearest(vectors, sound & ~near, at)
+        share, off_line = _unmix(vectors[at], inner, background)
+        sound[at] = (1 - share < _MIXTURE_ALONG) | (off_line > _MIXTURE_OFF_LINE)
     rim = near & ~sound
     if not rim.any() or not sound.any():
         return vectors, coverage, 0
-    rows, cols = ndimage.distance_transform_edt(~sound, return_distances=False, return_indices=True)
+    inner = _nearest(vectors, sound, rim)
     fixed = vectors.copy()
-    inner = vectors[rows[rim], cols[rim]]
     fixed[rim] = inner
     if background is not None:
-        span = inner - background
-        reach = np.einsum("ik,ik->i", span, span)
-        share = np.einsum("ik,ik->i", vectors[rim] - background, span) / np.maximum(reach, 1e-6)
-        coverage[rim] = share.clip(0, 1)
+        coverage[rim] = _unmix(vectors[rim], inner, background)[0]
     return fixed, coverage, int(rim.sum())
+
+
+def _nearest(vectors: Float32, sound: Mask, at: Mask) -> Float32:
+    """(N, 3) the vector of the sound pixel nearest to each of the N pixels of ``at``."""
+    rows, cols = ndimage.distance_transform_edt(~sound, return_distances=False, return_indices=True)
+    found: Float32 = vectors[rows[at], cols[at]]
+    return found
+
+
+def _unmix(mixed: Float32, inner: Float32, background: Float32) -> tuple[Float32, Float32]:
+    """Share of ``inner`` in each mixture, 0..1, and how far off the line to the background it lies, as a share too."""
+    span = inner - background
+    size = np.maximum(np.einsum("ik,ik->i", span, span), np.float32(1e-6))
+    share = (np.einsum("ik,ik->i", mixed - background, span) / size).clip(0, 1)
+    off = np.linalg.norm(mixed - background - share[:, None] * span, axis=1)
+    moved = np.linalg.norm(mixed - inner, axis=1)
+    return share.astype(np.float32), (off / np.maximum(moved, 1e-6)).astype(np.float32)

@@ -113,6 +113,15 @@ def encode_codes(vectors: Float32, bits: int) -> NDArray[Any]:
     return clipped
 
 
+def format_swizzle(swizzle: tuple[tuple[int, int], ...]) -> str:
+    """The text that `parse_swizzle` reads, in its plainest form.
+
+    >>> format_swizzle(((1, -1), (0, 1), (2, 1)))
+    '-g,r,b'
+    """
+    return ",".join(("-" if sign < 0 else "") + "rgb"[channel] for channel, sign in swizzle)
+
+
 def parse_swizzle(text: str) -> tuple[tuple[int, int], ...]:
     """Read "-g,r,b" as ((1, -1), (0, 1), (2, 1)): (channel, sign) of x, y and z.
 

@@ -17,6 +17,10 @@ from nmaptool.options import ReadOptions
 from nmaptool.orientation import SURE_CURL_RATIO, green_evidence
 from nmaptool.vectors import FLAT, unit
 
+LENGTH_OFF = 0.1
+# where so many vectors are not of unit length, the picture is something else
+NOT_NORMALS_SHARE = 0.5
+
 
 def color_channels(image: RasterImage) -> NDArray[Any]:
     """The three colour channels as stored.
@@ -40,13 +44,13 @@ def _check_finite(image: RasterImage, rgb: NDArray[Any]) -> NDArray[Any]:
     """Refuse NaN and infinity where the map is defined; where alpha is 0 they are nobody's business."""
     if not image.is_float:
         return rgb
+    alpha = image.alpha
+    if alpha is not None and not np.isfinite(alpha).all():
+        raise InputError(f"{image.name}: alpha holds NaN or infinite values; write it again with alpha in 0..1")
     bad = ~np.isfinite(rgb).all(axis=-1)
     if not bad.any():
         return rgb
-    alpha = image.alpha
     if alpha is not None:
-        if not np.isfinite(alpha).all():
-            raise InputError(f"{image.name}: alpha holds NaN or infinite values; write it again with alpha in 0..1")
         bad &= alpha > 0
     if bad.any():
         row, col = np.argwhere(bad)[0]
@@ -62,7 +66,11 @@ def is_unsigned_float(rgb: NDArray[Any]) -> bool:
     """Whether floats hold (n + 1)/2: none is negative and 2v - 1 is closer to unit length than v."""
     if float(rgb.min()) < -1e-3:
         return False
-    sample = rgb.reshape(-1, 3)[:: max(1, rgb.size // 300_000)].astype(np.float64)
+    # white, grey and black backgrounds say nothing
+    telling = rgb[np.ptp(rgb, axis=-1) > 1e-3]
+    if not telling.size:
+        return False
+    sample = telling[:: max(1, len(telling) // 100_000)].astype(np.float64)
     as_signed = np.abs(np.linalg.norm(sample, axis=1) - 1)
     as_unsigned = np.abs(np.linalg.norm(2 * sample - 1, axis=1) - 1)
     return bool(np.median(as_unsigned) < np.median(as_signed))
@@ -131,8 +139,8 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
         If the swizzle cannot be meant.
     """
     options = options or ReadOptions()
-    swizzle = codec.parse_swizzle(options.swizzle or "r,g,b")
-    facts: dict[str, Any] = {"swizzle": options.swizzle or "r,g,b", "warnings": ()}
+    swizzle = codec.parse_swizzle("r,g,b" if options.swizzle is None else options.swizzle)
+    facts: dict[str, Any] = {"swizzle": codec.format_swizzle(swizzle), "warnings": ()}
     order = tuple(channel for channel, _ in swizzle)
     xyz = _check_finite(image, color_channels(image))
     if order != (0, 1, 2):
@@ -141,9 +149,14 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     found = bg.find_background(image, xyz, options.background_color, order)
     facts.update(background=found.kind, background_from="found" if options.background_color == "auto" else "given")
     alpha = image.alpha
-    if alpha is not None and options.background_color == "auto" and bg.alpha_is_data(alpha):
+    if options.background_color not in ("auto", "none") and not found.mask.any():
+        facts["warnings"] += (f"no background is {options.background_color}: every pixel is taken for surface",)
+    if alpha is not None and options.background_color == "auto" and bg.alpha_is_data(image):
         facts["warnings"] += ("alpha looks like data (a height or gloss channel), not coverage: ignored",)
     vectors, coverage = _cover(vectors, found, alpha, facts, _decode_like(image, facts))
+    off = off_length_share(vectors[found.mask == 0])
+    if off >= NOT_NORMALS_SHARE:
+        facts["warnings"] += (f"does not look like a normal map: {off:.0%} of its vectors are not of unit length",)
     normals = unit(vectors)
     for axis, (_, sign) in enumerate(swizzle):
         if sign < 0:
@@ -154,6 +167,12 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     if facts["green"] == "down":
         normals[..., 1] = -normals[..., 1] + np.float32(0)
     return NormalMap(normals, coverage, image.frame, foreground, image.name, Decoding(**facts))
+
+
+def off_length_share(vectors: Float32) -> float:
+    """Share of (N, 3) stored vectors whose length is more than 0.1 off 1; a sample of a million is enough."""
+    sample = vectors[:: max(1, len(vectors) // 1_000_000)].astype(np.float64)
+    return float((np.abs(np.linalg.norm(sample, axis=1) - 1) > LENGTH_OFF).mean()) if len(sample) else 0.0
 
 
 def raw_vectors(image: RasterImage, decoding: Decoding) -> Float32:

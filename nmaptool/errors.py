@@ -6,6 +6,11 @@ A message is one line: the file or option, what was found, what is accepted, and
 from __future__ import annotations
 
 
+def reason_of(error: OSError) -> str:
+    """Why the operating system refused, in its words."""
+    return error.strerror or "is the disk full?"
+
+
 class NmaptoolError(Exception):
     """Base of every error that nmaptool raises on purpose."""
 

@@ -60,6 +60,11 @@ class ReadOptions:
     max_megapixels: float = 270.0
 
     def __post_init__(self) -> None:
+        _require_choices(
+            ("green", self.green, ("auto", "up", "down")),
+            ("zero-code", self.zero_code, ("auto", "127", "127.5", "128")),
+            ("encoding", self.encoding, ("auto", "signed", "unsigned")),
+        )
         if self.background_color not in _BACKGROUND_WORDS and not _is_hex_color(self.background_color):
             raise UsageError(
                 f"--background-color {self.background_color!r}: use one of {', '.join(_BACKGROUND_WORDS)}, "
@@ -126,7 +131,12 @@ class ReliefOptions:
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
-        _require_choices(self)
+        _require_choices(
+            ("background", self.background, ("plane", "free", "cut", "surface")),
+            ("energy", self.energy, ("eq6", "eq4")),
+            ("fit", self.fit, ("scale", "slope", "delta")),
+            ("solver", self.solver, ("auto", "dct", "amg")),
+        )
         _require_at_least_zero(mu=self.mu, beta=self.beta)
         if not math.isfinite(self.delta):
             raise UsageError(f"--delta {self.delta}: must be a number")
@@ -148,13 +158,7 @@ def _require_at_least_zero(**values: float) -> None:
             raise UsageError(f"--{name} {value:g}: must be zero or more")
 
 
-def _require_choices(options: ReliefOptions) -> None:
-    choices: tuple[tuple[str, str, tuple[str, ...]], ...] = (
-        ("background", options.background, ("plane", "free", "cut", "surface")),
-        ("energy", options.energy, ("eq6", "eq4")),
-        ("fit", options.fit, ("scale", "slope", "delta")),
-        ("solver", options.solver, ("auto", "dct", "amg")),
-    )
+def _require_choices(*choices: tuple[str, str, tuple[str, ...]]) -> None:
     for name, value, accepted in choices:
         if value not in accepted:
             raise UsageError(f"--{name} {value!r}: use one of {', '.join(accepted)}")

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 from nmaptool.arrays import Float32, Mask
-from nmaptool.model import NormalMap
+from nmaptool.model import Decoding, NormalMap
 from nmaptool.vectors import mean_abs_curl
 
 # the wrong order or sign must have this many times the curl of the right one to be called wrong
@@ -57,7 +57,7 @@ def outline_sign(normals: Float32, foreground: Mask) -> float | None:
     normals : (H, W, 3) float32
     foreground : (H, W) bool
     """
-    if foreground.all() or not foreground.any():
+    if min(foreground.shape) < 2 or foreground.all() or not foreground.any():
         return None
     smooth = ndimage.gaussian_filter(foreground.astype(np.float32), 3.0, mode="nearest")
     down, across = np.gradient(smooth)
@@ -71,7 +71,7 @@ def outline_sign(normals: Float32, foreground: Mask) -> float | None:
 
 
 def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
-    """Channel order whose curl is clearly the least, as --swizzle takes it, where that is not the present one.
+    """Channel order whose curl is clearly the least, as --swizzle takes it, where it takes x from green and y from red.
 
     Parameters
     ----------
@@ -92,7 +92,8 @@ def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
     }
     (x, y, sign), runner_up = sorted(curls, key=lambda turn: curls[turn])[:2]
     least, second = curls[x, y, sign], curls[runner_up]
-    if (x, y, sign) == ("r", "g", green) or second < max(2 * code_step, 1e-6) or second < SURE_CURL_RATIO * least:
+    # x from red and y from green is a matter of green's sign, which has its own evidence
+    if x == "r" or second < max(2 * code_step, 1e-6) or second < SURE_CURL_RATIO * least:
         return None
     whole = {"r": normal_map.normals[..., 0], "g": green * normal_map.normals[..., 1]}
     turned = np.stack([whole[x], sign * whole[y], normal_map.normals[..., 2]], axis=-1)
@@ -101,14 +102,21 @@ def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
     return f"{'-' if flip < 0 else ''}{x},{'-' if flip * sign < 0 else ''}{y},b"
 
 
-def upright_swizzle(swizzle: str) -> str:
+def upright_swizzle(decoding: Decoding) -> str:
     """The swizzle that turns an inverted relief into a raised one: x and y change sign.
 
-    >>> upright_swizzle("-g,r,b")
+    Green that was found to point down has turned y already; a swizzle leaves that to itself.
+
+    >>> upright_swizzle(Decoding(swizzle="-g,r,b"))
     'g,-r,b'
     """
-    x, y, z = swizzle.split(",")
-    return ",".join([*(part.removeprefix("-") if part[0] == "-" else f"-{part}" for part in (x, y)), z])
+    x, y, z = decoding.swizzle.split(",")
+    turned = decoding.green == "down" and decoding.green_from == "found"
+    return ",".join([_negated(x), y if turned else _negated(y), z])
+
+
+def _negated(part: str) -> str:
+    return part.removeprefix("-") if part[0] == "-" else f"-{part}"
 
 
 def is_inverted(sign: float | None) -> bool:
@@ -128,6 +136,6 @@ def doubts(normal_map: NormalMap, code_step: float = 2 / 255) -> tuple[str, ...]
     if better is not None:
         return (f"its channels look turned or mirrored; try --swizzle={better}",)
     if is_inverted(outline_sign(normal_map.normals, normal_map.foreground)):
-        swizzle = upright_swizzle(normal_map.decoding.swizzle)
+        swizzle = upright_swizzle(normal_map.decoding)
         return (f"it looks inverted, bumps become dents; if the motif should rise, try --swizzle={swizzle}",)
     return ()

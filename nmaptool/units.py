@@ -9,24 +9,25 @@ from dataclasses import dataclass
 from nmaptool.errors import UsageError
 
 _MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "in": 25.4}
+_SMALLEST, _LARGEST = 1e-6, 1e6
 _PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(mm|cm|in|px|%)\s*", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Length:
-    """A positive length in millimetres, pixels or per cent of the longer side.
+    """A length in millimetres, pixels or per cent of the longer side, between 1e-6 and 1e6.
 
     Parameters
     ----------
     value : float
-        Positive and finite.
+        Between 1e-6 and 1e6.
     unit : str
         One of ``mm``, ``cm``, ``in``, ``px``, ``%``.
 
     Raises
     ------
     UsageError
-        If the value is not positive and finite or the unit is unknown.
+        If the value is out of range or the unit is unknown.
     """
 
     value: float
@@ -37,6 +38,8 @@ class Length:
             raise UsageError(f"unknown unit {self.unit!r}: use mm, cm, in, px or %")
         if not (math.isfinite(self.value) and self.value > 0):
             raise UsageError(f"length {self}: must be greater than zero, such as 3mm")
+        if not _SMALLEST <= self.value <= _LARGEST:
+            raise UsageError(f"length {self}: must lie between {_SMALLEST:g} and {_LARGEST:g}, such as 3mm")
 
     def __str__(self) -> str:
         return f"{self.value:g}{self.unit}"
@@ -75,4 +78,7 @@ def length(text: str) -> Length:
     match = _PATTERN.fullmatch(text)
     if match is None:
         raise UsageError(f"length {text!r}: expected a number with a unit, such as 12mm, 4px or 3%")
-    return Length(float(match.group(1)), match.group(2).lower())
+    try:
+        return Length(float(match.group(1)), match.group(2).lower())
+    except UsageError as error:
+        raise UsageError(f"length {text!r}: {str(error).partition(': ')[2]}") from None

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import nmaptool as nm
 from nmaptool.codec import encode_codes
-from nmaptool.io.images import write_image
+from nmaptool.io.image_writer import write_image
 from nmaptool.vectors import unit
 
 Array = NDArray[np.float64]

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64
-from nmaptool.errors import InputError, OutputError, UsageError
+from nmaptool.errors import InputError, OutputError, UsageError, reason_of
 from nmaptool.grid import corner_mean
-from nmaptool.io.images import write_image
+from nmaptool.io.image_writer import write_image
 from nmaptool.io.normal_maps import read_raster
+from nmaptool.io.png import check_size
 from nmaptool.model import Frame, Height, RasterImage
 from nmaptool.options import ReadOptions
 
@@ -61,7 +62,7 @@ def write_height(path: Path, height: Height, attributes: Mapping[str, str], endi
             with path.open("wb") as stream:
                 np.save(stream, z, allow_pickle=False)
         except OSError as error:
-            raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+            raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None
         return
     if kind not in ENDINGS:
         raise UsageError(f"{path}: heights are written as {', '.join(ENDINGS)}")
@@ -93,9 +94,11 @@ def to_vertices(centre: Float64) -> Float64:
     return corner_mean(np.pad(centre, 1, mode="edge"))
 
 
-def is_height(path: Path) -> bool:
+def is_height(path: Path, max_megapixels: float = 270.0) -> bool:
     """Whether a file holds heights (an array, or a grey picture) rather than normals."""
-    return path.suffix.lower() == ".npy" or "R" not in read_raster(path).channels
+    if path.suffix.lower() == ".npy":
+        return True
+    return "R" not in read_raster(path, ReadOptions(max_megapixels=max_megapixels)).channels
 
 
 def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels: float = 270.0) -> Height:
@@ -113,10 +116,12 @@ def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels:
     ------
     InputError
         If it cannot be read, is no height field, or holds NaN or infinite values.
+    LimitError
+        If it is larger than ``max_megapixels``.
     """
     path = Path(path)
     if path.suffix.lower() == ".npy":
-        centre, stated = _read_npy(path), None
+        centre, stated = _read_npy(path, max_megapixels), None
     else:
         image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
         if image.channels[0] != "Y":
@@ -128,23 +133,38 @@ def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels:
     return Height(to_vertices(centre), np.ones(centre.shape, bool), frame)
 
 
-def _read_npy(path: Path) -> Float64:
+def _read_npy(path: Path, max_megapixels: float) -> Float64:
+    not_ours = InputError(f"{path}: is not a NumPy array file, or is cut short")
     try:
-        values = np.load(path, allow_pickle=False)
+        with path.open("rb") as stream:
+            if not stream.read(6) == np.lib.format.MAGIC_PREFIX:
+                raise not_ours
+            stream.seek(0)
+            version = np.lib.format.read_magic(stream)
+            reader = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+            shape, _, kind = reader(stream)
+            if len(shape) != 2 or kind.kind not in "fiu" or 0 in shape:
+                raise InputError(f"{path}: must hold one (rows, columns) array of numbers, heights in mm")
+            check_size(path, shape[1], shape[0], max_megapixels)
+            stream.seek(0)
+            values: NDArray[Any] = np.load(stream, allow_pickle=False)
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a folder; give a file of heights") from None
     except (OSError, ValueError, EOFError):
-        raise InputError(f"{path}: is not a NumPy array file, or is cut short") from None
-    if not isinstance(values, np.ndarray) or values.ndim != 2 or values.dtype.kind not in "fiu" or not values.size:
-        raise InputError(f"{path}: must hold one (rows, columns) array of numbers, heights in mm")
+        raise not_ours from None
     return values.astype(np.float64)
 
 
 def _in_mm(image: RasterImage) -> Float64:
     values = image.pixels[..., 0].astype(np.float64)
+    if image.alpha is not None:
+        values[image.alpha <= 0] = np.nan
     if image.is_float:
-        alpha = image.alpha
-        return values if alpha is None else np.where(alpha > 0, values, np.nan)
+        return values
     try:
         low, high = float(image.attributes["height_min_mm"]), float(image.attributes["height_max_mm"])
     except (KeyError, ValueError):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
 from numpy.typing import NDArray
 
-from nmaptool.errors import InputError, LimitError, OutputError
+from nmaptool.errors import InputError, LimitError, reason_of
 from nmaptool.io import layers, png
 from nmaptool.model import RasterImage
 
@@ -32,10 +33,13 @@ _ENDINGS = {
     "jpeg": (".jpg", ".jpeg"),
     "bmp": (".bmp",),
 }
+_NAMES = {"png": "PNG", "openexr": "EXR", "tiff": "TIFF", "jpeg": "JPEG", "bmp": "BMP"}
+_LARGEST_PIXEL_BYTES = 16  # four float channels
 _ACCEPTED = "PNG, EXR, TIFF, JPEG or BMP"
 
 
-def _error_text(source: Any) -> str:
+def error_text(source: Any) -> str:
+    """OpenImageIO's last error of a reader, a writer or the library, on one line; fetching it clears it."""
     try:
         text = source.geterror()
     except UnicodeDecodeError:
@@ -52,6 +56,8 @@ def sniff(path: Path) -> str:
         If the file is missing, a folder, empty, none of the formats read here, or has another format's ending.
     """
     try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise InputError(f"{path}: is not a file but a stream or device; read a stream with -")
         with path.open("rb") as stream:
             head = stream.read(8)
     except FileNotFoundError:
@@ -59,30 +65,62 @@ def sniff(path: Path) -> str:
     except IsADirectoryError:
         raise InputError(f"{path}: is a folder; give a picture file") from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+        raise InputError(f"{path}: cannot be read ({reason_of(error)})") from None
     if not head:
         raise InputError(f"{path}: is empty; export or download it again")
     for magic, kind in _MAGIC.items():
         if head.startswith(magic):
             if path.suffix and path.suffix.lower() not in _ENDINGS[kind]:
                 right = path.with_suffix(_ENDINGS[kind][0]).name
-                raise InputError(f"{path}: holds {kind} data but is not named so; rename it to {right}")
+                raise InputError(f"{path}: holds {_NAMES[kind]} data but is not named so; rename it to {right}")
             return kind
     raise InputError(f"{path}: is not a picture that can be read here; accepted are {_ACCEPTED}")
+
+
+def _check_jpeg_end(path: Path) -> None:
+    """Refuse a JPEG without its end mark: the decoder would fill what is missing with grey, in silence."""
+    data = path.read_bytes()
+    if data.find(b"\xff\xd9", max(data.rfind(b"\xff\xda"), 0)) < 0:
+        raise InputError(f"{path}: the JPEG file is cut short or damaged; export or download it again")
+
+
+def _check_claim(path: Path, reason: str, max_megapixels: float) -> None:
+    """Refuse by our own limit a size that the reader itself refused, in its words ``... 100000x100000 ...``."""
+    claims = re.findall(r"(\d{4,})x(\d{4,})", reason)
+    if claims:
+        cols, rows = (int(side) for side in claims[-1])
+        png.check_size(path, cols, rows, max_megapixels)
+        raise LimitError(f"{path}: {cols} x {rows} does not fit in memory; make it smaller")
+
+
+def _openable(path: Path) -> str:
+    """The path as text, which is all that OpenImageIO takes; names in another encoding are not."""
+    try:
+        return str(path).encode().decode()
+    except UnicodeEncodeError:
+        shown = str(path).encode("utf-8", "replace").decode()
+        raise InputError(f"{shown}: has a name that is not valid UTF-8; rename it") from None
 
 
 def _open(path: Path, max_megapixels: float) -> tuple[Any, str, png.PngStructure | None]:
     """An open OpenImageIO input, the format, and a PNG's structure."""
     kind = sniff(path)
+    if kind == "jpeg":
+        _check_jpeg_end(path)
     structure = png.read_structure(path, max_megapixels) if kind == "png" else None
     if structure is not None and not structure.is_possible:
         raise InputError(f"{path}: the PNG file is cut short or damaged; export or download it again")
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
-    source = oiio.ImageInput.open(str(path), config)  # bytes and ending agree: no other reader is tried
+    # a limit of our own, so that the reader's answer does not depend on the machine's memory
+    allowed = int(max_megapixels * _LARGEST_PIXEL_BYTES) + 1 if math.isfinite(max_megapixels) else 0
+    oiio.attribute("limits:imagesize_MB", min(allowed, 2**31 - 1))
+    source = oiio.ImageInput.open(_openable(path), config)  # bytes and ending agree: no other reader is tried
     if source is None:
-        reason = _error_text(oiio)
-        raise InputError(f"{path}: the {kind} file cannot be read ({reason}); export or download it again")
+        reason = error_text(oiio)
+        _check_claim(path, reason, max_megapixels)
+        what = "header claims more than the file can hold" if "header claims" in reason else "file cannot be decoded"
+        raise InputError(f"{path}: the {_NAMES[kind]} {what}; export or download it again")
     return source, kind, structure
 
 
@@ -125,6 +163,7 @@ def _parts(source: Any) -> list[Any]:
     parts: list[Any] = []
     while source.seek_subimage(len(parts), 0):
         parts.append(oiio.ImageSpec(source.spec()))
+    error_text(source)  # there is always one part less than asked for; that is no error
     return parts
 
 
@@ -141,8 +180,7 @@ def _read_layer(
     except MemoryError:
         raise LimitError(f"{path}: {spec.width} x {spec.height} does not fit in memory; make it smaller") from None
     if pixels is None:
-        reason = _error_text(source)
-        raise InputError(f"{path}: the {kind} file is cut short or damaged ({reason}); export or download it again")
+        raise InputError(f"{path}: the {_NAMES[kind]} file is cut short or damaged; export or download it again")
     pixels, chosen = _on_canvas(spec, layers.pick(pixels, chosen), chosen)
     colors = structure.color_chunks if structure is not None else ()
     if structure is None and spec.getattribute("ICCProfile") is not None:
@@ -152,7 +190,7 @@ def _read_layer(
         channels=chosen.channels,
         name=str(path) if chosen.name is None else f"{path}:{chosen.name}",
         bits={"uint8": 8, "uint16": 16, "half": 16}.get(stored, 32),
-        lossy=kind == "jpeg",
+        lossy=kind == "jpeg" or "jpeg" in str(spec.getattribute("compression")),
         attributes=_own_attributes(spec),
         color_chunks=colors,
         layer=chosen.name,
@@ -186,69 +224,3 @@ def _own_attributes(spec: Any) -> dict[str, str]:
             if mark and key.startswith(PREFIX):
                 own[key[len(PREFIX) :]] = value
     return own
-
-
-def write_image(
-    path: Path,
-    pixels: NDArray[Any],
-    channels: tuple[str, ...],
-    attributes: Mapping[str, str],
-    half: bool = False,
-    ending: str | None = None,
-) -> None:
-    """Write a picture and read it back; alpha unassociated, no colour-space data, metadata under ``nmaptool:``.
-
-    Parameters
-    ----------
-    path : Path
-        Where to write.
-    pixels : (H, W, C) uint8, uint16 or float32
-    channels : tuple of str
-        One name per channel.
-    attributes : mapping
-        Metadata; keys without prefix.
-    half : bool
-        Store float32 as half.
-    ending : str, optional
-        Format by its ending. Default: the path's own.
-
-    Raises
-    ------
-    OutputError
-        If writing fails or what is on disk is not what was written.
-    """
-    rows, cols, count = pixels.shape
-    kind = (ending or path.suffix).lower()
-    stored = "half" if half else {"u1": "uint8", "u2": "uint16", "f4": "float"}[pixels.dtype.str[1:]]
-    spec = oiio.ImageSpec(cols, rows, count, stored)
-    spec.channelnames = channels
-    spec.alpha_channel = channels.index("A") if "A" in channels else -1
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    spec.attribute("oiio:ColorSpace", "data")
-    spec.attribute("Software", "nmaptool")
-    spec.attribute("compression", "zip")
-    if kind == ".png":
-        spec.attribute("png:compressionLevel", 5)
-    if kind in (".tif", ".tiff"):
-        spec.attribute("ImageDescription", "\n".join(f"{PREFIX}{k}={v}" for k, v in attributes.items()))
-    else:
-        for key, value in attributes.items():
-            spec.attribute(PREFIX + key, value)
-    sink = oiio.ImageOutput.create(f"picture{kind}")
-    good = sink is not None and sink.open(str(path), spec) and sink.write_image(np.ascontiguousarray(pixels))
-    reason = "" if good else _error_text(sink if sink is not None else oiio)
-    if sink is not None:
-        good = bool(sink.close()) and good
-    if good:
-        good = _same_on_disk(path, pixels, half)  # the PNG writer calls a full disk a success
-    if not good:
-        raise OutputError(f"{path}: cannot be written ({reason or 'is the disk full?'})")
-
-
-def _same_on_disk(path: Path, pixels: NDArray[Any], half: bool) -> bool:
-    try:
-        back = read_image(path, max_megapixels=float("inf")).pixels
-    except InputError:
-        return False
-    expected = pixels.astype(np.float16).astype(np.float32) if half else pixels
-    return bool(back.shape == expected.shape and np.array_equal(back, expected, equal_nan=expected.dtype.kind == "f"))

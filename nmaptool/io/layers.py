@@ -10,21 +10,13 @@ from numpy.typing import NDArray
 
 from nmaptool.errors import InputError
 
-# component names that writers use, and the channel they mean
-_COMPONENTS = {
-    "r": "R",
-    "g": "G",
-    "b": "B",
-    "x": "R",
-    "y": "G",
-    "z": "B",
-    "a": "A",
-    "red": "R",
-    "green": "G",
-    "blue": "B",
-}
+# sets of component names that writers use for R, G, B; never mixed, since Z beside R, G, B is depth
+_TRIPLES = (("r", "g", "b"), ("x", "y", "z"), ("red", "green", "blue"))
+_ALPHA = ("a", "alpha")
 # layer names that are taken where several are there and none was asked for
-_FIRST_CHOICE = ("", "original", "n", "normal", "normals")
+_FIRST_CHOICE = ("original", "n", "normal", "normals", "")
+# what the layer without a name is called in lists and requests
+_UNNAMED = "RGB"
 
 
 @dataclass(frozen=True)
@@ -48,33 +40,45 @@ def find(parts: list[Any]) -> list[Layer]:
     for number, spec in enumerate(parts):
         part_name = str(spec.getattribute("oiio:subimagename") or "") if len(parts) > 1 else ""
         groups: dict[str, dict[str, int]] = {}
-        single: dict[str, int] = {}
         for index, channel in enumerate(spec.channelnames):
             prefix, _, component = channel.rpartition(".")
-            meaning = _COMPONENTS.get(component.lower())
-            if meaning is not None and not (component in ("Y", "Z") and spec.nchannels <= 2):
-                groups.setdefault(prefix, {})[meaning] = index
-            else:
-                single[channel] = index
-        alpha = groups.get("", {}).get("A")
+            groups.setdefault(prefix, {})[component.lower()] = index
+        shared_alpha = _alpha(groups.get("", {}))
         for prefix, members in groups.items():
-            if not {"R", "G", "B"} <= set(members):
+            triple = next((names for names in _TRIPLES if set(names) <= set(members)), None)
+            if triple is None:
                 continue
-            if "A" not in members and alpha is not None:
-                members["A"] = alpha
-            names = tuple(c for c in "RGBA" if c in members)
-            label = ".".join(x for x in (part_name, prefix) if x)
-            found.append(Layer(label, number, tuple(members[c] for c in names), names))
+            indices = [members[name] for name in triple]
+            alpha = _alpha(members)
+            alpha = shared_alpha if alpha is None else alpha
+            channels: tuple[str, ...] = ("R", "G", "B")
+            if alpha is not None:
+                indices.append(alpha)
+                channels = ("R", "G", "B", "A")
+            found.append(Layer(_label(part_name, prefix), number, tuple(indices), channels))
         if not any(layer.part == number for layer in found):
             found.append(_plain(part_name, number, spec))
     return found
 
 
+def _alpha(members: dict[str, int]) -> int | None:
+    return next((members[name] for name in _ALPHA if name in members), None)
+
+
+def _label(part_name: str, prefix: str) -> str:
+    """A layer's name; parts often repeat theirs in their channels."""
+    if not part_name or prefix == part_name or prefix.startswith(f"{part_name}."):
+        return prefix
+    return f"{part_name}.{prefix}" if prefix else part_name
+
+
 def _plain(label: str, number: int, spec: Any) -> Layer:
     """A part without three colour channels: grey, with alpha where it has one."""
     names = tuple(spec.channelnames)
-    alpha = next((i for i, n in enumerate(names) if n.rpartition(".")[2].lower() in ("a", "alpha")), None)
+    alpha = next((i for i, n in enumerate(names) if n.rpartition(".")[2].lower() in _ALPHA), None)
     rest = [i for i in range(len(names)) if i != alpha]
+    if not rest:  # alpha alone is a grey picture
+        return Layer(label, number, (0,), ("Y",))
     if len(rest) == 1:
         channels = ("Y",) if alpha is None else ("Y", "A")
         return Layer(label, number, (rest[0],) if alpha is None else (rest[0], alpha), channels)
@@ -92,10 +96,10 @@ def choose(path: Path, parts: list[Any], wanted: str | None) -> Layer:
     found = find(parts)
     if not found:
         raise InputError(f"{path}: holds no picture")
-    names = ", ".join(layer.name or "(unnamed)" for layer in found)
+    names = ", ".join(layer.name or _UNNAMED for layer in found)
     if wanted is not None:
         for layer in found:
-            if (layer.name or "").lower() == wanted.lower():
+            if (layer.name or _UNNAMED).lower() == wanted.lower():
                 return layer
         raise InputError(f"{path}: has no layer {wanted!r}; it holds: {names}")
     if len(found) == 1:
@@ -105,7 +109,8 @@ def choose(path: Path, parts: list[Any], wanted: str | None) -> Layer:
         for layer in found:
             if (layer.name or "").lower() == first:
                 return layer if first else Layer(None, layer.part, layer.indices, layer.channels)
-    raise InputError(f"{path}: holds several layers ({names}); name one, such as {path.name}:{found[0].name}")
+    example = f"{path.name}:{found[0].name or _UNNAMED}"
+    raise InputError(f"{path}: holds several layers ({names}); name one, such as {example}")
 
 
 def pick(pixels: NDArray[Any], layer: Layer) -> NDArray[Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from nmaptool.errors import OutputError, UsageError
+from nmaptool.errors import OutputError, UsageError, reason_of
 from nmaptool.tessellate import Mesh
 
 ENDINGS = (".stl", ".ply", ".obj", ".glb")
@@ -37,4 +37,4 @@ def write_mesh(path: Path, mesh: Mesh, ending: str | None = None) -> None:
     try:
         path.write_bytes(data.encode() if isinstance(data, str) else data)
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror})") from None
+        raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None

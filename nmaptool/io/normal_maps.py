@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ from nmaptool._version import __version__
 from nmaptool.arrays import Float32
 from nmaptool.decoding import decode_normal_map
 from nmaptool.errors import InputError, OutputError, UsageError
-from nmaptool.io.images import read_image, write_image
+from nmaptool.io.image_writer import write_image
+from nmaptool.io.images import read_image
 from nmaptool.io.replace import written_beside
 from nmaptool.model import NormalMap, RasterImage
 from nmaptool.options import ReadOptions
@@ -27,7 +29,7 @@ def split_layer(text: str) -> tuple[Path, str | None]:
     """
     path = Path(text)
     head, mark, layer = text.rpartition(":")
-    if mark and layer and Path(head).suffix and not path.exists():
+    if mark and layer and Path(head).suffix and not os.path.exists(text):  # noqa: PTH110 - never raises
         return Path(head), layer
     return path, None
 
@@ -92,13 +94,15 @@ def read_grey(path: str | Path, max_megapixels: float = 270.0) -> Float32:
         If it cannot be read, is coloured, or holds NaN or infinite values.
     """
     image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
-    colors = [i for i, name in enumerate(image.channels) if name != "A"]
+    colors = [i for i, name in enumerate(image.channels) if name != "A"] or [0]  # alpha alone is a mask, too
     grey = image.pixels[..., colors[0]]
     tolerance = 8 if image.lossy else 0
     for other in colors[1:]:
         difference = np.abs(image.pixels[..., other].astype(np.float64) - grey)
         if not np.all(difference <= tolerance):
-            raise InputError(f"{image.name}: is a colour picture; a mask or weight map must be grey")
+            raise InputError(
+                f"{image.name}: is a colour picture; a mask or weight map must be grey, or alpha on a single colour"
+            )
     values = grey.astype(np.float32) / np.float32(image.max_code)
     if not np.isfinite(values).all():
         raise InputError(f"{image.name}: holds NaN or infinite values; repair them")

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool._version import __version__
-from nmaptool.errors import OutputError, UsageError
+from nmaptool.errors import OutputError, UsageError, reason_of
 from nmaptool.io import heights, meshes
-from nmaptool.io.images import write_image
+from nmaptool.io.image_writer import write_image
 from nmaptool.io.replace import check_target, written_beside
 from nmaptool.model import Height
 from nmaptool.results import Relief
@@ -126,7 +126,7 @@ def write_relief(
             except OutputError as error:
                 raise OutputError(str(error).replace(str(temporary), str(target))) from None
             except OSError as error:
-                raise OutputError(f"{target}: cannot be written ({error.strerror})") from None
+                raise OutputError(f"{target}: cannot be written ({reason_of(error)})") from None
 
 
 def _write_preview(path: Path, height: Height, attributes: Mapping[str, str]) -> None:

@@ -8,7 +8,7 @@ import secrets
 from collections.abc import Iterator
 from pathlib import Path
 
-from nmaptool.errors import OutputError
+from nmaptool.errors import OutputError, reason_of
 
 
 def check_target(path: Path, overwrite: bool) -> None:
@@ -20,14 +20,28 @@ def check_target(path: Path, overwrite: bool) -> None:
         If the folder is missing or not writable, the target is a folder, or it exists and ``overwrite`` is False.
     """
     folder = path.parent
-    if path.is_dir():
-        raise OutputError(f"{path}: is a folder; give a file name")
-    if not folder.is_dir():
-        raise OutputError(f"{path}: the folder {folder} does not exist; make it first")
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise OutputError(f"{path}: the folder {folder} cannot be written to")
-    if path.exists() and not overwrite:
-        raise OutputError(f"{path}: exists already; give another name, or --overwrite")
+    try:
+        if path.is_dir():
+            raise OutputError(f"{path}: is a folder; give a file name")
+        if folder.exists() and not folder.is_dir():
+            raise OutputError(f"{path}: {folder} is a file, not a folder; give another place")
+        if not folder.is_dir():
+            raise OutputError(f"{path}: the folder {folder} does not exist; make it first")
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise OutputError(f"{path}: the folder {folder} cannot be written to")
+        path.lstat()
+    except FileNotFoundError:
+        return
+    except OutputError:
+        raise
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None
+    if not overwrite:
+        raise _exists(path)
+
+
+def _exists(path: Path) -> OutputError:
+    return OutputError(f"{path}: exists already; give another name, or --overwrite")
 
 
 @contextlib.contextmanager
@@ -43,35 +57,57 @@ def written_beside(targets: list[Path], overwrite: bool) -> Iterator[list[Path]]
     Raises
     ------
     OutputError
-        As `check_target`, or if renaming fails.
+        As `check_target`, or if renaming fails: then every target is as it was before.
     """
     for target in targets:
         check_target(target, overwrite)
     mark = secrets.token_hex(4)
-    beside = [target.with_name(f".{target.stem}.{mark}-{i}{target.suffix}") for i, target in enumerate(targets)]
+    # short names: the target's own may be as long as a name can be
+    beside = [target.with_name(f".{mark}-{i}{target.suffix}") for i, target in enumerate(targets)]
+    kept = [target.with_name(f".{mark}-{i}.kept") for i, target in enumerate(targets)]
     try:
         yield beside
-        for source, target in zip(beside, targets, strict=True):
-            _rename(source, target, overwrite)
+        _rename_all(beside, targets, kept, overwrite)
     finally:
-        for path in beside:
+        for path in (*beside, *kept):
             path.unlink(missing_ok=True)
 
 
-def _rename(source: Path, target: Path, overwrite: bool) -> None:
+def _rename_all(sources: list[Path], targets: list[Path], kept: list[Path], overwrite: bool) -> None:
+    """Rename every source or none; what is replaced is kept aside until all went well."""
+    begun: list[tuple[Path, Path, Path]] = []
     try:
-        if overwrite:
-            source.replace(target)
-            return
-        try:
-            target.hardlink_to(source)  # unlike rename, fails where the target has appeared meanwhile
-        except FileExistsError:
-            raise
-        except OSError:  # a file system without hard links
-            if target.exists():
-                raise FileExistsError(target) from None
-            source.replace(target)
+        for source, target, old in zip(sources, targets, kept, strict=True):
+            begun.append((source, target, old))
+            if overwrite and target.exists():
+                _keep(target, old)
+                source.replace(target)
+            else:
+                _rename(source, target)
+    except BaseException as error:
+        for source, target, old in begun:
+            if old.exists():
+                old.replace(target)
+            elif source.exists() and target.exists() and target.samefile(source):
+                target.unlink()
+        if isinstance(error, OSError) and not isinstance(error, OutputError):
+            raise OutputError(f"{begun[-1][1]}: cannot be written ({reason_of(error)})") from None
+        raise
+
+
+def _keep(target: Path, old: Path) -> None:
+    try:
+        old.hardlink_to(target)  # the target never vanishes
+    except OSError:  # a file system without hard links
+        target.replace(old)
+
+
+def _rename(source: Path, target: Path) -> None:
+    try:
+        target.hardlink_to(source)  # unlike rename, fails where the target has appeared meanwhile
     except FileExistsError:
-        raise OutputError(f"{target}: exists already; give another name, or --overwrite") from None
-    except OSError as error:
-        raise OutputError(f"{target}: cannot be written ({error.strerror})") from None
+        raise _exists(target) from None
+    except OSError:  # a file system without hard links
+        if target.exists():
+            raise _exists(target) from None
+        source.replace(target)

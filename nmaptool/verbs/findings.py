@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from nmaptool.decoding import NOT_NORMALS_SHARE
 from nmaptool.orientation import SURE_CURL_RATIO, is_inverted, upright_swizzle
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ def _no_foreground(f: Inspection) -> Told:
 
 
 def _not_normals(f: Inspection) -> Told:
-    if f.off_length_share < 0.5:
+    if f.off_length_share < NOT_NORMALS_SHARE:
         return None
     return (
         f"does not look like a normal map: {f.off_length_share:.0%} of its vectors are not of unit length",
@@ -32,7 +33,7 @@ def _not_normals(f: Inspection) -> Told:
 
 
 def _off_length(f: Inspection) -> Told:
-    if not 0.02 <= f.off_length_share < 0.5:
+    if not 0.02 <= f.off_length_share < NOT_NORMALS_SHARE:
         return None
     return (
         f"{f.off_length_share:.1%} of the vectors are more than 10 % off unit length",
@@ -63,13 +64,13 @@ def _inverted(f: Inspection) -> Told:
         return None
     return (
         "looks inverted: along the outline the normals point inwards, so that bumps become dents",
-        f"if the motif should rise, read it with --swizzle={upright_swizzle(f.decoding.swizzle)}",
+        f"if the motif should rise, read it with --swizzle={upright_swizzle(f.decoding)}",
     )
 
 
 def _green_down(f: Inspection) -> Told:
     d = f.decoding
-    if d.green != "down" or d.green_from != "found":
+    if f.better_swizzle is not None or d.green != "down" or d.green_from != "found":
         return None
     ratio = 1 / d.curl_ratio if d.curl_ratio else float("inf")
     return (
@@ -132,6 +133,13 @@ def _alpha_ignored(f: Inspection) -> Told:
     return None
 
 
+def _background_missing(f: Inspection) -> Told:
+    for warning in f.decoding.warnings:
+        if warning.startswith("no background"):
+            return (warning, "leave --background-color to itself, or name what is there")
+    return None
+
+
 RULES: dict[str, Callable[[Inspection], Told]] = {
     "no-foreground": _no_foreground,
     "not-normals": _not_normals,
@@ -146,4 +154,5 @@ RULES: dict[str, Callable[[Inspection], Told]] = {
     "eight-bit-data": _eight_bit_data,
     "color-managed": _color_managed,
     "alpha-ignored": _alpha_ignored,
+    "background-missing": _background_missing,
 }

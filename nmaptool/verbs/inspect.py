@@ -12,7 +12,7 @@ from scipy import ndimage
 from nmaptool import background as bg
 from nmaptool import codec
 from nmaptool.arrays import Float32, Mask
-from nmaptool.decoding import code_step, color_channels, decode_normal_map, raw_vectors
+from nmaptool.decoding import LENGTH_OFF, code_step, color_channels, decode_normal_map, raw_vectors
 from nmaptool.errors import InputError
 from nmaptool.model import Decoding, RasterImage
 from nmaptool.options import ReadOptions
@@ -20,7 +20,6 @@ from nmaptool.orientation import better_swizzle, outline_sign
 from nmaptool.vectors import mean_abs_curl
 from nmaptool.verbs.findings import RULES
 
-_LENGTH_OFF = 0.1
 _PARTIAL_ALPHA_PIXELS = 50
 
 
@@ -123,12 +122,15 @@ def inspect_map(
             raise InputError(
                 f"{image.name} is {image.frame} pixels but the mask is {cols} x {rows}; make them the same"
             )
-        foreground = foreground & (np.asarray(mask, np.float32) >= 0.5)
+        chosen = np.asarray(mask, np.float32) >= 0.5
+        if not chosen.any():
+            raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
+        foreground = foreground & chosen
     vectors = raw_vectors(image, normal_map.decoding)
     # the repaired rim is counted apart: its short vectors are no fault of the surface
     core = ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=2, border_value=1)
     core = core if core.any() else foreground
-    error = np.abs(np.sqrt(np.einsum("ik,ik->i", vectors[core], vectors[core])) - 1)
+    error = np.abs(np.linalg.norm(vectors[core].astype(np.float64), axis=1) - 1)
     facts = Inspection(
         name=image.name,
         cols=image.frame.cols,
@@ -141,7 +143,7 @@ def inspect_map(
         foreground_share=float(foreground.mean()),
         coverage_mean=float(normal_map.coverage.mean()),
         unit_length_error=_mean(error),
-        off_length_share=_mean(error > _LENGTH_OFF),
+        off_length_share=_mean(error > LENGTH_OFF),
         away_share=_mean(normal_map.normals[..., 2][core] <= 0),
         neutral_bias_px=_neutral_bias_px(image),
         mean_abs_curl=mean_abs_curl(normal_map.normals, core),
@@ -172,7 +174,7 @@ def _neutral_bias_px(image: RasterImage) -> float | None:
 def _is_premultiplied(image: RasterImage, decoding: Decoding) -> bool:
     """Whether colours were multiplied by alpha: dividing by it gives the unit vectors back."""
     alpha = image.alpha
-    if alpha is None or bg.alpha_is_data(alpha) or decoding.encoding == "signed":
+    if alpha is None or bg.alpha_is_data(image) or decoding.encoding == "signed":
         return False
     partial = (alpha > 0.1) & (alpha < 0.9)
     if partial.sum() < _PARTIAL_ALPHA_PIXELS:

@@ -1,0 +1,114 @@
+"""Made-up inputs of any size: a statue of overlapping domes with holes in it, before rolling ground.
+
+Everything is placed in shares of the longer side, so the picture is the same at every resolution. Run as a program
+(``python -m bench.maps COLSxROWS MASKED.png FULL.png``) it writes the two files that `bench.relief` works on.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+
+import nmaptool as nm
+from nmaptool.arrays import Float32, Float64, Mask
+from nmaptool.vectors import FLAT, unit
+
+_MOTIF_SEED = 11
+_DOMES, _HOLES = 30, 12
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A picture's normals and where its motif is.
+
+    Attributes
+    ----------
+    normals : (H, W, 3) float32
+        Motif and ground.
+    motif : (H, W) bool
+    """
+
+    normals: Float32
+    motif: Mask
+
+    def over_ground(self) -> nm.NormalMap:
+        """Defined everywhere, so that every background mode has something to do; the motif is the foreground."""
+        frame = nm.Frame(*self.motif.shape)
+        return nm.NormalMap(self.normals, np.ones(frame.shape, np.float32), frame, self.motif)
+
+    def cut_out(self) -> nm.NormalMap:
+        """Defined on the motif only, as files with alpha are."""
+        normals = np.where(self.motif[..., None], self.normals, np.array(FLAT, np.float32))
+        return nm.NormalMap(normals, self.motif.astype(np.float32), nm.Frame(*self.motif.shape))
+
+    def all_surface(self) -> nm.NormalMap:
+        """Motif and ground alike are surface."""
+        frame = nm.Frame(*self.motif.shape)
+        return nm.NormalMap(self.normals, np.ones(frame.shape, np.float32), frame)
+
+
+def scene(rows: int, cols: int, ripple_turn: float = 0.0) -> Scene:
+    """The statue at a size.
+
+    Parameters
+    ----------
+    rows, cols : int
+    ripple_turn : float
+        Direction of the fine ripples in radians: another value makes other normals on the same motif.
+    """
+    longer = max(rows, cols)
+    x = (np.arange(cols) + 0.5) / longer
+    y = (rows - np.arange(rows)[:, None] - 0.5) / longer  # up
+    size = cols / longer, rows / longer
+    random = np.random.default_rng(_MOTIF_SEED)
+    p, q = np.broadcast_arrays(0.3 * np.cos(9 * x + 2 * y), 0.3 * np.sin(7 * y - 3 * x))
+    p, q = p.copy(), q.copy()
+    top = np.full((rows, cols), -np.inf)
+    for _ in range(_DOMES):
+        _raise_dome(top, p, q, x, y, size, random)
+    motif = np.isfinite(top)
+    for _ in range(_HOLES):
+        centre_x, centre_y = random.uniform(0.2, 0.8, 2) * size
+        motif &= np.hypot(x - centre_x, y - centre_y) > random.uniform(0.008, 0.045)
+    across, up = np.cos(ripple_turn), np.sin(ripple_turn)
+    ripple = 0.35 * np.cos(260 * (across * x + up * y)) * np.cos(90 * (up * x - across * y))
+    p += across * ripple
+    q += up * ripple
+    return Scene(unit(np.dstack([-p, -q, np.ones_like(p)])), motif)
+
+
+def _raise_dome(
+    top: Float64,
+    p: Float64,
+    q: Float64,
+    x: Float64,
+    y: Float64,
+    size: tuple[float, float],
+    random: np.random.Generator,
+) -> None:
+    """Put one half sphere at a random place; where it is in front of what is there, its slopes are seen."""
+    centre_x, centre_y = random.uniform(0.15, 0.85, 2) * size
+    radius, lift = random.uniform(0.05, 0.17), random.uniform(0, 0.15)
+    below = radius**2 - (x - centre_x) ** 2 - (y - centre_y) ** 2
+    height = np.sqrt(np.maximum(below, 1e-9))
+    # each dome stands at its own height: the jumps between them leave normals that no surface has, as real maps do
+    seen = (below > 0) & (lift + height > top)
+    top[seen] = (lift + height)[seen]
+    p[seen] = (-(x - centre_x) / height)[seen]
+    q[seen] = (-(y - centre_y) / height)[seen]
+
+
+def main() -> None:
+    """Write the masked and the full map as 16-bit PNG; print the motif's share of the picture."""
+    size, masked, full = sys.argv[1:]
+    cols, rows = (int(side) for side in size.split("x"))
+    made = scene(rows, cols)
+    nm.write_normal_map(masked, made.cut_out())
+    nm.write_normal_map(full, made.all_surface())
+    print(f"{made.motif.mean():.3f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,149 @@
+"""The whole command from start to exit, in time and memory: ``python -m bench.relief [--size 1000x900]``.
+
+Nothing heavy may be imported here: a child's peak memory counts from what its parent held when it was started.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+
+from bench.table import Surroundings, table, write_section
+
+MOST_BYTES = 1.2e9
+
+
+@dataclass(frozen=True)
+class Job:
+    """One command line of ``nmap``, how often it runs and what it may take; None: no goal."""
+
+    name: str
+    arguments: tuple[str, ...]
+    times: int
+    most_seconds: float | None = None
+    most_bytes: float | None = None
+    report: Path | None = None
+
+
+@dataclass(frozen=True)
+class Runs:
+    """Wall seconds of each run, and the largest peak of them in bytes."""
+
+    seconds: tuple[float, ...]
+    peak: int
+
+
+def jobs_in(folder: Path, masked: Path, full: Path) -> tuple[Job, ...]:
+    """Everything that is measured."""
+
+    def relief(name: str, map_path: Path, most_seconds: float, *more: str) -> Job:
+        report = folder / f"{map_path.stem}.json"
+        files = ("-o", str(folder / f"{map_path.stem}.exr"), "--report", str(report), "--overwrite", "--quiet")
+        return Job(name, ("relief", str(map_path), *files, *more), 3, most_seconds, MOST_BYTES, report)
+
+    return (
+        relief("relief of a motif to EXR", masked, 6.0),
+        relief("relief of a full frame to EXR", full, 1.5, "--background-color", "none"),
+        Job("inspect of a motif", ("inspect", str(masked)), 3),
+        Job("--help", ("--help",), 5, 0.3),
+    )
+
+
+def run(job: Job) -> Runs:
+    """Run the installed command ``job.times`` times.
+
+    Raises
+    ------
+    RuntimeError
+        If it exits with anything but 0; says what it wrote to stderr.
+    """
+    # beside this interpreter, for "nmap" on the PATH may be the network scanner
+    command = [str(Path(sysconfig.get_path("scripts")) / "nmap"), *job.arguments]
+    seconds, peaks = [], []
+    for _ in range(job.times):
+        with tempfile.TemporaryFile() as messages:
+            started = time.perf_counter()
+            process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=messages)
+            _, status, usage = os.wait4(process.pid, 0)
+            seconds.append(time.perf_counter() - started)
+            process.returncode = os.waitstatus_to_exitcode(status)
+            if process.returncode != 0:
+                messages.seek(0)
+                raise RuntimeError(f"{job.name}: exit code {process.returncode}: {messages.read().decode()}")
+        peaks.append(usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024))
+    return Runs(tuple(seconds), max(peaks))
+
+
+def make_maps(size: str, masked: Path, full: Path) -> float:
+    """Write the inputs from a process of their own; the motif's share of the picture."""
+    made = subprocess.run(
+        [sys.executable, "-m", "bench.maps", size, str(masked), str(full)],
+        cwd=Path(__file__).parents[1],
+        check=True,
+        stdout=subprocess.PIPE,
+    )
+    return float(made.stdout)
+
+
+def _against(figure: float, goal: float | None) -> list[str]:
+    if goal is None:
+        return ["", ""]
+    return [f"{goal:g}", f"{figure / goal:.0%}{' MISSED' if figure > goal else ''}"]
+
+
+def row_of(job: Job, runs: Runs) -> list[str]:
+    """Median time, its span and the peak, each beside its goal."""
+    wall = median(runs.seconds)
+    span = f"{min(runs.seconds):.2f}-{max(runs.seconds):.2f}"
+    peak_goal = None if job.most_bytes is None else job.most_bytes / 1e9
+    time_cells = [str(job.times), f"{wall:.2f}", span, *_against(wall, job.most_seconds)]
+    return [job.name, *time_cells, f"{runs.peak / 1e9:.2f}", *_against(runs.peak / 1e9, peak_goal)]
+
+
+def account_of(job: Job, report: Path) -> list[str]:
+    """What the last run of a relief says of itself."""
+    said = json.loads(report.read_text(encoding="utf-8"))
+    seconds = [f"{said['seconds'][part]:.2f}" for part in ("setup", "solve")]
+    return [job.name, said["solver"], f"{said['unknowns']:,}", *seconds, str(said["iterations"])]
+
+
+def main() -> None:
+    """Measure, print and, with --write, keep."""
+    parser = argparse.ArgumentParser(prog="python -m bench.relief", description=__doc__)
+    parser.add_argument("--size", default="1000x900", help="pixels across and down (default 1000x900)")
+    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
+    options = parser.parse_args()
+    surroundings = Surroundings("bench.relief")
+    rows, accounts = [], []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        masked, full = folder / "masked.png", folder / "full.png"
+        share = make_maps(options.size, masked, full)
+        for job in jobs_in(folder, masked, full):
+            rows.append(row_of(job, run(job)))
+            if job.report is not None:
+                accounts.append(account_of(job, job.report))
+    preface = (
+        f"`nmap` with its defaults on 16-bit PNG of {options.size} px; the motif covers {share:.0%} of it (alpha), "
+        "the full frame has\nno background. From the start of the process to its end: median of the wall times, and "
+        "the largest peak of resident memory.\nGoals are upper limits for 1000x900 px; 1 GB is 1e9 bytes."
+    )
+    header = ("job", "runs", "wall s", "span s", "goal s", "of goal", "peak GB", "goal GB", "of goal")
+    account_header = ("of which, by its own report", "solver", "unknowns", "setup s", "solve s", "iterations")
+    body = [surroundings.describe(), preface, table(header, rows), table(account_header, accounts)]
+    print("\n\n".join(body))
+    if options.write:
+        write_section("relief", "\n\n".join(body))
+
+
+if __name__ == "__main__":
+    main()

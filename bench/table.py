@@ -1,0 +1,92 @@
+"""How results are laid out: tables, what they were measured on, and the sections of results.md."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import shlex
+import sys
+import time
+from collections.abc import Sequence
+from datetime import date
+from importlib.metadata import version
+from pathlib import Path
+
+RESULTS = Path(__file__).with_name("results.md")
+_PACKAGES = ("numpy", "scipy", "pyamg")
+_TITLE = (
+    "# Speed and memory, measured\n\nMade by `python -m bench.solver --write` and `python -m bench.relief --write`."
+)
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A Markdown table with its columns lined up; the first column is text, the others are right-aligned."""
+    widths = [max(len(cell) for cell in column) for column in zip(header, *rows, strict=True)]
+    rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
+
+    def line(cells: Sequence[str]) -> str:
+        padded = [cells[0].ljust(widths[0]), *(c.rjust(w) for c, w in zip(cells[1:], widths[1:], strict=True))]
+        return f"| {' | '.join(padded)} |"
+
+    return "\n".join([line(header), line(rule), *(line(row) for row in rows)])
+
+
+class Surroundings:
+    """What a run is measured on, from its start to `describe`: machine, versions, and who else used the cores.
+
+    Parameters
+    ----------
+    module : str
+        The benchmark, such as "bench.solver".
+    """
+
+    def __init__(self, module: str) -> None:
+        self._command = shlex.join(["python", "-m", module, *sys.argv[1:]])
+        self._started = time.perf_counter()
+        self._others = _seconds_of_others()
+
+    def describe(self) -> str:
+        """Markdown lines on the run."""
+        packages = ", ".join(f"{name} {version(name)}" for name in _PACKAGES)
+        return "\n".join(
+            [
+                f"- {date.today().isoformat()}: `{self._command}`",
+                f"- Python {platform.python_version()}, {packages}",
+                f"- {_cpu_model()}, {os.cpu_count()} cores; {self._others_now()}",
+            ]
+        )
+
+    def _others_now(self) -> str:
+        now = _seconds_of_others()
+        if now is None or self._others is None:
+            return "what other processes took meanwhile is not known on this system"
+        wall = time.perf_counter() - self._started
+        busy = max(now - self._others, 0.0) / wall
+        return f"other processes kept {busy:.2f} cores busy on average during the {wall:.0f} s of the run"
+
+
+def _seconds_of_others() -> float | None:
+    """Processor seconds so far of everything but this process and its finished children; None where not known."""
+    stat = Path("/proc/stat")
+    if not stat.exists():
+        return None
+    user, nice, system, _idle, _iowait, irq, softirq, steal = map(int, stat.read_text().split()[1:9])
+    busy = (user + nice + system + irq + softirq + steal) / os.sysconf("SC_CLK_TCK")
+    own = os.times()
+    return busy - (own.user + own.system + own.children_user + own.children_system)
+
+
+def _cpu_model() -> str:
+    info = Path("/proc/cpuinfo")
+    named = re.search(r"^model name\s*:\s*(.+)$", info.read_text(), re.M) if info.exists() else None
+    return named[1] if named else platform.machine()
+
+
+def write_section(name: str, body: str) -> None:
+    """Put a section into results.md in place of the one of the same name; the others stay."""
+    text = RESULTS.read_text(encoding="utf-8") if RESULTS.exists() else ""
+    sections = dict(part.split("\n", 1) for part in re.split(r"^## ", text, flags=re.M)[1:])
+    sections[name] = body
+    parts = [_TITLE, *(f"## {title}\n\n{sections[title].strip()}" for title in sorted(sections))]
+    RESULTS.write_text("\n\n".join(parts) + "\n", encoding="utf-8")

@@ -1,0 +1,244 @@
+"""``nmap inspect``: what it measures, each finding on a map made for it, and remedies that really help."""
+
+import dataclasses
+import itertools
+import json
+import re
+
+import numpy as np
+import pytest
+
+import nmaptool as nm
+from nmaptool.verbs.findings import RULES
+
+SRGB = [(b"sRGB", b"\0"), (b"gAMA", b"\0\0\xb1\x8f")]
+
+
+def found(path, **options):
+    return {finding.code for finding in nm.inspect_map(nm.read_raster(path), nm.ReadOptions(**options)).findings}
+
+
+def on_flat(d):
+    return np.where(d.inside[..., None], d.normals, (0, 0, 1))
+
+
+@pytest.fixture
+def faulty(tmp_path, dome, codes, png):
+    """``faulty(code)``: a map made to give that finding, and the options to read it with."""
+
+    def opaque_alpha(d, value=65535):
+        return np.where(d.inside, value, 0).astype(np.uint16)
+
+    def with_alpha(vectors, d):
+        return np.dstack([codes(vectors, 16), opaque_alpha(d)])
+
+    def make(code):
+        d, options, chunks = dome(), {}, ()
+        vectors, rng = d.normals.copy(), np.random.default_rng(31)
+        if code == "no-foreground":
+            pixels = codes(np.broadcast_to((0.0, 0.0, 1.0), (96, 96, 3)))
+        elif code == "not-normals":
+            pixels = rng.integers(0, 256, (96, 96, 3), np.uint8)
+        elif code == "off-length":
+            vectors[rng.uniform(size=(96, 96)) < 0.1] *= 0.7
+            pixels = with_alpha(vectors, d)
+        elif code == "facing-away":
+            vectors[rng.uniform(size=(96, 96)) < 0.02] *= (1, 1, -1)
+            pixels = with_alpha(vectors, d)
+        elif code == "turned":
+            pixels = with_alpha(np.dstack([vectors[..., 1], -vectors[..., 0], vectors[..., 2]]), d)
+        elif code == "inverted":
+            pixels = with_alpha(vectors * (-1, -1, 1), d)
+        elif code == "green-down":
+            pixels = with_alpha(vectors * (1, -1, 1), d)
+        elif code == "green-wrong":
+            pixels, options = with_alpha(vectors, d), {"green": "down"}
+        elif code == "truncated-codes":
+            pixels = np.floor((on_flat(d) + 1) / 2 * 255).astype(np.uint8)
+        elif code == "premultiplied":
+            y, x = np.mgrid[0:96, 0:96] - 47.5
+            soft = ((0.8 * 48 + 3 - np.hypot(x, y)) / 6).clip(0, 1)
+            straight = codes(vectors, 16) / 65535 * soft[..., None]
+            pixels = np.round(np.dstack([straight, soft]) * 65535).astype(np.uint16)
+        elif code == "eight-bit-data":
+            pixels = np.dstack([codes(vectors).astype(np.uint16) * 257, opaque_alpha(d)])
+        elif code == "color-managed":
+            pixels, chunks = with_alpha(vectors, d), SRGB
+        elif code == "alpha-ignored":
+            height = np.broadcast_to(np.linspace(8000, 60000, 96), (96, 96)).astype(np.uint16)
+            pixels = np.dstack([codes(vectors, 16), height])
+        elif code == "background-missing":
+            pixels, options = with_alpha(vectors, d)[..., :3], {"background_color": "white"}
+        else:
+            raise AssertionError(f"no map is made for the finding {code}")
+        return png(tmp_path / f"{code}.png", pixels, chunks), options
+
+    return make
+
+
+@pytest.mark.parametrize("code", RULES)
+def test_each_finding_is_made_by_a_map_made_for_it_and_tells_what_to_do(faulty, run, code):
+    path, options = faulty(code)
+    flags = [f"--{name}={value}" for name, value in options.items()]
+    told = run("inspect", path, *flags)
+    assert (told.code, told.err) == (1, "")
+    exact = run("inspect", path, *flags, "--json")
+    assert exact.code == 1
+    (finding,) = [f for f in json.loads(exact.out)["findings"] if f["code"] == code]
+    assert finding["message"] in told.out
+    assert finding["remedy"] in told.out
+    assert len(finding["remedy"]) > 10
+
+
+ALONE = sorted(set(RULES) - {"not-normals"})  # random colours face away, too
+
+
+@pytest.mark.parametrize("code", ALONE)
+def test_a_finding_comes_alone_where_nothing_else_is_wrong(faulty, code):
+    path, options = faulty(code)
+    assert found(path, **options) == {code}
+
+
+def test_a_clean_map_has_no_finding_and_leaves_with_0(run, clean_map):
+    result = run("inspect", clean_map)
+    assert (result.code, result.err) == (0, "")
+    assert "clean: nothing to report" in result.out
+    assert "96 x 96, 16 bit integer, channels R G B A" in result.out
+    assert found(clean_map) == set()
+
+
+@pytest.mark.parametrize("kind", ["white", "grey", "black", "flat"])
+@pytest.mark.parametrize("bits", [8, 16])
+@pytest.mark.parametrize("smooth", [False, True])
+def test_no_backdrop_is_a_fault(tmp_path, dome, codes, png, kind, bits, smooth):
+    d = dome(128, 128, smooth=smooth)
+    assert found(png(tmp_path / "map.png", codes(d.normals, bits, kind, d.cover))) == set()
+
+
+def test_no_format_is_a_fault(tmp_path, dome, codes, picture):
+    d = dome(128, 128)
+    names = ("R", "G", "B", "A")
+    black = np.where(d.inside[..., None], d.normals, 0)
+    assert found(picture(tmp_path / "a.exr", np.dstack([black, d.inside]), names)) == set()
+    assert found(picture(tmp_path / "b.exr", np.dstack([black, d.inside]), names, stored="half")) == set()
+    assert found(picture(tmp_path / "c.exr", (d.normals + 1) / 2)) == set()
+    assert found(picture(tmp_path / "d.tif", codes(d.normals, 16))) == set()
+    assert found(picture(tmp_path / "e.bmp", codes(d.normals, 8, "white", d.cover))) == set()
+    assert found(picture(tmp_path / "f.jpg", codes(d.normals, 8, "white", d.cover), CompressionQuality=97)) == set()
+
+
+def test_what_is_written_is_clean(tmp_path, clean_map):
+    for name, how in (("a.png", {}), ("b.png", {"bits": 8}), ("c.exr", {}), ("d.tif", {"bits": 32})):
+        nm.write_normal_map(tmp_path / name, nm.read_normal_map(clean_map), **how)
+        assert found(tmp_path / name) == set()
+
+
+WAYS = [(order, signs) for order in ((0, 1), (1, 0)) for signs in itertools.product((1, -1), repeat=2)]
+
+
+@pytest.mark.parametrize(("order", "signs"), WAYS)
+def test_a_remedy_gives_the_true_normals_back(tmp_path, dome, codes, png, run, order, signs):
+    """Every way to turn, mirror or invert a raised motif; reading it by the remedy sets it right."""
+    d = dome(128, 128)
+    stored = np.dstack([signs[0] * d.normals[..., order[0]], signs[1] * d.normals[..., order[1]], d.normals[..., 2]])
+    path = png(tmp_path / "map.png", np.dstack([codes(stored, 16), (d.inside * 65535).astype(np.uint16)]))
+    seen = nm.inspect_map(nm.read_raster(path))
+    swizzles = [m.group(1) for f in seen.findings if (m := re.search(r"--swizzle=(\S+)", f.remedy))]
+    if order == (0, 1) and signs[0] == 1:  # as it should be, or with green down, which reading sees to
+        assert swizzles == []
+        options = {}
+    else:
+        assert len(swizzles) == 1
+        options = {"swizzle": swizzles[0]}
+        assert run("inspect", path, f"--swizzle={swizzles[0]}").code == 0
+        assert run("inspect", path, "--swizzle", swizzles[0]).code == 0
+    back = nm.read_normal_map(path, nm.ReadOptions(**options))
+    assert np.abs(back.normals - d.normals)[d.inside].max() < 1e-4
+
+
+@pytest.mark.parametrize("swizzle", ["R, G, B", "+r,+g,+b"])
+def test_a_remedy_can_be_said_whatever_the_swizzle_was_spelled_like(faulty, swizzle):
+    path, _ = faulty("inverted")
+    seen = nm.inspect_map(nm.read_raster(path), nm.ReadOptions(swizzle=swizzle))
+    (remedy,) = [f.remedy for f in seen.findings if f.code == "inverted"]
+    nm.inspect_map(nm.read_raster(path), nm.ReadOptions(swizzle=remedy.partition("--swizzle=")[2]))
+
+
+def test_green_given_wrong_is_set_right_by_its_remedy(faulty):
+    path, options = faulty("green-wrong")
+    (finding,) = nm.inspect_map(nm.read_raster(path), nm.ReadOptions(**options)).findings
+    assert "--green up" in finding.remedy
+    assert found(path, green="up") == set()
+
+
+def test_the_measurements_are_those_of_the_map(tmp_path, dome, codes, png):
+    d = dome()
+    rng = np.random.default_rng(32)
+    shorter, behind = rng.uniform(size=(96, 96)) < 0.2, rng.uniform(size=(96, 96)) < 0.1
+    vectors = d.normals.copy()
+    vectors[shorter] *= 0.75
+    vectors[behind] *= (1, 1, -1)
+    seen = nm.inspect_map(nm.read_raster(png(tmp_path / "map.png", codes(vectors, 16))))
+    assert (seen.cols, seen.rows, seen.bits, seen.channels) == (96, 96, 16, ("R", "G", "B"))
+    assert (seen.foreground_share, seen.coverage_mean) == (1, 1)
+    assert seen.off_length_share == pytest.approx(shorter.mean(), abs=1e-9)
+    assert seen.away_share == pytest.approx(behind.mean(), abs=1e-9)
+    assert seen.unit_length_error == pytest.approx(0.25 * shorter.mean(), abs=1e-4)
+    assert seen.outline_sign is None
+
+
+def test_the_foreground_and_the_outline_are_measured(clean_map, dome):
+    seen = nm.inspect_map(nm.read_raster(clean_map))
+    assert seen.foreground_share == pytest.approx(dome().inside.mean(), abs=1e-9)
+    assert seen.outline_sign > 0.5
+    assert seen.decoding.curl_ratio > 1.5
+    assert seen.unit_length_error < 1e-4
+
+
+@pytest.mark.parametrize(("code", "bias"), [(127, -0.5), (128, 0.5)])
+def test_the_neutral_bias_is_the_tilt_across_the_map(tmp_path, dome, codes, png, code, bias):
+    pixels = codes(on_flat(dome(80, 120)))
+    pixels[(pixels == (128, 128, 255)).all(axis=-1)] = (code, code, 255)
+    seen = nm.inspect_map(nm.read_raster(png(tmp_path / "map.png", pixels)))
+    assert seen.neutral_bias_px == pytest.approx(bias / 127.5 * 120, rel=1e-6)
+
+
+def test_json_is_complete_and_strict(run, clean_map, tmp_path, dome, picture):
+    def refuse(word):
+        raise AssertionError(f"{word} is no JSON")
+
+    huge = dome().normals.copy()
+    huge[10, 10] *= 1e30
+    for path in (clean_map, picture(tmp_path / "huge.exr", huge)):
+        seen = json.loads(run("inspect", path, "--json").out, parse_constant=refuse)
+        assert set(seen) == {field.name for field in dataclasses.fields(nm.Inspection)}
+        assert set(seen["decoding"]) == {field.name for field in dataclasses.fields(nm.Decoding)}
+        assert seen["name"] == str(path)
+
+
+def test_a_mask_says_where_to_look(tmp_path, faulty, png):
+    path, _ = faulty("off-length")
+    mask = np.zeros((96, 96), np.float32)
+    mask[40:56, 40:56] = 1
+    seen = nm.inspect_map(nm.read_raster(path), mask=mask)
+    assert seen.foreground_share == pytest.approx(256 / 9216)
+
+
+def test_quiet_says_nothing_but_leaves_with_the_same_code(run, faulty, clean_map):
+    path, _ = faulty("turned")
+    for file, code in ((path, 1), (clean_map, 0)):
+        result = run("inspect", file, "--quiet")
+        assert (result.code, result.out, result.err) == (code, "", "")
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 60), (60, 1), (2, 2), (3, 70)])
+@pytest.mark.parametrize("half_clear", [False, True])
+def test_the_smallest_maps_are_looked_over(run, tmp_path, dome, codes, png, shape, half_clear):
+    pixels = codes(dome().normals, 16)[20 : 20 + shape[0], 10 : 10 + shape[1]]
+    if half_clear:
+        alpha = np.full(shape, 65535, np.uint16)
+        alpha.ravel()[: alpha.size // 2] = 0
+        pixels = np.dstack([pixels, alpha])
+    result = run("inspect", png(tmp_path / "map.png", pixels))
+    assert (result.code in (0, 1), result.err) == (True, "")
+    assert f"{shape[1]} x {shape[0]}" in result.out
