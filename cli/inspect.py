@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from nmaptool.options import ReadOptions
-from nmaptool_cli.session import READING, RUN, RunOptions, Session, input_files
+from nmaptool_cli.session import READING, RUN, RunOptions, Session, input_files, said_name
 
 
 def inspect(
@@ -36,6 +37,7 @@ def inspect(
         assert source is not None
         chosen = nm.read_grey(mask_source, reading.max_megapixels) if mask_source is not None else None
         seen = nm.inspect_map(nm.read_raster(source, reading), reading, chosen)
+    seen = dataclasses.replace(seen, name=said_name(seen.name))
     if run.json:
         session.data(seen.to_dict())
     elif not run.quiet:

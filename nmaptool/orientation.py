@@ -12,7 +12,7 @@ from nmaptool.vectors import mean_abs_curl
 # the wrong order or sign must have this many times the curl of the right one to be called wrong
 SURE_CURL_RATIO = 1.5
 # where the map is large, a window in its middle is enough
-_WINDOW_PX = 1200
+_WINDOW_PX = 800
 _OUTLINE_PIXELS = 50
 _INVERTED = -0.15
 # channels for x and y, up to a common sign: every way a map can be turned or mirrored
@@ -132,6 +132,8 @@ def doubts(normal_map: NormalMap, code_step: float = 2 / 255) -> tuple[str, ...]
     normal_map : NormalMap
     code_step : float
     """
+    if normal_map.decoding.green_from == "file":  # it says itself how it is to be read
+        return ()
     better = better_swizzle(normal_map, code_step)
     if better is not None:
         return (f"its channels look turned or mirrored; try --swizzle={better}",)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -52,6 +51,8 @@ def preview(height: Height) -> Picture:
     (h, w, 3) uint8
         sRGB, for looking at.
     """
+    import cv2
+
     light = lambert(height).astype(np.float32)
     factor = max(1, -(-_SMALLEST_LONGER_SIDE // max(light.shape)))
     if factor > 1:

@@ -11,6 +11,7 @@ k_f (z_v - mean of z on f) and g_v the sum of k_f h_f over the corners at v.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,12 +99,16 @@ class QuadSystem:
 
     def apply(self, z: Float64) -> Float64:
         """(L + diag(beta)) z by two 2x2 box sums; no matrix is made."""
-        return (corner_sum(self.weight) + self.beta) * z - corner_sum(self.weight * corner_mean(z))
+        return (self._around + self.beta) * z - corner_sum(self.weight * corner_mean(z))
 
-    @property
+    @functools.cached_property
+    def _around(self) -> Float64:
+        return corner_sum(self.weight)
+
+    @functools.cached_property
     def unknown(self) -> Mask:
         """(H+1, W+1) bool: vertices to solve for."""
-        return ~self.held & ((corner_sum(self.weight) > 0) | (self.beta > 0))
+        return ~self.held & ((self._around > 0) | (self.beta > 0))
 
     def islands(self) -> tuple[NDArray[np.int32], int]:
         """Label of each vertex's island (0: none) and their count; faces that share a vertex are one island."""
