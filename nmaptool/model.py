@@ -122,7 +122,7 @@ class RasterImage:
         if "A" not in self.channels:
             return None
         alpha = self.pixels[..., self.channels.index("A")]
-        return np.clip(alpha.astype(np.float32) / self.max_code, 0, 1)
+        return np.asarray(np.clip(alpha / self.max_code, 0, 1), np.float32)
 
 
 @dataclass(frozen=True)
