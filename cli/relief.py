@@ -153,14 +153,14 @@ def _solve(
 ) -> tuple[nm.Relief, dict[str, Any]]:
     """Read the inputs, solve, say what was done; also the account for the report."""
     import nmaptool as nm
-    from nmaptool.orientation import doubts
     from nmaptool_cli.wording import describe_decoding, describe_relief
 
     source, detail_source, mask, surface, mu_map, beta_map, delta_map = sources
     assert source is not None
     with session.progress() as progress:
         original = nm.read_normal_map(source, reading)
-        detail = _read_like(detail_source, original, reading)
+        others = dataclasses.replace(reading, layer=None)
+        detail = None if detail_source is None else nm.read_normal_map(detail_source, others, like=original)
 
         def grey(path: str | None) -> Any:
             return None if path is None else nm.read_grey(path, reading.max_megapixels)
@@ -169,7 +169,7 @@ def _solve(
             original,
             detail,
             mask=grey(mask),
-            surface=_surface(surface, original, options, reading),
+            surface=_surface(surface, original, options, others),
             mu_map=grey(mu_map),
             beta_map=grey(beta_map),
             delta_map=grey(delta_map),
@@ -182,27 +182,16 @@ def _solve(
         session.say(f"{each.name}: {each.frame}, {describe_decoding(each.decoding, share)}")
         for warning in each.decoding.warnings:
             session.warn(f"{each.name}: {warning}")
-    for doubt in doubts(original):
+    for doubt in nm.doubts(original):
         session.warn(f"{maps[0].name}: {doubt}")
     for line in describe_relief(result.report):
         session.say(line)
     for warning in result.report.warnings:
         session.warn(warning)
     session.detail(f"  residuals {' '.join(f'{r:.1e}' for r in result.report.history)}")
+    session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in result.report.seconds.items())}")
     inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
     return result, {"version": nm.__version__, "inputs": inputs, **result.report.to_dict()}
-
-
-def _read_like(path: str | None, original: nm.NormalMap, reading: ReadOptions) -> nm.NormalMap | None:
-    """The detail map, read as the original was: its own curl says little."""
-    import nmaptool as nm
-
-    if path is None:
-        return None
-    same = dataclasses.replace(reading, layer=None)
-    if reading.green == "auto" and original.decoding.green_from == "found":
-        same = dataclasses.replace(same, green="down" if original.decoding.green == "down" else "up")
-    return nm.read_normal_map(path, same)
 
 
 def _surface(path: str | None, original: nm.NormalMap, options: ReliefOptions, reading: ReadOptions) -> Any:
@@ -215,4 +204,4 @@ def _surface(path: str | None, original: nm.NormalMap, options: ReliefOptions, r
         return None
     if is_height(Path(path), reading.max_megapixels):
         return nm.read_height(path, pitch_of(original, options)[0], reading.max_megapixels)
-    return nm.read_normal_map(path, dataclasses.replace(reading, layer=None, background_color="none"))
+    return nm.read_normal_map(path, dataclasses.replace(reading, background_color="none"))

@@ -47,7 +47,7 @@ class RunOptions:
     quiet:
         Say nothing but errors.
     verbose:
-        Say more: every decision and the residual history.
+        Say more: the residual history and the time of each stage.
     json:
         Print the full report as JSON on standard output.
     """

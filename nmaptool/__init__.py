@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from nmaptool.io.outputs import write_relief
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
     from nmaptool.options import ReadOptions, ReliefOptions
+    from nmaptool.orientation import doubts
     from nmaptool.results import Relief, SolveReport
     from nmaptool.shading import preview
     from nmaptool.tessellate import Mesh, surface_mesh
@@ -59,6 +60,7 @@ _HOME = {
     "RasterImage": "model",
     "ReadOptions": "options",
     "ReliefOptions": "options",
+    "doubts": "orientation",
     "Relief": "results",
     "SolveReport": "results",
     "preview": "shading",
@@ -95,6 +97,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "decode_normal_map",
+    "doubts",
     "inspect_map",
     "integrate",
     "length",

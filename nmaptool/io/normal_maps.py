@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +55,9 @@ def read_raster(path: str | Path, options: ReadOptions | None = None) -> RasterI
     return read_image(file, layer or options.layer, options.max_megapixels)
 
 
-def read_normal_map(path: str | Path, options: ReadOptions | None = None) -> NormalMap:
+def read_normal_map(
+    path: str | Path, options: ReadOptions | None = None, *, like: NormalMap | None = None
+) -> NormalMap:
     """Read a normal map: PNG, EXR, TIFF, JPEG or BMP.
 
     Parameters
@@ -62,6 +65,9 @@ def read_normal_map(path: str | Path, options: ReadOptions | None = None) -> Nor
     path : str or Path
         ``FILE`` or ``FILE.exr:layer``.
     options : ReadOptions, optional
+    like : NormalMap, optional
+        The original that this map goes with: which way green points is taken from there where it was found there,
+        since the curl of a detail map alone says little.
 
     Returns
     -------
@@ -75,6 +81,9 @@ def read_normal_map(path: str | Path, options: ReadOptions | None = None) -> Nor
     LimitError
         If it is larger than ``options.max_megapixels``.
     """
+    options = options or ReadOptions()
+    if like is not None and options.green == "auto" and like.decoding.green_from == "found":
+        options = replace(options, green="down" if like.decoding.green == "down" else "up")
     return decode_normal_map(read_raster(path, options), options)
 
 
