@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -67,4 +68,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run() -> None:
     """Entry point of the console scripts."""
+    # the solver's dot products are short: threads of the linear algebra library cost more than they bring
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     sys.exit(main())
