@@ -20,7 +20,7 @@ if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
     version=$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
     install="apt-get install -y python$version-venv"
     if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
-        apt-get update -q && $install
+        { apt-get update -q && $install; } || { echo "This failed: $install" >&2; exit 1; }
     else
         echo "Python's venv module is missing. Run this, then make again:  sudo $install" >&2
         exit 1

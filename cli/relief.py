@@ -127,6 +127,8 @@ def relief(
     files = ReliefFiles(
         outputs.output, outputs.preview, None if to_stdout else outputs.report, overwrite=outputs.overwrite
     )
+    if any(str(path) == STREAM for path in (*outputs.output, outputs.preview)):
+        raise UsageError("-: a relief or a preview is written to a file, such as -o relief.stl")
     if not (files.targets or run.json or to_stdout):
         raise UsageError("nothing to write: say where, such as -o relief.stl --preview relief.png")
     files.check()
@@ -138,14 +140,22 @@ def relief(
         result, account = _solve(session, sources, options, reading)
     import nmaptool as nm
 
+    roles = ("original", "detail", "mask", "surface", "mu_map", "beta_map", "delta_map")
+    account["files"] = {role: name for role, name in zip(roles, names, strict=True) if name is not None}
+    account["reading"] = asdict(reading)
     account["outputs"] = [str(path) for path in files.targets]
     nm.write_relief(
         result, *files.outputs, preview=files.preview, report=files.report, overwrite=files.overwrite, account=account
     )
     for path in files.targets:
-        session.say(f"  wrote {path}")
+        session.say(f"  wrote {path}{_png_range(path, result) if path in files.outputs else ''}")
     if run.json or to_stdout:
         session.data(account)
+
+
+def _png_range(path: Path, result: nm.Relief) -> str:
+    low, high = result.height.range_mm
+    return f" (black {low:.3f} mm, white {high:.3f} mm)" if path.suffix.lower() == ".png" else ""
 
 
 def _solve(
@@ -153,14 +163,14 @@ def _solve(
 ) -> tuple[nm.Relief, dict[str, Any]]:
     """Read the inputs, solve, say what was done; also the account for the report."""
     import nmaptool as nm
-    from nmaptool_cli.wording import describe_decoding, describe_relief
 
-    source, detail_source, mask, surface, mu_map, beta_map, delta_map = sources
+    source, detail_source, mask, surface_source, mu_map, beta_map, delta_map = sources
     assert source is not None
     with session.progress() as progress:
         original = nm.read_normal_map(source, reading)
         others = dataclasses.replace(reading, layer=None)
         detail = None if detail_source is None else nm.read_normal_map(detail_source, others, like=original)
+        surface = _surface(surface_source, original, options, others)
 
         def grey(path: str | None) -> Any:
             return None if path is None else nm.read_grey(path, reading.max_megapixels)
@@ -169,20 +179,32 @@ def _solve(
             original,
             detail,
             mask=grey(mask),
-            surface=_surface(surface, original, options, others),
+            surface=surface,
             mu_map=grey(mu_map),
             beta_map=grey(beta_map),
             delta_map=grey(delta_map),
             options=options,
             progress=progress,
         )
-    maps = [dataclasses.replace(m, name=said_name(m.name)) for m in (original, detail) if m is not None]
+    maps = [
+        dataclasses.replace(m, name=said_name(m.name))
+        for m in (original, detail, surface)
+        if isinstance(m, nm.NormalMap)
+    ]
+    _tell(session, maps, nm.doubts(original), result)
+    inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
+    return result, {"version": nm.__version__, "inputs": inputs, **result.report.to_dict()}
+
+
+def _tell(session: Session, maps: list[nm.NormalMap], doubts: tuple[str, ...], result: nm.Relief) -> None:
+    from nmaptool_cli.wording import describe_decoding, describe_relief
+
     for each in maps:
         share = float(each.foreground.mean())
         session.say(f"{each.name}: {each.frame}, {describe_decoding(each.decoding, share)}")
         for warning in each.decoding.warnings:
             session.warn(f"{each.name}: {warning}")
-    for doubt in nm.doubts(original):
+    for doubt in doubts:
         session.warn(f"{maps[0].name}: {doubt}")
     for line in describe_relief(result.report):
         session.say(line)
@@ -190,18 +212,16 @@ def _solve(
         session.warn(warning)
     session.detail(f"  residuals {' '.join(f'{r:.1e}' for r in result.report.history)}")
     session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in result.report.seconds.items())}")
-    inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
-    return result, {"version": nm.__version__, "inputs": inputs, **result.report.to_dict()}
 
 
 def _surface(path: str | None, original: nm.NormalMap, options: ReliefOptions, reading: ReadOptions) -> Any:
     """The curved background: heights where the file holds heights, else a normal map."""
     import nmaptool as nm
     from nmaptool.io.heights import is_height
-    from nmaptool.verbs.relief import pitch_of
+    from nmaptool.verbs.relief_inputs import pitch_of
 
     if path is None:
         return None
     if is_height(Path(path), reading.max_megapixels):
         return nm.read_height(path, pitch_of(original, options)[0], reading.max_megapixels)
-    return nm.read_normal_map(path, dataclasses.replace(reading, background_color="none"))
+    return nm.read_normal_map(path, dataclasses.replace(reading, background_color="none"), like=original)

@@ -22,8 +22,8 @@ def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
 def describe_inspection(seen: Inspection) -> Iterator[str]:
     """An inspection, a line each."""
     d = seen.decoding
-    kind = "float" if d.encoding == "signed" or seen.bits == 32 else "integer"
-    yield f"{seen.name}: {seen.cols} x {seen.rows}, {seen.bits} bit {kind}, channels {' '.join(seen.channels)}"
+    kind = f"{seen.bits} bit {'float' if seen.is_float else 'integer'}{', compressed with loss' if seen.lossy else ''}"
+    yield f"{seen.name}: {seen.cols} x {seen.rows}, {kind}, channels {' '.join(seen.channels)}"
     sure = "too little curl to tell" if d.curl_ratio is None else f"the other way has {_ratio(d)} times the curl"
     yield f"  green        {d.green} ({d.green_from}; {sure})"
     yield f"  channels     x,y,z = {d.swizzle}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
@@ -34,7 +34,8 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
     yield f"  facing away  {seen.away_share:.2%} (nz <= 0)"
     yield f"  mean |curl|  {seen.mean_abs_curl:.4f} slope per px"
     if seen.neutral_bias_px is not None:
-        yield f"  neutral bias {seen.neutral_bias_px:+.2f} px across, were the middle code read as zero"
+        tilt = f"{seen.neutral_bias_px:+.2f} px from side to side"
+        yield f"  neutral bias {tilt}, were flat not recognised: zero is taken at {d.zero_code}"
     if seen.pitch_mm is not None:
         yield f"  pitch        {seen.pitch_mm:g} mm per px"
     for finding in seen.findings:
@@ -52,9 +53,11 @@ def _ratio(decoding: Decoding) -> str:
 def describe_relief(report: SolveReport) -> Iterator[str]:
     """A solve, a line each."""
     o = report.options
-    reach = f"{report.reach_px:.1f} px = {report.reach_mm:.2f} mm" if report.reach_px < 1e9 else "unlimited"
+    reach = f"{report.reach_px:.1f} px = {report.reach_mm:.2f} mm" if report.reach_px < 1e9 else "any distance"
     detail = f"mu {report.mu:g}, " if report.mu else ""
-    yield f"  {o.background}: {detail}beta {o.beta:g}, delta {o.delta:g}, reach {reach}"
+    delta = report.delta_px / report.px_per_delta
+    fitted = {"delta": " (fitted)", "slope": f", slopes times {report.scale:.3g}"}.get(o.fit, "")
+    yield f"  {o.background}: {detail}beta {o.beta:g}, delta {delta:.4g}{fitted}, shape kept over {reach}"
     yield (
         f"  {report.solver}: {report.unknowns} unknowns, {report.iterations} iterations, residual "
         f"{report.residual:.1e}, {sum(report.seconds.values()):.2f} s"
@@ -64,7 +67,8 @@ def describe_relief(report: SolveReport) -> Iterator[str]:
     yield f"  height {low:.3f} to {high:.3f} mm = {report.height_range_mm:.3f} mm, {size}"
     if o.background == "surface":
         yield f"  relief {report.relief_range_mm:.3f} mm from its curved background"
-    if report.below_background_share > 0.001 and o.background in ("plane", "surface"):
-        yield f"  {report.below_background_share:.1%} of the motif lies below its background; a larger --delta lifts it"
+    if report.below_background_share > 0.02 and report.delta_px > 0:
+        remedy = "" if o.fit == "delta" else "; a larger --delta lifts it"
+        yield f"  {report.below_background_share:.1%} of the motif lies below its background{remedy}"
     if report.pitch_from == "assumed":
         yield "  no size was given: 100 mm on the longer side is assumed; say --width 80mm for your own"

@@ -1,7 +1,4 @@
-"""Where a picture's background is and what it is: alpha, white, grey, black or flat.
-
-Also the rim that anti-aliasing leaves around a motif, where the stored vector is part surface and part background.
-"""
+"""Where a picture's background is and what it is: alpha, white, grey, black, flat, or a colour that is no normal."""
 
 from __future__ import annotations
 
@@ -13,35 +10,37 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from nmaptool.arrays import Float32, Mask
+from nmaptool.arrays import Mask
 from nmaptool.codec import flat_codes
 from nmaptool.model import RasterImage
 
-# smallest patch of an impossible colour that is called background, and smallest share of the picture's edge that a
-# flat background must hold (flat is a valid normal, so it needs more proof)
+# smallest patch of an impossible colour that is called background, and their smallest share of the picture
 _MIN_PATCH_PIXELS = 16
 _MIN_PATCH_SHARE = 2e-4
 _MIN_TOTAL_SHARE = 2e-3
-_MIN_FLAT_EDGE_SHARE = 0.1
-_LOSSY_TOLERANCE = 8.0  # 8-bit codes around a colour in JPEG
-_HALF_TOLERANCE = 3e-4
+# a flat background (flat is a valid normal, so it needs more proof) has a patch that reaches this many sides
+_FLAT_SIDES = 3
+# in steps of an 8-bit code: around impossible colours, around flat, and the same in JPEG
+_TOLERANCE, _FLAT_NOISE, _LOSSY_TOLERANCE, _LOSSY_FLAT = 3.0, 2.5, 8.0, 4.0
+# noise around flat: its mean over a window is flat, and it varies more than that mean
+_NOISE_WINDOW_PX = 15
+_NOISE_MEAN = 0.75
+_NOISE_ROUGHNESS = 0.1
+_ALL_OVER = 0.995
+# a colour that is no normal and fills so much of the edge and of the picture is a background, whatever it is
+_ODD_EDGE_SHARE, _ODD_SHARE, _ODD_LENGTH = 0.3, 0.05, 0.1
 _DATA_ALPHA_SHARE = 0.3
-_RIM_PX = 2
-_RIM_LENGTH_TOLERANCE = 0.03
-# a rim vector of unit length is still a mixture where it lies this near the line from the normal inside it to the
-# background, and this far along it
-_MIXTURE_OFF_LINE = 0.35
-_MIXTURE_ALONG = 0.08
 _EIGHT = np.ones((3, 3), bool)
 
 
 @dataclass(frozen=True, eq=False)
 class Background:
-    """A background: its kind, where it is (H, W bool), and the stored vector it decodes to (None for alpha)."""
+    """A background: its kind, where it is (H, W bool), its stored colour (None for alpha), what speaks against it."""
 
     kind: str
     mask: Mask
     codes: tuple[float, ...] | None = None
+    doubt: str | None = None
 
 
 def alpha_is_data(image: RasterImage) -> bool:
@@ -53,29 +52,20 @@ def alpha_is_data(image: RasterImage) -> bool:
     return bool(partial.mean() > _DATA_ALPHA_SHARE)
 
 
-def _candidates(image: RasterImage) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Stored colours that files use for "nothing here"."""
-    if image.is_float:
-        yield "white", (1.0, 1.0, 1.0)
-        yield "black", (0.0, 0.0, 0.0)
-        yield "flat", (0.0, 0.0, 1.0)
-        for middle in (0.5, 128 / 255, 127 / 255):  # as it is, or as 8-bit codes were
-            yield "grey", (middle, middle, middle)
-            yield "flat", (middle, middle, 1.0)
-        return
-    top = image.max_code
-    middle = (top + 1) // 2
+def _range(image: RasterImage, xyz: NDArray[Any]) -> tuple[float, float, float]:
+    """Stored values of -1 and 1, and the step of an 8-bit code between them."""
+    low = -1.0 if image.is_float and float(xyz.min()) < -1e-3 else 0.0
+    return low, float(image.max_code), (image.max_code - low) / 255
+
+
+def _impossible(image: RasterImage, xyz: NDArray[Any]) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Stored colours that are no normals and stand for "nothing here"."""
+    low, top, step = _range(image, xyz)
     yield "white", (top, top, top)
-    yield "black", (0, 0, 0)
-    yield "grey", (middle, middle, middle)
-    yield "grey", (middle - 1, middle - 1, middle - 1)
-    for codes in flat_codes(top).values():
-        yield "flat", codes
-    if top == 65535:  # 8-bit codes widened to 16 bits
-        yield "grey", (128 * 257,) * 3
-        yield "grey", (127 * 257,) * 3
-        yield "flat", (128 * 257, 128 * 257, top)
-        yield "flat", (127 * 257, 127 * 257, top)
+    yield "black", (0.0, 0.0, 0.0)
+    if low == 0:
+        middle = top / 2 + step / 2
+        yield "grey", (middle, middle, middle)
 
 
 def _hex_codes(text: str, image: RasterImage, order: tuple[int, ...]) -> tuple[float, ...]:
@@ -83,32 +73,89 @@ def _hex_codes(text: str, image: RasterImage, order: tuple[int, ...]) -> tuple[f
     return tuple(c / 255 if image.is_float else float(c * (image.max_code // 255)) for c in eight)
 
 
-def _matches(xyz: NDArray[Any], codes: tuple[float, ...], image: RasterImage) -> Mask:
-    slack = _LOSSY_TOLERANCE if image.lossy else 0.0
-    if slack or image.is_float:
-        slack = slack or (1e-6 if image.bits == 32 else _HALF_TOLERANCE)
-        near = np.abs(xyz.astype(np.float32) - np.array(codes, np.float32)) <= slack
-    else:
-        near = xyz == np.array(codes, xyz.dtype)
-    return np.asarray(near.all(axis=-1))
+def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
+    """Pixels within ``slack`` of a colour in every channel."""
+    near = np.ones(xyz.shape[:2], bool)
+    for channel, code in enumerate(codes):
+        near &= np.abs(xyz[..., channel].astype(np.float32) - np.float32(code)) <= slack
+    return near
+
+
+def _exactly_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
+    low, top, _ = _range(image, xyz)
+    if image.is_float:
+        slack = 1e-6 if image.bits == 32 else 3e-4
+        middles: tuple[float, ...] = (0.0,) if low < 0 else (0.0, 0.5, 128 / 255, 127 / 255)
+        return np.asarray(np.any([_near(xyz, (m, m, top), slack) for m in middles], axis=0))
+    found = [(xyz == np.array(codes, xyz.dtype)).all(axis=-1) for codes in flat_codes(image.max_code).values()]
+    return np.asarray(np.any(found, axis=0))
+
+
+def _noisy_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
+    """Flat under noise or dither: near flat, flat on average, and varying from pixel to pixel more than that."""
+    low, top, step = _range(image, xyz)
+    middle = (low + top) / 2
+    slack = (_LOSSY_FLAT if image.lossy else _FLAT_NOISE) * step
+    near = _near(xyz, (middle, middle, top), slack)
+    for channel in range(2):
+        values = (xyz[..., channel].astype(np.float32) - np.float32(middle)) / np.float32(step)
+        values = np.where(near, values, 0)
+        mean = ndimage.uniform_filter(values, _NOISE_WINDOW_PX, mode="nearest")
+        rough = ndimage.uniform_filter(np.abs(values - ndimage.uniform_filter(values, 3)), _NOISE_WINDOW_PX)
+        near &= (np.abs(mean) <= _NOISE_MEAN) & (rough > _NOISE_ROUGHNESS * np.abs(mean)) & (rough > 0)
+    specks, count = ndimage.label(~near, _EIGHT)
+    small = np.bincount(specks.ravel(), minlength=count + 1) < _MIN_PATCH_PIXELS
+    small[0] = False
+    return np.asarray(near | small[specks])
 
 
 def _edge(mask: Mask) -> NDArray[np.bool_]:
     return np.concatenate([mask[0], mask[-1], mask[1:-1, 0], mask[1:-1, -1]])
 
 
-def _patches(mask: Mask, kind: str) -> Mask:
-    """The parts of ``mask`` that can be background: big enough, and for flat, reaching the picture's edge."""
-    labels, count = ndimage.label(mask, _EIGHT)
-    if count == 0:
-        return mask
-    if kind == "flat":
-        keep = np.zeros(count + 1, bool)
-        keep[_edge(labels)] = True
-    else:
-        keep = np.bincount(labels.ravel()) >= max(_MIN_PATCH_PIXELS, _MIN_PATCH_SHARE * mask.size)
+def _big_patches(mask: Mask) -> Mask:
+    labels, _ = ndimage.label(mask, _EIGHT)
+    keep = np.bincount(labels.ravel()) >= max(_MIN_PATCH_PIXELS, _MIN_PATCH_SHARE * mask.size)
     keep[0] = False
     return np.asarray(keep[labels])
+
+
+def _edge_patches(mask: Mask, sides: int) -> Mask:
+    """The patches that reach the picture's edge, where one of them reaches ``sides`` sides; else nothing."""
+    labels, count = ndimage.label(mask, _EIGHT)
+    reached = np.zeros(count + 1, int)
+    for side in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
+        reached[np.unique(side)] += 1
+    reached[0] = 0
+    if reached.max(initial=0) < sides:
+        return np.zeros(mask.shape, bool)
+    return np.asarray((reached > 0)[labels])
+
+
+def _find_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
+    exact = _edge_patches(_exactly_flat(image, xyz), sides)
+    noisy = _edge_patches(_noisy_flat(image, xyz), sides)
+    # a map that is noise near flat all over is a very shallow surface
+    return noisy if noisy.sum() > 1.25 * exact.sum() and noisy.mean() < _ALL_OVER else exact
+
+
+def _find_odd(image: RasterImage, xyz: NDArray[Any], order: tuple[int, ...]) -> Background | None:
+    """A colour that fills much of the edge: a background where it is no normal, a doubt where it may be one."""
+    low, top, step = _range(image, xyz)
+    edge = np.concatenate([xyz[0], xyz[-1], xyz[1:-1, 0], xyz[1:-1, -1]])
+    colors, counts = np.unique(edge, axis=0, return_counts=True)
+    codes = tuple(float(c) for c in colors[np.argmax(counts)])
+    vector = (np.array(codes) - (low + top) / 2) / ((top - low) / 2)
+    if counts.max() < _ODD_EDGE_SHARE * len(edge):
+        return None
+    mask = _big_patches(_near(xyz, codes, _TOLERANCE * step))
+    if mask.mean() < _ODD_SHARE:
+        return None
+    name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - low) / step) for c in range(3)))
+    if abs(np.linalg.norm(vector) - 1) >= _ODD_LENGTH:
+        return Background(name, mask, codes)
+    doubt = f"{mask.mean():.0%} of the picture is {name}; if that is background, say --background-color '{name}'"
+    return Background("none", np.zeros(mask.shape, bool), doubt=doubt)
 
 
 def find_background(
@@ -140,82 +187,23 @@ def find_background(
         see_through = alpha < 0.5 if alpha is not None else nothing.mask
         if wanted == "alpha" or see_through.any():
             return Background("alpha", see_through)
+    low, top, step = _range(image, xyz)
+    slack = (_LOSSY_TOLERANCE if image.lossy else _TOLERANCE) * step
     if wanted.startswith("#"):
         codes = _hex_codes(wanted, image, order)
-        return Background(wanted, _matches(xyz, codes, image), codes)
+        return Background(wanted, _near(xyz, codes, slack), codes)
     best, best_score = nothing, 0.0
-    for kind, codes in _candidates(image):
+    for kind, codes in _impossible(image, xyz):
         if wanted not in ("auto", kind):
             continue
-        mask = _patches(_matches(xyz, codes, image), kind)
-        edge_share, total_share = float(_edge(mask).mean()), float(mask.mean())
-        if wanted == "auto" and (
-            total_share < _MIN_TOTAL_SHARE or (kind == "flat" and edge_share < _MIN_FLAT_EDGE_SHARE)
-        ):
-            continue
-        score = edge_share + total_share
-        if score > best_score:
+        mask = _big_patches(_near(xyz, codes, slack))
+        score = float(_edge(mask).mean() + mask.mean())
+        if score > best_score and (wanted != "auto" or mask.mean() >= _MIN_TOTAL_SHARE):
             best, best_score = Background(kind, mask, codes), score
+    if wanted in ("auto", "flat"):
+        mask = _find_flat(image, xyz, _FLAT_SIDES if wanted == "auto" else 1)
+        if float(_edge(mask).mean() + mask.mean()) > best_score:
+            return Background("flat", mask, ((low + top) / 2, (low + top) / 2, top))
+    if best.kind == "none" and wanted == "auto":
+        return _find_odd(image, xyz, order) or nothing
     return best
-
-
-def repair_rim(vectors: Float32, outside: Mask, background: Float32 | None) -> tuple[Float32, Float32, int]:
-    """Give the anti-aliased rim of a motif the normals just inside it, and its coverage by un-mixing.
-
-    A rim pixel is one within 2 px of the background that stores c n + (1 - c) b, with n a unit normal and b the
-    background's vector: its length is off, or it lies on the way from the normals inside to b. n is taken from the
-    nearest sound pixel, which leaves c to be read off.
-
-    Parameters
-    ----------
-    vectors : (H, W, 3) float32
-        Decoded vectors, not yet normalised.
-    outside : (H, W) bool
-        Background.
-    background : (3,) float32 or None
-        Vector that the background decodes to; None where alpha tells coverage already.
-
-    Returns
-    -------
-    vectors : (H, W, 3) float32
-        A copy with the rim replaced.
-    coverage : (H, W) float32
-        0 outside, 1 inside, between on the rim (1 there where ``background`` is None).
-    count : int
-        Rim pixels replaced.
-    """
-    coverage = (~outside).astype(np.float32)
-    near = ndimage.binary_dilation(outside, _EIGHT, iterations=_RIM_PX) & ~outside
-    length = np.sqrt(np.einsum("ijk,ijk->ij", vectors, vectors))
-    sound = ~outside & (np.abs(length - 1) <= _RIM_LENGTH_TOLERANCE)
-    if background is not None and (sound & ~near).any():
-        at = near & sound
-        inner = _nearest(vectors, sound & ~near, at)
-        share, off_line = _unmix(vectors[at], inner, background)
-        sound[at] = (1 - share < _MIXTURE_ALONG) | (off_line > _MIXTURE_OFF_LINE)
-    rim = near & ~sound
-    if not rim.any() or not sound.any():
-        return vectors, coverage, 0
-    inner = _nearest(vectors, sound, rim)
-    fixed = vectors.copy()
-    fixed[rim] = inner
-    if background is not None:
-        coverage[rim] = _unmix(vectors[rim], inner, background)[0]
-    return fixed, coverage, int(rim.sum())
-
-
-def _nearest(vectors: Float32, sound: Mask, at: Mask) -> Float32:
-    """(N, 3) the vector of the sound pixel nearest to each of the N pixels of ``at``."""
-    rows, cols = ndimage.distance_transform_edt(~sound, return_distances=False, return_indices=True)
-    found: Float32 = vectors[rows[at], cols[at]]
-    return found
-
-
-def _unmix(mixed: Float32, inner: Float32, background: Float32) -> tuple[Float32, Float32]:
-    """Share of ``inner`` in each mixture, 0..1, and how far off the line to the background it lies, as a share too."""
-    span = inner - background
-    size = np.maximum(np.einsum("ik,ik->i", span, span), np.float32(1e-6))
-    share = (np.einsum("ik,ik->i", mixed - background, span) / size).clip(0, 1)
-    off = np.linalg.norm(mixed - background - share[:, None] * span, axis=1)
-    moved = np.linalg.norm(mixed - inner, axis=1)
-    return share.astype(np.float32), (off / np.maximum(moved, 1e-6)).astype(np.float32)

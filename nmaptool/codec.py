@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32
 from nmaptool.errors import UsageError
+from nmaptool.model import RasterImage
 
 ZERO_CODES = ("127", "127.5", "128")
 _SWIZZLE = re.compile(r"([+-]?)([rgb])")
@@ -17,6 +19,25 @@ _SWIZZLE = re.compile(r"([+-]?)([rgb])")
 # flat hold its three neighbours about as often.
 _SPIKE = 4
 _SPIKE_PIXELS = 64
+
+
+def narrowed(image: RasterImage) -> RasterImage:
+    """The picture as 8-bit codes where that is all it holds: widened to 16 bits, or divided by 255 into floats.
+
+    Zero code, rounding and backgrounds are then those of the 8-bit picture it was.
+    """
+    pixels = image.pixels
+    if pixels.dtype == np.uint16:
+        for factor in (257, 256):
+            if not np.any(pixels.ravel()[:: max(1, pixels.size // 4096)] % factor) and not np.any(pixels % factor):
+                return replace(image, pixels=(pixels // factor).astype(np.uint8))
+    elif pixels.dtype == np.float32 and np.isfinite(pixels).all() and pixels.min() >= 0 and 0 < pixels.max() <= 1:
+        codes = pixels * np.float32(255)
+        whole = np.rint(codes)
+        # half floats hold k/255 to about 0.06 of a code
+        if len(np.unique(whole)) > 2 and np.all(np.abs(codes - whole) < (2e-3 if image.bits == 32 else 0.07)):
+            return replace(image, pixels=whole.astype(np.uint8))
+    return image
 
 
 def zero_and_scale(zero_code: str, max_code: int) -> tuple[float, float]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool import background as bg
-from nmaptool import codec
+from nmaptool import codec, rim
 from nmaptool.arrays import Float32
 from nmaptool.errors import InputError
 from nmaptool.model import Decoding, NormalMap, RasterImage
@@ -141,6 +141,7 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     options = options or ReadOptions()
     swizzle = codec.parse_swizzle("r,g,b" if options.swizzle is None else options.swizzle)
     facts: dict[str, Any] = {"swizzle": codec.format_swizzle(swizzle), "warnings": ()}
+    image = codec.narrowed(image)
     order = tuple(channel for channel, _ in swizzle)
     xyz = _check_finite(image, color_channels(image))
     if order != (0, 1, 2):
@@ -151,6 +152,8 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     alpha = image.alpha
     if options.background_color not in ("auto", "none") and not found.mask.any():
         facts["warnings"] += (f"no background is {options.background_color}: every pixel is taken for surface",)
+    if found.doubt is not None:
+        facts["warnings"] += (found.doubt,)
     if alpha is not None and options.background_color == "auto" and bg.alpha_is_data(image):
         facts["warnings"] += ("alpha looks like data (a height or gloss channel), not coverage: ignored",)
     vectors, coverage = _cover(vectors, found, alpha, facts, _decode_like(image, facts))
@@ -177,6 +180,7 @@ def off_length_share(vectors: Float32) -> float:
 
 def raw_vectors(image: RasterImage, decoding: Decoding) -> Float32:
     """(H, W, 3) float32 stored vectors by a decoding already settled, neither normalised nor repaired."""
+    image = codec.narrowed(image)
     order = [channel for channel, _ in codec.parse_swizzle(decoding.swizzle)]
     xyz = color_channels(image)[..., order]
     if not image.is_float:
@@ -203,13 +207,19 @@ def _cover(
 ) -> tuple[Float32, Float32]:
     """Coverage of the map by the kind of its background, the rim repaired."""
     everywhere = np.ones(vectors.shape[:2], np.float32)
-    if found.kind in ("none", "flat"):  # a flat background is a defined part of the map
+    if found.kind == "none":
+        return vectors, everywhere
+    if found.kind == "flat":  # it is a defined part of the map; a rim that is mostly background joins it
+        flat = np.array(FLAT, np.float32)
+        vectors, share, facts["rim_pixels"] = rim.repair_rim(vectors, found.mask, flat, is_normal=True)
+        found.mask[share < 0.5] = True
+        vectors[found.mask] = FLAT
         return vectors, everywhere
     if found.kind == "alpha":
         if alpha is None:
             return vectors, everywhere
-        vectors, _, facts["rim_pixels"] = bg.repair_rim(vectors, alpha <= 0.02, None)
+        vectors, _, facts["rim_pixels"] = rim.repair_rim(vectors, alpha <= 0.02, None)
         return vectors, alpha.copy()
     assert found.codes is not None
-    vectors, coverage, facts["rim_pixels"] = bg.repair_rim(vectors, found.mask, decode(found.codes))
+    vectors, coverage, facts["rim_pixels"] = rim.repair_rim(vectors, found.mask, decode(found.codes))
     return vectors, coverage

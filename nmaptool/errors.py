@@ -47,7 +47,7 @@ class ConvergenceError(NmaptoolError, ArithmeticError):
     Attributes
     ----------
     history : tuple of float
-        Relative residual after each iteration, the starting one first.
+        Relative residual after each iteration.
     """
 
     exit_code = 7

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.errors import UsageError
-from nmaptool.units import Length
+from nmaptool.units import Length, length
 
 Green = Literal["auto", "up", "down"]
 ZeroCode = Literal["auto", "127", "127.5", "128"]
@@ -20,6 +20,9 @@ Energy = Literal["eq6", "eq4"]
 Fit = Literal["scale", "slope", "delta"]
 SolverName = Literal["auto", "dct", "amg"]
 
+LARGEST_WEIGHT = 1e6
+_SMALLEST_BETA = 1e-9
+_LARGEST_SLOPE = 1e4
 _BACKGROUND_WORDS = ("auto", "none", "alpha", "white", "grey", "black", "flat")
 
 
@@ -86,10 +89,10 @@ class ReliefOptions:
     mu:
         Weight of the detail map. 0.1 adds crispness, 1 exaggerates. Without a detail map it does nothing.
     beta:
-        Pull of every foreground point towards the height delta. Small is round, large is flat: the shape is kept
-        over sqrt((1 + mu) / beta) px (32 px at 0.001, 10 px at 0.01, 1 px at 1).
+        Pull of every foreground point towards the height delta. Small is round, large is flat: 0.0001 keeps forms of
+        100 px, 0.001 of 32 px, 0.01 of 10 px on a picture of 1000 px; 0 lets the map alone decide.
     delta:
-        Height in px that beta pulls the foreground to.
+        Height that beta pulls the foreground to, in px of a picture of 1000 px; negative for an engraving.
     background:
         "plane": the background is a flat plate at height 0; "free": it follows its own normals, nothing is held;
         "cut": only the foreground is made, with its outline; "surface": the background is held to a curved surface
@@ -100,9 +103,10 @@ class ReliefOptions:
         "eq6" averages original and detail (detail keeps its size, the base is compressed by 1 + mu); "eq4" adds
         mu times the detail to the original.
     per_pixel:
-        Take mu, beta and delta per pixel of this very picture.
+        Count beta and delta in pixels of this very picture instead of one of 1000 px.
     height:
-        Exact height between the lowest and the highest point, such as 3mm (of the relief above its background).
+        Exact height from the lowest to the highest point of the relief, such as 3mm; on a curved background, measured
+        from it.
     fit:
         How the exact height is reached: "scale" multiplies all heights, "slope" changes the slopes and keeps delta,
         "delta" changes delta and keeps the slopes.
@@ -137,10 +141,15 @@ class ReliefOptions:
             ("fit", self.fit, ("scale", "slope", "delta")),
             ("solver", self.solver, ("auto", "dct", "amg")),
         )
+        for name in ("height", "width"):  # text is as good as a Length
+            if isinstance(getattr(self, name), str):
+                object.__setattr__(self, name, length(getattr(self, name)))
         _require_at_least_zero(mu=self.mu, beta=self.beta)
-        if not math.isfinite(self.delta):
-            raise UsageError(f"--delta {self.delta}: must be a number")
-        if not (math.isfinite(self.slope_cap) and self.slope_cap > 0):
+        if 0 < self.beta < _SMALLEST_BETA:
+            raise UsageError(f"--beta {self.beta:g}: must be 0 or at least {_SMALLEST_BETA:g}")
+        if not (math.isfinite(self.delta) and abs(self.delta) <= LARGEST_WEIGHT):
+            raise UsageError(f"--delta {self.delta:g}: must be a number of at most {LARGEST_WEIGHT:g}")
+        if not 0 < self.slope_cap <= _LARGEST_SLOPE:
             raise UsageError(f"--slope-cap {self.slope_cap:g}: must be greater than zero, such as 3")
         if not 1e-14 <= self.tolerance < 1:
             raise UsageError(f"--tolerance {self.tolerance:g}: must lie between 1e-14 and 1, such as 1e-8")
@@ -154,8 +163,8 @@ class ReliefOptions:
 
 def _require_at_least_zero(**values: float) -> None:
     for name, value in values.items():
-        if not (math.isfinite(value) and value >= 0):
-            raise UsageError(f"--{name} {value:g}: must be zero or more")
+        if not 0 <= value <= LARGEST_WEIGHT:
+            raise UsageError(f"--{name} {value:g}: must be zero or more, at most {LARGEST_WEIGHT:g}")
 
 
 def _require_choices(*choices: tuple[str, str, tuple[str, ...]]) -> None:

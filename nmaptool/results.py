@@ -12,7 +12,7 @@ from nmaptool.model import Height
 from nmaptool.options import ReliefOptions
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SolveReport:
     """What a relief run did.
 
@@ -23,7 +23,10 @@ class SolveReport:
     pitch_mm, pitch_from : float, str
         Size of a pixel, and whether it was ``given``, in the ``file`` or ``assumed``.
     mu, beta_px, delta_px, reach_px, reach_mm : float
-        What was solved with, in pixels of this picture; the reach is sqrt((1 + mu)/beta).
+        What was solved with, in pixels of this picture; the reach is sqrt(k/beta), k the weight of the slopes (1 + mu,
+        or 1 in "eq4"), without weight maps.
+    px_per_delta : float
+        Pixels of this picture to one unit of ``options.delta``.
     solver, unknowns, islands, floating_islands, iterations, residual, history
         The solve; the residual is relative, the largest over the islands.
     height_min_mm, height_max_mm, height_range_mm : float
@@ -31,9 +34,9 @@ class SolveReport:
     relief_range_mm : float
         The same measured from the background: what --height sets.
     below_background_share : float
-        Share of the foreground's vertices below the background.
+        Share of the foreground's vertices below a held background; 0 where nothing is held.
     foreground_share, steep_share : float
-        Share of the picture that is foreground; share of it whose slope was capped.
+        Share of the picture that is foreground; share of the acting pixels whose slope was capped.
     scale : float
         Factor on all heights (``fit="scale"``) or on the slopes (``fit="slope"``).
     seconds : mapping of str to float
@@ -47,6 +50,7 @@ class SolveReport:
     mu: float
     beta_px: float
     delta_px: float
+    px_per_delta: float
     reach_px: float
     reach_mm: float
     solver: str

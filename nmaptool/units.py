@@ -77,7 +77,7 @@ def length(text: str) -> Length:
     """
     match = _PATTERN.fullmatch(text)
     if match is None:
-        raise UsageError(f"length {text!r}: expected a number with a unit, such as 12mm, 4px or 3%")
+        raise UsageError(f"length {text!r}: expected a number with a unit (mm, cm, in, px, %), such as 12mm or 3%")
     try:
         return Length(float(match.group(1)), match.group(2).lower())
     except UsageError as error:

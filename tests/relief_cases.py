@@ -33,3 +33,9 @@ def solve(original, detail=None, **changes):
 
 def foreground_heights(relief):
     return relief.z_mm[touching(relief.foreground) & ~touching(~relief.foreground)]
+
+
+def rolling(side=96):
+    """Vertex heights of a background that rolls along x."""
+    _, x = np.mgrid[0 : side + 1, 0 : side + 1]
+    return 6 * np.sin(x / 20.0)

@@ -73,7 +73,7 @@ def test_a_map_that_is_background_all_over(refused, maps, tmp_path, name):
 @pytest.mark.parametrize("flag", ["--detail", "--mask", "--mu-map", "--beta-map", "--delta-map", "--surface"])
 def test_a_companion_of_another_size(refused, maps, tmp_path, flag):
     other = maps["small" if flag in ("--detail", "--surface") else "small-mask"]
-    more = ("--background", "surface") if flag == "--surface" else ()
+    more = {"--surface": ("--background", "surface"), "--mu-map": ("--detail", maps["clean"])}.get(flag, ())
     pattern = r"clean\.png is 96 x 96 .*80 x 64.*make them the same"
     refused(INPUT, pattern, "relief", maps["clean"], flag, other, *more, "-o", tmp_path / "out.stl")
 
@@ -119,7 +119,7 @@ BAD_WORDS = [
     (("--height", "0mm"), r"0mm.*greater than zero"),
     (("--height", "-3mm"), r"-3mm.*greater than zero"),
     (("--height=-3mm",), r"-3mm.*greater than zero"),
-    (("--height", "3"), r"'3': expected a number with a unit, such as 12mm, 4px or 3%"),
+    (("--height", "3"), r"'3': expected a number with a unit .*such as 12mm or 3%"),
     (("--height", "mm"), r"'mm': expected a number with a unit"),
     (("--height", "3 furlongs"), r"expected a number with a unit"),
     (("--height", "1e999mm"), r"1e999mm"),

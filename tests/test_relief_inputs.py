@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from relief_cases import dome, normal_map, solve
+from relief_cases import dome, normal_map, rolling, solve
 
 import nmaptool as nm
 from nmaptool.errors import InputError, UsageError
@@ -104,11 +104,6 @@ def test_mask_chooses_the_motif_and_feathers_it():
     assert np.abs(p_soft[rim]).mean() < 0.8 * np.abs(p_hard[rim]).mean()
 
 
-def rolling(side=96):
-    _, x = np.mgrid[0 : side + 1, 0 : side + 1]
-    return 6 * np.sin(x / 20.0)
-
-
 @pytest.mark.parametrize("as_height", [True, False])
 def test_surface_background_is_held_and_delta_counts_from_it(as_height):
     roll = rolling()
@@ -201,7 +196,7 @@ def test_misfits_are_named():
         solve(original, background="surface", surface=small)
     for name in ("mu", "beta", "delta"):
         with pytest.raises(InputError, match=f"but the {name} map is 40 x 40"):
-            solve(original, **{f"{name}_map": small.coverage})
+            solve(original, original, **{f"{name}_map": small.coverage})
     with pytest.raises(InputError, match="the beta map must be finite and not negative"):
         solve(original, beta_map=np.full((96, 96), -1, np.float32))
     with pytest.raises(InputError, match="the delta map must be finite"):

@@ -39,7 +39,12 @@ class Domain:
 
 
 def lay_out(
-    mode: str, foreground: Mask, covered: Mask, share: Float32 | None = None, base_px: Float64 | None = None
+    mode: str,
+    foreground: Mask,
+    covered: Mask,
+    share: Float32 | None = None,
+    base_px: Float64 | None = None,
+    pulled: Mask | None = None,
 ) -> Domain:
     """The domain of a background mode.
 
@@ -58,13 +63,16 @@ def lay_out(
         Share of each face that is motif, for ``plane`` and ``surface``: soft edges lean less.
     base_px : (H+1, W+1) float64, optional
         Height of the curved background, for ``surface``.
+    pulled : (H, W) bool, optional
+        Where the height term acts. Default: the motif.
     """
     rows, cols = foreground.shape
     vertices = (rows + 1, cols + 1)
     flat = np.zeros(vertices) if base_px is None else base_px
+    pulled = foreground if pulled is None else pulled
     if mode in ("plane", "surface"):
         everywhere = np.ones(foreground.shape, bool)
         # faces between held vertices only have no say: leaving them out keeps separate motifs separate
-        return Domain(everywhere, foreground, foreground, touching(~foreground), flat, share)
+        return Domain(everywhere, foreground, pulled, touching(~foreground), flat, share)
     acting = foreground if mode == "cut" else covered | foreground
-    return Domain(acting, acting, foreground, np.zeros(vertices, bool), flat)
+    return Domain(acting, acting, pulled, np.zeros(vertices, bool), flat)

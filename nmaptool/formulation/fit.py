@@ -51,7 +51,7 @@ def least_range(a: Float64, b: Float64) -> tuple[float, float]:
 
 
 def factor_for_range(a: Float64, b: Float64, wanted: float, what: str, pitch_mm: float) -> float:
-    """The largest t for which a + t b has the range ``wanted``.
+    """The largest t for which a + t b has the range ``wanted``; never negative, which would turn b inside out.
 
     Parameters
     ----------
@@ -67,21 +67,20 @@ def factor_for_range(a: Float64, b: Float64, wanted: float, what: str, pitch_mm:
     Raises
     ------
     InputError
-        If no t reaches the range; the message says the least reachable one.
+        If no t >= 0 reaches the range; the message says the least reachable one.
     """
     # a response that is the same everywhere, up to the solver's tolerance, moves the relief but keeps its range
     without_effect = spread_of(b) <= 1e-4 * float(abs(b).max())
     best, least = (0.0, spread_of(a)) if without_effect else least_range(a, b)
+    if best < 0:
+        best, least = 0.0, spread_of(a)
     if wanted < least or without_effect:
-        reason = (
-            f"which has no effect here: it stays at {least * pitch_mm:.4g} mm;"
-            if without_effect
-            else f"the least is {least * pitch_mm:.4g} mm; ask for more,"
-        )
+        reason = "has no effect here: it stays at" if without_effect else "alone does not reach: the least is"
         raise InputError(
-            f"--height {wanted * pitch_mm:g}mm: cannot be reached by changing {what} alone, {reason} or use --fit scale"
+            f"--height {wanted * pitch_mm:g}mm: changing {what} {reason} {least * pitch_mm:.4g} mm; "
+            f"{'' if without_effect else 'ask for more, or '}use --fit scale"
         )
-    t = max(best + 1.0, 1.0)
+    t = best + max(1.0, best)
     value, slope = _range_and_slope(a, b, t)
     while value < wanted or slope <= 0:
         t = best + 2 * (t - best)

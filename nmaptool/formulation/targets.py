@@ -32,10 +32,13 @@ class Weights:
     beta_map: Float32 | None = None
     delta_map: Float32 | None = None
 
-    @property
-    def reach_px(self) -> float:
-        """Distance sqrt((1 + mu)/beta) over which the height term acts; infinite for beta 0."""
-        return float(np.sqrt((1 + self.mu) / self.beta)) if self.beta > 0 else float("inf")
+    def reach_px(self, energy: str) -> float:
+        """Distance sqrt(k/beta) over which the height term acts, without weight maps; infinite for beta 0.
+
+        k is the weight of the slopes: 1 + mu in "eq6", 1 in "eq4".
+        """
+        stiffness = 1 + self.mu if energy == "eq6" else 1.0
+        return float(np.sqrt(stiffness / self.beta)) if self.beta > 0 else float("inf")
 
 
 def to_pixels(beta: float, delta: float, longer_side: int, per_pixel: bool) -> tuple[float, float]:
@@ -101,25 +104,29 @@ def aim(
     cap : float
         Slope cap.
     energy : {"eq6", "eq4"}
-        "eq6": target slope (g_O + mu g_D)/(1 + mu) with weight 1 + mu; "eq4": g_O + mu g_D with weight 1.
+        "eq6": target slope (g_O + mu g_D)/(1 + mu) with weight 1 + mu; "eq4": g_O + mu g_D with weight 1. Both count
+        from the slopes of a held background, and fade with the share of each face that is motif.
     """
     shape = original.frame.shape
     acting = domain.acting.astype(np.float64)
     p, q = (slope * acting for slope in slopes(original.normals, cap))
-    if domain.share is not None:
-        p_base, q_base = height_slopes(domain.base_px)
-        p = domain.share * p + (1 - domain.share) * acting * p_base
-        q = domain.share * q + (1 - domain.share) * acting * q_base
+    share = acting if domain.share is None else domain.share * acting
+    p_base, q_base = height_slopes(domain.base_px)
+    # what stands out of the held background; where nothing is held, that is everything
+    p, q = share * (p - acting * p_base), share * (q - acting * q_base)
     weight = acting
     if detail is not None:
         mu = _mapped(weights.mu, weights.mu_map, shape) * acting
         p_detail, q_detail = slopes(detail.normals, cap)
-        p += mu * p_detail
-        q += mu * q_detail
+        p += mu * share * detail.coverage * p_detail
+        q += mu * share * detail.coverage * q_detail
         if energy == "eq6":
             weight = weight + mu
+    p += weight * p_base
+    q += weight * q_base
     beta = _mapped(weights.beta, weights.beta_map, shape) * domain.foreground
+    if domain.share is not None:
+        beta = beta * domain.share
     pull = beta if weights.delta_map is None else beta * weights.delta_map
-    return Targets(
-        weight, p, q, corner_sum(beta) / 4, corner_sum(pull) / 4, _steep_share(original.normals, domain.acting, cap)
-    )
+    steep = _steep_share(original.normals, domain.acting, cap)
+    return Targets(weight, p, q, corner_sum(beta) / 4, corner_sum(pull) / 4, steep)

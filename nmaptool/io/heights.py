@@ -22,22 +22,22 @@ ENDINGS = (".exr", ".tif", ".tiff", ".npy", ".png")
 
 
 def height_attributes(height: Height) -> dict[str, str]:
-    """Metadata that every height picture carries: kind, unit, pitch and range at pixel centres."""
-    z = height.at_pixels()
+    """Metadata that every height picture carries: kind, unit, pitch and the range of the surface (at pixel corners)."""
+    low, high = height.range_mm
     return {
         "kind": "height",
         "unit": "mm",
         "pitch_mm": repr(height.pitch_mm),
-        "height_min_mm": repr(float(np.nanmin(z))),
-        "height_max_mm": repr(float(np.nanmax(z))),
+        "height_min_mm": repr(low),
+        "height_max_mm": repr(high),
     }
 
 
-def write_height(path: Path, height: Height, attributes: Mapping[str, str], ending: str | None = None) -> None:
+def write_height(path: Path, height: Height, attributes: Mapping[str, str]) -> None:
     """Write heights in mm at pixel centres.
 
     ``.exr`` and ``.tif`` hold float32 mm, with alpha 0 outside the surface; ``.npy`` float64 mm, NaN outside; ``.png``
-    16-bit codes from the lowest (0) to the highest (65535) height, the range being in the file's text.
+    16-bit codes, 0 for the surface's lowest and 65535 for its highest corner, the range being in the file's text.
 
     Parameters
     ----------
@@ -45,8 +45,6 @@ def write_height(path: Path, height: Height, attributes: Mapping[str, str], endi
     height : Height
     attributes : mapping
         Metadata beside that of `height_attributes`.
-    ending : str, optional
-        Format by its ending. Default: the path's own.
 
     Raises
     ------
@@ -55,7 +53,7 @@ def write_height(path: Path, height: Height, attributes: Mapping[str, str], endi
     OutputError
         If it cannot be written.
     """
-    kind = (ending or path.suffix).lower()
+    kind = path.suffix.lower()
     z = height.at_pixels()
     if kind == ".npy":
         try:
@@ -70,7 +68,7 @@ def write_height(path: Path, height: Height, attributes: Mapping[str, str], endi
     inside = height.domain
     values: NDArray[Any]
     if kind == ".png":
-        low, high = float(np.nanmin(z)), float(np.nanmax(z))
+        low, high = height.range_mm
         share = (z - low) / (high - low) if high > low else np.zeros_like(z)
         values = np.floor(np.where(inside, share, 0) * 65535 + 0.5).astype(np.uint16)
         opaque: NDArray[Any] = inside.astype(np.uint16) * np.uint16(65535)
@@ -78,9 +76,9 @@ def write_height(path: Path, height: Height, attributes: Mapping[str, str], endi
         values = np.where(inside, z, 0).astype(np.float32)
         opaque = inside.astype(np.float32)
     if inside.all():
-        write_image(path, values[..., None], ("Y",), everything, ending=kind)
+        write_image(path, values[..., None], ("Y",), everything)
     else:
-        write_image(path, np.dstack([values, opaque]), ("Y", "A"), everything, ending=kind)
+        write_image(path, np.dstack([values, opaque]), ("Y", "A"), everything)
 
 
 def to_vertices(centre: Float64) -> Float64:
@@ -89,9 +87,13 @@ def to_vertices(centre: Float64) -> Float64:
     >>> to_vertices(np.array([[0.0, 1.0], [0.0, 1.0]]))[0].tolist()
     [-0.5, 0.5, 1.5]
     """
-    if min(centre.shape) > 1:
-        return corner_mean(np.pad(centre, 1, mode="reflect", reflect_type="odd"))
-    return corner_mean(np.pad(centre, 1, mode="edge"))
+    for axis, count in enumerate(centre.shape):
+        around = [(1, 1) if i == axis else (0, 0) for i in range(2)]
+        if count > 1:
+            centre = np.pad(centre, around, mode="reflect", reflect_type="odd")
+        else:
+            centre = np.pad(centre, around, mode="edge")
+    return corner_mean(centre)
 
 
 def is_height(path: Path, max_megapixels: float = 270.0) -> bool:

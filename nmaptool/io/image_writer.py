@@ -20,7 +20,6 @@ def write_image(
     channels: tuple[str, ...],
     attributes: Mapping[str, str],
     half: bool = False,
-    ending: str | None = None,
 ) -> None:
     """Write a picture and read it back; alpha unassociated, no colour-space data, metadata under ``nmaptool:``.
 
@@ -35,8 +34,6 @@ def write_image(
         Metadata; keys without prefix.
     half : bool
         Store float32 as half.
-    ending : str, optional
-        Format by its ending. Default: the path's own.
 
     Raises
     ------
@@ -44,7 +41,7 @@ def write_image(
         If writing fails or what is on disk is not what was written.
     """
     rows, cols, count = pixels.shape
-    kind = (ending or path.suffix).lower()
+    kind = path.suffix.lower()
     stored = "half" if half else {"u1": "uint8", "u2": "uint16", "f4": "float"}[pixels.dtype.str[1:]]
     spec = oiio.ImageSpec(cols, rows, count, stored)
     spec.channelnames = channels

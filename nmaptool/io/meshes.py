@@ -10,15 +10,13 @@ from nmaptool.tessellate import Mesh
 ENDINGS = (".stl", ".ply", ".obj", ".glb")
 
 
-def write_mesh(path: Path, mesh: Mesh, ending: str | None = None) -> None:
+def write_mesh(path: Path, mesh: Mesh) -> None:
     """Write triangles: binary STL and PLY, OBJ, or GLB, all with coordinates in mm.
 
     Parameters
     ----------
     path : Path
     mesh : Mesh
-    ending : str, optional
-        Format by its ending. Default: the path's own.
 
     Raises
     ------
@@ -27,7 +25,7 @@ def write_mesh(path: Path, mesh: Mesh, ending: str | None = None) -> None:
     OutputError
         If it cannot be written.
     """
-    kind = (ending or path.suffix).lower()
+    kind = path.suffix.lower()
     if kind not in ENDINGS:
         raise UsageError(f"{path}: meshes are written as {', '.join(ENDINGS)}")
     import trimesh

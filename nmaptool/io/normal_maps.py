@@ -66,8 +66,8 @@ def read_normal_map(
         ``FILE`` or ``FILE.exr:layer``.
     options : ReadOptions, optional
     like : NormalMap, optional
-        The original that this map goes with: which way green points is taken from there where it was found there,
-        since the curl of a detail map alone says little.
+        The original that this map goes with: which way green points is taken from there unless the options or the
+        file itself say it, since the curl of a detail map or a smooth background says little.
 
     Returns
     -------
@@ -82,9 +82,10 @@ def read_normal_map(
         If it is larger than ``options.max_megapixels``.
     """
     options = options or ReadOptions()
-    if like is not None and options.green == "auto" and like.decoding.green_from == "found":
+    image = read_raster(path, options)
+    if like is not None and options.green == "auto" and image.attributes.get("green") not in ("up", "down"):
         options = replace(options, green="down" if like.decoding.green == "down" else "up")
-    return decode_normal_map(read_raster(path, options), options)
+    return decode_normal_map(image, options)
 
 
 def read_grey(path: str | Path, max_megapixels: float = 270.0) -> Float32:

@@ -109,13 +109,15 @@ def write_relief(
         overwrite,
     )
     files.check()
-    attributes = {"version": __version__, "options": json.dumps(relief.report.to_dict()["options"])}
+    report_values = relief.report.to_dict() if account is None else account
+    recipe = {key: report_values[key] for key in ("options", "reading", "files") if key in report_values}
+    attributes = {"version": __version__, **{key: json.dumps(value) for key, value in recipe.items()}}
     mesh: Mesh | None = None
     with written_beside(files.targets, overwrite) as beside:
         for target, temporary in zip(files.targets, beside, strict=True):
             try:
                 if target is files.report:
-                    temporary.write_text(json.dumps(account or relief.report.to_dict(), indent=2) + "\n")
+                    temporary.write_text(json.dumps(report_values, indent=2) + "\n")
                 elif target is files.preview:
                     _write_preview(temporary, relief.height, attributes)
                 elif target.suffix.lower() in meshes.ENDINGS:

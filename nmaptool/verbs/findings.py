@@ -137,6 +137,8 @@ def _background_missing(f: Inspection) -> Told:
     for warning in f.decoding.warnings:
         if warning.startswith("no background"):
             return (warning, "leave --background-color to itself, or name what is there")
+        if "if that is background" in warning:
+            return (warning.partition(";")[0], warning.partition("; ")[2])
     return None
 
 

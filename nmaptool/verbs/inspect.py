@@ -60,7 +60,7 @@ class Inspection:
         Mean of n . outward over the outline: near +1 for a raised motif, negative for an inverted one.
     better_swizzle : str or None
         Channel order with clearly less curl.
-    premultiplied, eight_bit_data : bool
+    premultiplied, eight_bit_data, lossy, is_float : bool
     color_chunks : tuple of str
     findings : tuple of Finding
     """
@@ -84,6 +84,8 @@ class Inspection:
     better_swizzle: str | None
     premultiplied: bool
     eight_bit_data: bool
+    lossy: bool
+    is_float: bool
     color_chunks: tuple[str, ...]
     findings: tuple[Finding, ...] = ()
 
@@ -151,6 +153,8 @@ def inspect_map(
         better_swizzle=better_swizzle(normal_map, code_step(image)),
         premultiplied=_is_premultiplied(image, normal_map.decoding),
         eight_bit_data=_is_eight_bit_data(image),
+        lossy=image.lossy,
+        is_float=image.is_float,
         color_chunks=image.color_chunks,
     )
     return dataclasses.replace(facts, findings=tuple(_findings(facts)))
@@ -189,7 +193,7 @@ def _is_premultiplied(image: RasterImage, decoding: Decoding) -> bool:
 
 
 def _is_eight_bit_data(image: RasterImage) -> bool:
-    return image.pixels.dtype == np.uint16 and not np.any(image.pixels % 257)
+    return image.pixels.dtype == np.uint16 and codec.narrowed(image) is not image
 
 
 def _findings(facts: Inspection) -> list[Finding]:

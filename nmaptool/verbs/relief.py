@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -14,11 +15,11 @@ from nmaptool.formulation.domain import Domain, lay_out
 from nmaptool.formulation.fit import factor_for_range, spread_of
 from nmaptool.formulation.targets import Targets, Weights, aim, to_pixels
 from nmaptool.grid import touching
-from nmaptool.model import DEFAULT_LONGER_SIDE_MM, Height, NormalMap
+from nmaptool.model import Height, NormalMap
 from nmaptool.options import ReliefOptions
 from nmaptool.results import Relief, SolveReport
 from nmaptool.solver import QuadSystem, Solution, Solver, prepare, slope_load
-from nmaptool.verbs.integrate import integrate
+from nmaptool.verbs import relief_inputs as given
 
 Progress = Callable[[str, float], None]
 
@@ -69,16 +70,18 @@ def relief(
     """
     options = options or ReliefOptions()
     started = time.perf_counter()
-    maps = {"mu": mu_map, "beta": beta_map, "delta": delta_map}
-    _check_sizes(original, detail, mask, surface, maps)
-    pitch_mm, pitch_from = pitch_of(original, options)
-    foreground = _foreground(original, mask)
-    share = original.coverage if mask is None else original.coverage * np.asarray(mask, np.float32).clip(0, 1)
-    base = _base_px(surface, pitch_mm, options)
-    domain = lay_out(options.background, foreground, original.coverage >= 0.5, share, base)
-    beta, delta = to_pixels(options.beta, options.delta, original.frame.longer_side, options.per_pixel)
-    mu = options.mu if detail is not None else 0.0
-    weights = Weights(mu, beta, delta, mu_map, beta_map, delta_map)
+    weights, coverage = _inputs(original, detail, mask, surface, (mu_map, beta_map, delta_map), options)
+    pitch_mm, pitch_from = given.pitch_of(original, options)
+    held = options.background in ("plane", "surface")
+    foreground = given.motif_of(original, coverage, fading=held)
+    domain = lay_out(
+        options.background,
+        foreground,
+        original.coverage >= 0.5,
+        original.coverage if coverage is None else original.coverage * coverage,
+        given.base_of(surface, pitch_mm, options),
+        given.pulled_part(original, foreground, coverage),
+    )
     targets = aim(original, detail, domain, weights, options.slope_cap, options.energy)
     if progress is not None:
         progress("setting up", 0.0)
@@ -88,78 +91,38 @@ def relief(
     done = time.perf_counter()
     frame = dataclasses.replace(original.frame, pitch_mm=pitch_mm)
     height = Height(heights.z * pitch_mm, domain.surface, frame)
-    report = _report(options, height, domain, weights, targets, solver, heights, pitch_from)
+    report = _report(options, height, foreground, domain, weights, targets, solver, heights, pitch_from)
     seconds = {"setup": prepared - started, "solve": done - prepared}
     return Relief(height, foreground, dataclasses.replace(report, seconds=seconds))
 
 
-def _check_sizes(
+def _inputs(
     original: NormalMap,
     detail: NormalMap | None,
-    mask: Float32 | Mask | None,
-    surface: NormalMap | Height | None,
-    maps: dict[str, Float32 | None],
-) -> None:
-    rows, cols = original.frame.shape
+    mask: Any,
+    surface: Any,
+    maps: tuple[Any, Any, Any],
+    options: ReliefOptions,
+) -> tuple[Weights, Float32 | None]:
+    """Checked weights in pixels, and the mask."""
+    given.require_map(original, "the original")
     others: dict[str, tuple[int, ...]] = {}
     if detail is not None:
+        given.require_map(detail, "the detail map")
         others[f"the detail map {detail.name}"] = detail.frame.shape
-    if mask is not None:
-        others["the mask"] = np.shape(mask)
-    if surface is not None:
+    elif maps[0] is not None:
+        raise UsageError("--mu-map: weighs the detail map; give one with --detail")
+    coverage = given.check_mask(mask)
+    if coverage is not None:
+        others["the mask"] = coverage.shape
+    if isinstance(surface, NormalMap | Height):
         others["the curved background"] = surface.frame.shape
-    for name, values in maps.items():
-        if values is None:
-            continue
-        others[f"the {name} map"] = np.shape(values)
-        if not np.isfinite(values).all() or (name != "delta" and values.min() < 0):
-            raise InputError(f"the {name} map must be finite{'' if name == 'delta' else ' and not negative'}")
-    for what, shape in others.items():
-        if shape != (rows, cols):
-            size = " x ".join(str(n) for n in reversed(shape))
-            raise InputError(f"{original.name} is {cols} x {rows} pixels but {what} is {size}; make them the same size")
-
-
-def pitch_of(original: NormalMap, options: ReliefOptions) -> tuple[float, str]:
-    """Millimetres per pixel of a relief, and whether that was ``given``, in the ``file`` or ``assumed``."""
-    frame = original.frame
-    if options.width is not None:
-        return options.width.to_mm(1.0, frame.longer_side) / frame.cols, "given"
-    if frame.pitch_mm is not None:
-        return frame.pitch_mm, "file"
-    return DEFAULT_LONGER_SIDE_MM / frame.longer_side, "assumed"
-
-
-def _foreground(original: NormalMap, mask: Float32 | Mask | None) -> Mask:
-    kind = original.decoding.background
-    if mask is None:
-        if not original.foreground.any():
-            raise InputError(
-                f"{original.name}: every pixel is background ({kind}); nothing is left to make a relief of; "
-                "if it is a surface, say --background-color none"
-            )
-        return original.foreground
-    chosen = np.asarray(mask, np.float32) >= 0.5
-    if not chosen.any():
-        raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
-    both = np.asarray(chosen & (original.coverage >= 0.5))
-    if not both.any():
-        raise InputError(
-            f"the mask selects only background ({kind}) of {original.name}; is it upside down or negative?"
-        )
-    return both
-
-
-def _base_px(surface: NormalMap | Height | None, pitch_mm: float, options: ReliefOptions) -> Float64 | None:
-    if options.background != "surface":
-        if surface is not None:
-            raise UsageError(f"--surface: only goes with --background surface, not {options.background}")
-        return None
-    if surface is None:
-        raise UsageError("--background surface: needs the curved background, such as --surface background.png")
-    if isinstance(surface, Height):
-        return surface.z_mm / pitch_mm
-    return integrate(surface, options.slope_cap, options.tolerance)
+    checked = given.check_weights(dict(zip(("mu", "beta", "delta"), maps, strict=True)))
+    others |= {f"the {name} map": values.shape for name, values in checked.items() if values is not None}
+    given.check_sizes(original, others)
+    beta, delta = to_pixels(options.beta, options.delta, original.frame.longer_side, options.per_pixel)
+    mu = options.mu if detail is not None else 0.0
+    return Weights(mu, beta, delta, checked["mu"], checked["beta"], checked["delta"]), coverage
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -208,7 +171,8 @@ def _solve(
     if options.fit == "slope":
         slope = factor_for_range(delta * second.z[inside], above[inside], wanted_px, "the slopes", pitch_mm)
     else:
-        delta = factor_for_range(above[inside], second.z[inside], wanted_px, "delta", pitch_mm)
+        side = -1.0 if weights.delta < 0 else 1.0  # an engraving stays an engraving
+        delta = side * factor_for_range(above[inside], side * second.z[inside], wanted_px, "delta", pitch_mm)
     both = Solution(
         base + slope * above + delta * second.z,
         max(first.residual, second.residual),
@@ -221,6 +185,7 @@ def _solve(
 def _report(
     options: ReliefOptions,
     height: Height,
+    foreground: Mask,
     domain: Domain,
     weights: Weights,
     targets: Targets,
@@ -229,11 +194,23 @@ def _report(
     pitch_from: str,
 ) -> SolveReport:
     above = heights.z - domain.base_px
-    inside, motif = touching(domain.surface), touching(domain.foreground)
+    inside, motif = touching(domain.surface), touching(foreground)
     low, high = height.range_mm
+    reach_px = weights.reach_px(options.energy)
     warnings = []
-    if not targets.beta.any() and not domain.held.any():
-        warnings.append("beta is 0 and nothing is held: delta has no effect, heights are given with mean 0")
+    if not domain.held.any():
+        if not targets.beta.any():
+            warnings.append("beta is 0 and nothing is held: delta has no effect, heights are given with mean 0")
+        elif options.background in ("plane", "surface"):
+            warnings.append(
+                "no background was found to hold: the whole picture is surface, its height counts from delta"
+            )
+    if reach_px < 1:
+        warnings.append(f"beta is so large that shape is kept over {reach_px:.2g} px only: little but delta is left")
+    if options.fit == "slope" and heights.scale < 0.05:
+        warnings.append(
+            f"the slopes were scaled by {heights.scale:.2g} to reach the height: little of the shape is left"
+        )
     return SolveReport(
         options=options,
         pitch_mm=height.pitch_mm,
@@ -241,8 +218,9 @@ def _report(
         mu=weights.mu,
         beta_px=weights.beta,
         delta_px=heights.delta_px,
-        reach_px=weights.reach_px,
-        reach_mm=weights.reach_px * height.pitch_mm,
+        px_per_delta=to_pixels(1.0, 1.0, height.frame.longer_side, options.per_pixel)[1],
+        reach_px=reach_px,
+        reach_mm=reach_px * height.pitch_mm,
         solver=solver.method.name,
         unknowns=solver.unknowns,
         islands=solver.islands.count,
@@ -254,8 +232,8 @@ def _report(
         height_max_mm=high,
         height_range_mm=high - low,
         relief_range_mm=spread_of(above[inside]) * height.pitch_mm,
-        below_background_share=float((above[motif] < 0).mean()),
-        foreground_share=float(domain.foreground.mean()),
+        below_background_share=float((above[motif] < 0).mean()) if domain.held.any() else 0.0,
+        foreground_share=float(foreground.mean()),
         steep_share=targets.steep_share,
         scale=heights.scale,
         warnings=tuple(warnings),

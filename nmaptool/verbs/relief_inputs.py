@@ -1,0 +1,179 @@
+"""What a relief is given, checked: sizes, weights, motif, curved background, size of a pixel."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from nmaptool.arrays import Float32, Float64, Mask
+from nmaptool.errors import InputError, UsageError
+from nmaptool.model import DEFAULT_LONGER_SIDE_MM, Height, NormalMap
+from nmaptool.options import LARGEST_WEIGHT, ReliefOptions
+from nmaptool.verbs.integrate import integrate
+
+# a mask that changes by less than this per px is a ramp to fade over, not a smoothed edge to cut at one half
+_RAMP_PER_PX = 0.2
+_FAINTEST = 0.02
+# slopes under this are flat in a flat map's 8-bit codes
+_FLAT_TILT = 1.5 / 127
+_SAME_PITCH = 1e-3
+
+
+def require_map(value: Any, what: str) -> None:
+    """Refuse what is not a normal map, such as a path.
+
+    Raises
+    ------
+    UsageError
+    """
+    if not isinstance(value, NormalMap):
+        raise UsageError(f"{what} must be a NormalMap, found {type(value).__name__}; read one with read_normal_map")
+
+
+def check_sizes(original: NormalMap, others: dict[str, tuple[int, ...]]) -> None:
+    """Refuse inputs of another size than the original.
+
+    Raises
+    ------
+    InputError
+    """
+    rows, cols = original.frame.shape
+    for what, shape in others.items():
+        if shape != (rows, cols):
+            size = " x ".join(str(n) for n in reversed(shape)) or "a single value"
+            raise InputError(f"{original.name} is {cols} x {rows} pixels but {what} is {size}; make them the same size")
+
+
+def check_weights(maps: dict[str, Any]) -> dict[str, Float32 | None]:
+    """Weight maps as float32.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, too large, or negative where that means nothing.
+    """
+    checked: dict[str, Float32 | None] = {}
+    for name, values in maps.items():
+        if values is None:
+            checked[name] = None
+            continue
+        try:
+            array = np.asarray(values, np.float32)
+        except (TypeError, ValueError):
+            raise UsageError(f"the {name} map must be an array of numbers, found {type(values).__name__}") from None
+        bad = not np.isfinite(array).all() or np.abs(array).max() > LARGEST_WEIGHT
+        if bad or (name != "delta" and array.min() < 0):
+            sign = "" if name == "delta" else " and not negative"
+            raise InputError(f"the {name} map must be finite{sign}, at most {LARGEST_WEIGHT:g}")
+        checked[name] = array
+    return checked
+
+
+def check_mask(mask: Any) -> Float32 | None:
+    """A mask as float32 in 0..1.
+
+    Raises
+    ------
+    InputError
+        If it holds anything else; bool counts as 0 and 1.
+    """
+    if mask is None:
+        return None
+    try:
+        array = np.asarray(mask, np.float32)
+    except (TypeError, ValueError):
+        raise UsageError(f"the mask must be an array of numbers, found {type(mask).__name__}") from None
+    if array.size and not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= 1):
+        raise InputError("the mask must hold values from 0 to 1 (divide 8-bit codes by 255)")
+    return array
+
+
+def pitch_of(original: NormalMap, options: ReliefOptions) -> tuple[float, str]:
+    """Millimetres per pixel of a relief, and whether that was ``given``, in the ``file`` or ``assumed``."""
+    frame = original.frame
+    if options.width is not None:
+        return options.width.to_mm(1.0, frame.longer_side) / frame.cols, "given"
+    if frame.pitch_mm is not None:
+        return frame.pitch_mm, "file"
+    return DEFAULT_LONGER_SIDE_MM / frame.longer_side, "assumed"
+
+
+def motif_of(original: NormalMap, mask: Float32 | None, fading: bool) -> Mask:
+    """(H, W) bool: the motif, from the map's own background or from a mask.
+
+    Parameters
+    ----------
+    original : NormalMap
+    mask : (H, W) float32 or None
+        Motif where 0.5 or more; where it rises slowly and ``fading``, all of the ramp.
+    fading : bool
+        Whether a held background lets the motif fade into it.
+
+    Raises
+    ------
+    InputError
+        If nothing is left.
+    """
+    kind = original.decoding.background
+    if mask is None:
+        if not original.foreground.any():
+            raise InputError(
+                f"{original.name}: every pixel is background ({kind}); nothing is left to make a relief of; "
+                "if it is a surface, say --background-color none"
+            )
+        return original.foreground
+    chosen = mask >= 0.5
+    if fading and min(mask.shape) > 1:
+        down, across = np.gradient(mask)
+        chosen |= (mask > _FAINTEST) & (np.hypot(down, across) < _RAMP_PER_PX)
+    if not chosen.any():
+        raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
+    both = np.asarray(chosen & (original.coverage >= 0.5))
+    if not both.any():
+        raise InputError(
+            f"the mask selects only background ({kind}) of {original.name}; is it upside down or inverted?"
+        )
+    return both
+
+
+def pulled_part(original: NormalMap, motif: Mask, mask: Float32 | None) -> Mask:
+    """Where the height term acts: the motif, without the flat patches of a map with a flat background.
+
+    Such a map shows whether a patch inside the motif is raised or sunk by the slopes around it alone; pulled to a
+    height, the insides of letters would be filled.
+    """
+    if mask is not None or original.decoding.background != "flat":
+        return motif
+    sloping = motif & (np.hypot(original.normals[..., 0], original.normals[..., 1]) > _FLAT_TILT)
+    return np.asarray(sloping) if sloping.any() else motif
+
+
+def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> Float64 | None:
+    """(H+1, W+1) heights in px of the curved background, or None for other modes.
+
+    Raises
+    ------
+    UsageError
+        If a curved background is missing, or there without its mode.
+    InputError
+        If it has holes, or pixels of another size.
+    """
+    if options.background != "surface":
+        if surface is not None:
+            raise UsageError(f"--surface: only goes with --background surface, not {options.background}")
+        return None
+    if surface is None:
+        raise UsageError("--background surface: needs the curved background, such as --surface background.png")
+    if isinstance(surface, NormalMap):
+        return integrate(surface, options.slope_cap, options.tolerance)
+    if not isinstance(surface, Height):
+        raise UsageError(f"the curved background must be a NormalMap or a Height, found {type(surface).__name__}")
+    if not surface.domain.all():
+        raise InputError("the curved background has holes; it must be defined everywhere")
+    if abs(surface.pitch_mm - frame_pitch_mm) > _SAME_PITCH * frame_pitch_mm:
+        raise InputError(
+            f"the curved background has {surface.pitch_mm:.4g} mm per pixel but the relief {frame_pitch_mm:.4g}; "
+            "give both the same --width"
+        )
+    return surface.z_mm / frame_pitch_mm

@@ -1,0 +1,105 @@
+"""Soft edges, fading masks, curved and flat backgrounds, and what the library says to things that are no maps."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from relief_cases import dome, normal_map, rolling, solve
+
+import nmaptool as nm
+from nmaptool.errors import InputError, UsageError
+from nmaptool.formulation.domain import lay_out
+from nmaptool.formulation.targets import Weights, aim
+from nmaptool.grid import height_slopes
+
+
+def test_a_soft_edge_softens_the_detail_too():
+    original, _, detail = dome(bumps=1)
+    half = dataclasses.replace(original, coverage=(original.coverage * 0.6).astype(np.float32))
+    full_domain, half_domain = (lay_out("plane", m.foreground, m.foreground, m.coverage) for m in (original, half))
+    weights = Weights(1.0, 0.01, 1.0)
+    whole = aim(original, detail, full_domain, weights, 3.0, "eq6")
+    soft = aim(half, detail, half_domain, weights, 3.0, "eq6")
+    assert np.allclose(soft.p, 0.6 * whole.p, atol=1e-6)
+    assert np.allclose(soft.beta, 0.6 * whole.beta, rtol=1e-6)
+
+
+@pytest.mark.parametrize("energy", ["eq6", "eq4"])
+def test_flat_detail_leaves_a_curved_background_alone(energy):
+    roll = rolling()
+    original, flat = normal_map(*height_slopes(roll)), normal_map(*np.zeros((2, 96, 96)))
+    background = nm.Height(roll * 100 / 96, np.ones((96, 96), bool), nm.Frame(96, 96, 100 / 96))
+    relief = solve(original, flat, background="surface", surface=background, mask=dome()[0].foreground, mu=1.0,
+                   delta=0.0, energy=energy, tolerance=1e-12)  # fmt: skip
+    assert np.abs(relief.z_mm - background.z_mm).max() < 1e-6 * np.ptp(roll)
+
+
+def test_soft_edges_on_a_curved_background_lean_as_it_does():
+    roll = rolling()
+    original = normal_map(*height_slopes(roll))
+    soft = (0.5 + 0.5 * dome()[0].foreground).astype(np.float32)
+    domain = lay_out("surface", soft >= 0.5, soft >= 0.5, soft, roll)
+    targets = aim(original, None, domain, Weights(0, 0.01, 1.0), 3.0, "eq6")
+    assert np.abs(targets.p - height_slopes(roll)[0]).max() < 1e-6
+
+
+def test_a_slow_mask_fades_over_all_of_its_ramp():
+    original = dome(kind="full")[0]
+    ramp = np.broadcast_to(np.clip((np.arange(96) - 20) / 50, 0, 1).astype(np.float32), (96, 96))
+    relief = solve(original, mask=ramp, beta=1e-4)
+    assert relief.foreground[48, 24]
+    assert not relief.foreground[48, :21].any()
+    step = (np.arange(96) > 45).astype(np.float32)
+    assert not solve(original, mask=np.broadcast_to(step, (96, 96)), beta=1e-4).foreground[48, :46].any()
+
+
+def test_the_insides_of_letters_are_not_filled():
+    """A ring embossed on a flat map: what it encloses lies as low as the plate, whatever delta pulls to."""
+    row, col = np.mgrid[0:121, 0:121]
+    r = np.hypot(row - 60, col - 60)
+    z = 4 * np.clip((np.minimum(r - 20, 45 - r)) / 4, 0, 1)
+    ring = normal_map(*height_slopes(z))
+    outside = np.hypot(*(np.mgrid[0:120, 0:120] + 0.5 - 60)) > 46
+    flat = dataclasses.replace(ring, foreground=~outside, decoding=nm.Decoding(background="flat"))
+    height = solve(flat).z_mm / (100 / 120)
+    filled = solve(dataclasses.replace(flat, decoding=nm.Decoding(background="none"))).z_mm / (100 / 120)
+    top = height[60, 60 + 32]
+    assert height[60, 60] < 0.35 * top
+    assert filled[60, 60] > 0.5 * filled[60, 60 + 32]
+
+
+def test_what_is_not_a_map_is_named():
+    original = dome()[0]
+    with pytest.raises(UsageError, match="the original must be a NormalMap, found str; read one with read_normal_map"):
+        nm.relief("a.png")
+    with pytest.raises(UsageError, match="the detail map must be a NormalMap, found ReliefOptions"):
+        nm.relief(original, nm.ReliefOptions())
+    with pytest.raises(UsageError, match="the curved background must be a NormalMap or a Height, found str"):
+        solve(original, background="surface", surface="x.png")
+    with pytest.raises(UsageError, match="the mask must be an array of numbers, found str"):
+        solve(original, mask="mask.png")
+    with pytest.raises(UsageError, match="the beta map must be an array of numbers, found str"):
+        solve(original, beta_map="m.png")
+    with pytest.raises(UsageError, match="--mu-map: weighs the detail map"):
+        solve(original, mu_map=original.coverage)
+    for bad in (np.full((96, 96), np.nan), np.full((96, 96), 60, np.uint8), np.full((96, 96), -0.1)):
+        with pytest.raises(InputError, match="the mask must hold values from 0 to 1"):
+            solve(original, mask=bad)
+    holes = np.ones((96, 96), bool)
+    holes[4, 4] = False
+    for surface, message in (
+        (nm.Height(np.zeros((97, 97)), holes, nm.Frame(96, 96, 100 / 96)), "the curved background has holes"),
+        (
+            nm.Height(np.zeros((97, 97)), holes | True, nm.Frame(96, 96, 10.0)),
+            "has 10 mm per pixel but the relief 1.042",
+        ),
+    ):
+        with pytest.raises(InputError, match=message):
+            solve(original, background="surface", surface=surface)
+
+
+def test_lengths_may_be_text():
+    original = dome()[0]
+    relief = solve(original, height="3mm", width="48mm")
+    assert relief.report.height_range_mm == pytest.approx(3)
+    assert relief.pitch_mm == 0.5
