@@ -16,6 +16,7 @@ from cyclopts import Group, Parameter
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
 from nmaptool.errors import InputError, NmaptoolError
+from nmaptool.progress import Progress
 from nmaptool.units import Length, length
 
 EXIT_USAGE = 2
@@ -23,7 +24,6 @@ EXIT_LIMIT = 4
 EXIT_OUTPUT = 5
 EXIT_INTERRUPTED = 130
 EXIT_BUG = 70
-Progress = Callable[[str, float], None]
 
 # what - stands for once the words are parsed
 STREAM = "standard input"
@@ -92,11 +92,11 @@ class Session:
         if self.options.quiet or not sys.stderr.isatty():
             yield None
             return
+        from rich import progress
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-        columns = (TextColumn("{task.description:<12}"), BarColumn(), TimeElapsedColumn())
-        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        columns = (progress.TextColumn("{task.description:<12}"), progress.BarColumn(), progress.TimeElapsedColumn())
+        with progress.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("reading", total=1.0)
 
             def report(word: str, share: float) -> None:

@@ -96,7 +96,7 @@ def _noisy_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
     low, top, step = _range(image, xyz)
     middle = (low + top) / 2
     slack = (_LOSSY_FLAT if image.lossy else _FLAT_NOISE) * step
-    near = _near(xyz, (middle, middle, top), slack)
+    near = _near(xyz[..., :2], (middle, middle), slack) & (xyz[..., 2] >= top - slack - 2 * step)
     for channel in range(2):
         values = (xyz[..., channel].astype(np.float32) - np.float32(middle)) / np.float32(step)
         values = np.where(near, values, 0)

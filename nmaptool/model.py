@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float32, Float64, Mask
+from nmaptool.arrays import Float32, Float64, Mask, read_only
 from nmaptool.errors import InputError
 from nmaptool.grid import corner_mean, touching
 
@@ -198,6 +198,8 @@ class NormalMap:
             object.__setattr__(self, "foreground", self.coverage >= 0.5)
         elif self.foreground.shape != shape or self.foreground.dtype != np.bool_:
             raise InputError(f"{self.name}: foreground must be bool of shape {shape}")
+        for name in ("normals", "coverage", "foreground"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,6 +234,8 @@ class Height:
             raise InputError("heights must be finite")
         if not self.domain.any():
             raise InputError("the height field has no pixel in its domain")
+        object.__setattr__(self, "z_mm", read_only(self.z_mm))
+        object.__setattr__(self, "domain", read_only(self.domain))
 
     @property
     def pitch_mm(self) -> float:

@@ -220,3 +220,60 @@ def test_a_backdrop_that_is_not_there_is_not_passed_over_in_silence(tmp_path, do
 def test_a_backdrop_that_cannot_be_meant_is_refused(wanted):
     with pytest.raises(nm.UsageError, match=r"--background-color .*use one of auto, none, alpha, white.*#7f7fff"):
         nm.ReadOptions(background_color=wanted)
+
+
+def on_backdrop(vectors, cover, color, bits=8):
+    top = 2**bits - 1
+    stored = np.floor((vectors + 1) / 2 * top + 0.5)
+    stored[~cover] = np.array(color) * (top // 255)
+    return stored
+
+
+@pytest.mark.parametrize(
+    ("color", "kind"), [((254, 254, 254), "white"), ((2, 1, 0), "black"), ((129, 126, 128), "grey")]
+)
+@pytest.mark.parametrize("bits", [8, 16])
+def test_a_backdrop_may_be_a_little_off(tmp_path, dome, png, color, kind, bits):
+    d = dome(128, 128)
+    pixels = on_backdrop(d.normals, d.inside, color, bits).astype(np.uint8 if bits == 8 else np.uint16)
+    back = nm.read_normal_map(png(tmp_path / "map.png", pixels))
+    assert back.decoding.background == kind
+    assert np.array_equal(back.foreground, d.inside)
+
+
+@pytest.mark.parametrize("noise", [1, 2])
+@pytest.mark.parametrize("color", [(128, 128, 254), (253, 253, 253)])
+def test_a_noisy_backdrop_is_recognised(tmp_path, dome, png, color, noise):
+    d = dome(128, 128)
+    pixels = on_backdrop(d.normals, d.inside, color)
+    pixels[~d.inside] += np.random.default_rng(0).integers(-noise, noise + 1, (int((~d.inside).sum()), 3))
+    back = nm.read_normal_map(png(tmp_path / "map.png", pixels.clip(0, 255).astype(np.uint8)))
+    assert back.decoding.background == ("flat" if color[0] == 128 else "white")
+    # a few pixels of the rim may fall to either side
+    assert (back.foreground != d.inside).mean() < 0.01
+
+
+def test_a_shallow_surface_is_no_noise(tmp_path, png):
+    y, x = np.mgrid[0:128, 0:128] / 128
+    slope = 0.004 * np.cos(5 * x + 3 * y)
+    normals = np.dstack([slope, slope, np.sqrt(1 - 2 * slope**2)])
+    pixels = np.floor((normals + 1) / 2 * 65535 + 0.5).astype(np.uint16)
+    assert nm.read_normal_map(png(tmp_path / "map.png", pixels)).decoding.background == "none"
+
+
+def test_a_colour_that_is_no_normal_is_background_and_one_that_may_be_is_a_doubt(tmp_path, dome, png):
+    d = dome(128, 128)
+    for color, background in (((90, 90, 90), "#5a5a5a"), ((200, 200, 200), "none")):
+        pixels = on_backdrop(d.normals, d.inside, color).astype(np.uint8)
+        back = nm.read_normal_map(png(tmp_path / f"{color[0]}.png", pixels))
+        assert back.decoding.background == background
+    assert "is #c8c8c8; if that is background, say --background-color '#c8c8c8'" in back.decoding.warnings[0]
+
+
+def test_flat_patches_cut_by_the_edge_are_no_backdrop(tmp_path, png):
+    y, x = np.mgrid[0:128, 0:128]
+    p = 0.5 * np.sign(x % 32 - 16) * (np.abs(x % 32 - 16) < 3)
+    q = 0.5 * np.sign(y % 32 - 16) * (np.abs(y % 32 - 16) < 3)
+    normals = np.dstack([-p, -q, np.ones_like(p)]) / np.sqrt(1 + p**2 + q**2)[..., None]
+    pixels = np.floor((normals + 1) / 2 * 255 + 0.5).astype(np.uint8)
+    assert nm.read_normal_map(png(tmp_path / "tiles.png", pixels)).decoding.background == "none"

@@ -4,7 +4,6 @@ import io
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -23,7 +22,7 @@ FULL_DISK = (
     "    print(main(['relief', sys.argv[1], '-q', '--overwrite', flag, path]))\n"
 )
 CTRL_C = (
-    "import os, signal, sys\n"
+    "import os, signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
     "from nmaptool.io import images, outputs\n"
     "from nmaptool_cli.main import main\n"
     "def interrupted(path, mesh):\n"
@@ -247,7 +246,7 @@ def test_ctrl_c_while_writing(tree, fails, clean_map, tmp_path):
 
 @pytest.mark.parametrize("place", ["nmaptool.io.outputs.preview", "nmaptool.verbs.relief.prepare"])
 def test_ctrl_c_anywhere(refused, clean_map, tmp_path, monkeypatch, place):
-    monkeypatch.setattr(place, lambda *_: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(place, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
     words = ("-q", "-o", tmp_path / "a.exr", "--preview", tmp_path / "b.png")
     refused(INTERRUPTED, "interrupted; nothing was written", "relief", clean_map, *words)
 

@@ -2,7 +2,6 @@
 
 import ast
 import dataclasses
-import filecmp
 import inspect
 import runpy
 import subprocess
@@ -121,7 +120,6 @@ def test_samples_are_small_and_made_by_their_script(tmp_path, monkeypatch, capsy
         made, kept = (nm.read_raster(folder / name).pixels for folder in (tmp_path, ROOT / "samples"))
         # sines may differ in their last bit between machines
         assert abs(made.astype(int) - kept.astype(int)).max() <= 1, name
-        assert filecmp.cmp(tmp_path / name, ROOT / "samples" / name) or made.shape == kept.shape
 
 
 def test_sample_layers_belong_together():

@@ -103,3 +103,18 @@ def test_lengths_may_be_text():
     relief = solve(original, height="3mm", width="48mm")
     assert relief.report.height_range_mm == pytest.approx(3)
     assert relief.pitch_mm == 0.5
+
+
+def test_what_was_checked_cannot_be_written():
+    original = dome()[0]
+    relief = solve(original)
+    for array in (
+        original.normals,
+        original.coverage,
+        original.foreground,
+        relief.foreground,
+        relief.z_mm,
+        relief.mask,
+    ):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0

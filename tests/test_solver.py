@@ -266,3 +266,21 @@ def test_progress_only_moves_forward():
     assert len(seen) > 2
     assert seen == sorted(seen)
     assert 0 <= seen[0] < seen[-1] <= 1
+
+
+@pytest.mark.parametrize("kind", ["noise", "lines", "weights"])
+@pytest.mark.parametrize("beta", [1e-3, 0.0])
+def test_amg_iterations_hold_on_ragged_masks_and_weights(kind, beta):
+    rng = np.random.default_rng(1)
+    weight = np.zeros((128, 128))
+    if kind == "noise":
+        weight[rng.random(weight.shape) < 0.6] = 1
+    elif kind == "lines":
+        for row, col in rng.integers(0, 120, (30, 2)):
+            weight[row : row + 2, col:] = 1
+            weight[row:, col : col + 1] = 1
+    else:
+        weight[:] = 10.0 ** rng.uniform(-3, 3, weight.shape)
+    solution = prepare(free_system(weight, beta), "amg").solve(slope_load(*(weight * rng.normal(size=(2, 128, 128)))))
+    assert solution.iterations <= 12
+    assert solution.residual <= 1e-8

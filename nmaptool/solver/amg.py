@@ -10,7 +10,7 @@ from scipy import sparse
 
 from nmaptool.arrays import Float64, Mask
 from nmaptool.grid import corner_sum
-from nmaptool.solver.prepare import Progress
+from nmaptool.progress import Progress
 from nmaptool.solver.system import QuadSystem
 
 _COARSEST = 500

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import fft
 
 from nmaptool.arrays import Float64
-from nmaptool.solver.prepare import Progress
+from nmaptool.progress import Progress
 from nmaptool.solver.system import QuadSystem, vertex_share
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,10 +9,9 @@ import numpy as np
 
 from nmaptool.arrays import Float64
 from nmaptool.errors import ConvergenceError, InputError, UsageError
+from nmaptool.progress import Progress
 from nmaptool.solver.islands import Islands
 from nmaptool.solver.system import QuadSystem
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from nmaptool.options import ReadOptions
 from nmaptool.orientation import better_swizzle, outline_sign
 from nmaptool.vectors import mean_abs_curl
 from nmaptool.verbs.findings import RULES
+from nmaptool.verbs.relief_inputs import check_mask, check_sizes
 
 _PARTIAL_ALPHA_PIXELS = 50
 
@@ -118,16 +119,12 @@ def inspect_map(
     options = options or ReadOptions()
     normal_map = decode_normal_map(image, options)
     foreground = normal_map.foreground
-    if mask is not None:
-        if np.shape(mask) != foreground.shape:
-            rows, cols = np.shape(mask)
-            raise InputError(
-                f"{image.name} is {image.frame} pixels but the mask is {cols} x {rows}; make them the same"
-            )
-        chosen = np.asarray(mask, np.float32) >= 0.5
-        if not chosen.any():
+    chosen = check_mask(mask)
+    if chosen is not None:
+        check_sizes(normal_map, {"the mask": chosen.shape})
+        if not (chosen >= 0.5).any():
             raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
-        foreground = foreground & chosen
+        foreground = foreground & (chosen >= 0.5)
     vectors = raw_vectors(image, normal_map.decoding)
     # the repaired rim is counted apart: its short vectors are no fault of the surface
     core = ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=2, border_value=1)

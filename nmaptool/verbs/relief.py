@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,11 +16,10 @@ from nmaptool.formulation.targets import Targets, Weights, aim, to_pixels
 from nmaptool.grid import touching
 from nmaptool.model import Height, NormalMap
 from nmaptool.options import ReliefOptions
+from nmaptool.progress import Progress
 from nmaptool.results import Relief, SolveReport
 from nmaptool.solver import QuadSystem, Solution, Solver, prepare, slope_load
 from nmaptool.verbs import relief_inputs as given
-
-Progress = Callable[[str, float], None]
 
 
 def relief(
