@@ -141,7 +141,8 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     options = options or ReadOptions()
     swizzle = codec.parse_swizzle("r,g,b" if options.swizzle is None else options.swizzle)
     facts: dict[str, Any] = {"swizzle": codec.format_swizzle(swizzle), "warnings": ()}
-    image = codec.narrowed(image)
+    if options.encoding != "signed":
+        image = codec.narrowed(image)
     order = tuple(channel for channel, _ in swizzle)
     xyz = _check_finite(image, color_channels(image))
     if order != (0, 1, 2):
@@ -180,7 +181,8 @@ def off_length_share(vectors: Float32) -> float:
 
 def raw_vectors(image: RasterImage, decoding: Decoding) -> Float32:
     """(H, W, 3) float32 stored vectors by a decoding already settled, neither normalised nor repaired."""
-    image = codec.narrowed(image)
+    if decoding.encoding != "signed":
+        image = codec.narrowed(image)
     order = [channel for channel, _ in codec.parse_swizzle(decoding.swizzle)]
     xyz = color_channels(image)[..., order]
     if not image.is_float:
