@@ -10,7 +10,7 @@ import nmaptool as nm
 from nmaptool.errors import InputError, UsageError
 from nmaptool.formulation.domain import lay_out
 from nmaptool.formulation.targets import Weights, aim
-from nmaptool.grid import height_slopes
+from nmaptool.grid import corner_sum, height_slopes
 
 
 def test_a_soft_edge_softens_the_detail_too():
@@ -118,3 +118,18 @@ def test_what_was_checked_cannot_be_written():
     ):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0
+
+
+@pytest.mark.parametrize("kind", ["masked", "full"])
+def test_beta_that_vanishes_gives_the_shape_of_beta_0_at_the_height_of_delta(kind):
+    original = dome(bumps=1, kind=kind)[0]
+    options = {"background": "cut", "per_pixel": True, "tolerance": 1e-10}
+    shape = solve(original, beta=0.0, **options)
+    inside = shape.height.vertex_mask
+    for beta, delta in ((1e-9, 20.0), (1e-9, 1e6)):
+        relief = solve(original, beta=beta, delta=delta, **options)
+        weight = corner_sum(original.foreground.astype(float))[inside]
+        heights = relief.z_mm[inside] / relief.pitch_mm
+        assert np.average(heights, weights=weight) == pytest.approx(delta, abs=1e-6)
+        off = (relief.z_mm - shape.z_mm)[inside]
+        assert np.ptp(off) < 1e-4 * np.ptp(shape.z_mm)

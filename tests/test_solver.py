@@ -2,15 +2,12 @@
 
 import numpy as np
 import pytest
+from solver_cases import blobs, free_system
 
 from nmaptool.errors import ConvergenceError, InputError, UsageError
 from nmaptool.grid import corner_mean, corner_sum, height_slopes
 from nmaptool.solver import QuadSystem, choose, energy, prepare, slope_load
 from nmaptool.solver.amg import assemble
-
-
-def free_system(weight, beta=0.0):
-    return QuadSystem(weight, corner_sum(weight) / 4 * beta, np.zeros(np.add(weight.shape, 1), bool))
 
 
 def vertices(rows, cols):
@@ -156,13 +153,6 @@ def test_hole_keeps_the_surface_around_it_exact():
     assert np.abs((solved - z)[on] - (solved - z)[on].mean()).max() < 1e-7 * np.ptp(z)
 
 
-def blobs(side):
-    """A mask with holes, bays and two islands, the same at every size."""
-    x, y = (np.mgrid[0:side, 0:side] + 0.5) / side
-    solid = (np.hypot(x - 0.4, y - 0.45) < 0.33) | (np.abs(x - 0.8) + np.abs(y - 0.8) < 0.15)
-    return (solid & ~(np.hypot(x - 0.35, y - 0.5) < 0.07) & ~((np.abs(y - 0.3) < 0.02) & (x > 0.4))).astype(float)
-
-
 @pytest.mark.parametrize("side", [64, 128, 256, 512])
 @pytest.mark.parametrize("beta", [1.0, 1e-3, 0.0])
 def test_amg_iterations_hold_with_size(side, beta):
@@ -266,21 +256,3 @@ def test_progress_only_moves_forward():
     assert len(seen) > 2
     assert seen == sorted(seen)
     assert 0 <= seen[0] < seen[-1] <= 1
-
-
-@pytest.mark.parametrize("kind", ["noise", "lines", "weights"])
-@pytest.mark.parametrize("beta", [1e-3, 0.0])
-def test_amg_iterations_hold_on_ragged_masks_and_weights(kind, beta):
-    rng = np.random.default_rng(1)
-    weight = np.zeros((128, 128))
-    if kind == "noise":
-        weight[rng.random(weight.shape) < 0.6] = 1
-    elif kind == "lines":
-        for row, col in rng.integers(0, 120, (30, 2)):
-            weight[row : row + 2, col:] = 1
-            weight[row:, col : col + 1] = 1
-    else:
-        weight[:] = 10.0 ** rng.uniform(-3, 3, weight.shape)
-    solution = prepare(free_system(weight, beta), "amg").solve(slope_load(*(weight * rng.normal(size=(2, 128, 128)))))
-    assert solution.iterations <= 12
-    assert solution.residual <= 1e-8

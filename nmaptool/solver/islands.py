@@ -7,6 +7,9 @@ import numpy as np
 from nmaptool.arrays import Float64, Mask
 from nmaptool.solver.system import QuadSystem
 
+# a height weight this small beside the slopes' weights is lost in rounding when both are added up
+_NO_TIE = 1e-11
+
 
 class Islands:
     """Book-keeping of a system's islands.
@@ -15,7 +18,7 @@ class Islands:
     ----------
     count : int
     floating : (count+1,) bool
-        Islands with neither a held vertex nor any height weight: their heights are known up to a constant.
+        Islands that neither held vertices nor a noticeable height weight tie: their shape is known up to a constant.
     anchors : (H+1, W+1) bool
         One vertex of each floating island, held at 0 while solving; the constant is settled by `center`.
     """
@@ -23,16 +26,18 @@ class Islands:
     def __init__(self, system: QuadSystem) -> None:
         self.labels, self.count = system.islands()
         flat = self.labels.ravel()
-        self._unknown = system.unknown.ravel()
-        tied = np.zeros(self.count + 1, bool)
-        tied[flat[(system.held | (system.beta > 0)).ravel()]] = True
-        tied[0] = True
-        self.floating = ~tied
+        self._beta = system.beta
+        self._sizes = np.bincount(flat, minlength=self.count + 1)
+        self._ties = self._sums(system.beta)
+        loose = np.ones(self.count + 1, bool)
+        loose[flat[system.held.ravel()]] = False
+        loose[0] = False
+        self._loose = loose  # nothing holds them
+        self.floating = loose & (self._ties < _NO_TIE * self._sums(system.around))
         self.anchors: Mask = np.zeros(self.labels.shape, bool)
         if self.floating.any():
             label, first = np.unique(flat, return_index=True)
             self.anchors.flat[first[self.floating[label]]] = True
-            self._sizes = np.bincount(flat, minlength=self.count + 1)
 
     def _sums(self, values: Float64) -> Float64:
         sums = np.bincount(self.labels.ravel(), values.ravel(), minlength=self.count + 1)
@@ -56,16 +61,29 @@ class Islands:
         lagging = self.norms(residual) > tolerance * scale
         return np.where(lagging[self.labels], residual, 0.0)
 
-    def _without_mean(self, values: Float64) -> Float64:
-        if not self.floating.any():
-            return values
-        mean = np.where(self.floating, self._sums(values) / np.maximum(self._sizes, 1), 0.0)
-        return values - mean[self.labels]
+    def level(self, load: Float64) -> Float64:
+        """The constant that solves each island nothing holds on the whole: sum of beta z = sum of the load.
+
+        Taken out first, it leaves a problem about shape alone, however small beta or large delta is.
+        """
+        tied = self._loose & (self._ties > 0)
+        if not tied.any():
+            return np.zeros(self.labels.shape)
+        constant = np.divide(self._sums(load), self._ties, out=np.zeros(self.count + 1), where=tied)
+        return np.asarray(constant[self.labels])
 
     def balance(self, load: Float64) -> Float64:
         """The load with its mean removed on floating islands, where only that part can be met."""
-        return self._without_mean(load)
+        if not self.floating.any():
+            return load
+        mean = np.where(self.floating, self._sums(load) / np.maximum(self._sizes, 1), 0.0)
+        return load - mean[self.labels]
 
-    def center(self, z: Float64) -> Float64:
-        """Heights with mean 0 on floating islands."""
-        return self._without_mean(z)
+    def center(self, z: Float64, load: Float64) -> Float64:
+        """Heights of floating islands shifted: to meet the height term where there is one, else to mean 0."""
+        if not self.floating.any():
+            return z
+        tied = self._ties > 0
+        needed = np.where(tied, self._sums(load) - self._sums(self._beta * z), -self._sums(z))
+        shift = needed / np.where(tied, self._ties, np.maximum(self._sizes, 1))
+        return z + np.where(self.floating, shift, 0.0)[self.labels]

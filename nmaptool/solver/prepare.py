@@ -115,10 +115,15 @@ class Solver:
         z = np.zeros_like(system.beta) if held_z is None else np.where(system.held, held_z, 0.0)
         if not (np.isfinite(load).all() and np.isfinite(z).all()):
             raise InputError("the right-hand side holds NaN or infinite values")
-        unknown = system.unknown
-        base = self.islands.balance(np.where(unknown, load - system.apply(z), 0.0) if z.any() else load * unknown)
-        scale = self.islands.norms(base)
-        residual = base
+        # a constant has no shape, so the level takes beta * level off the load and nothing else
+        level = self.islands.level(load)
+        shape_load = load - system.beta * level
+
+        def rest(of: Float64) -> Float64:
+            return np.where(system.unknown, of - system.apply(z), 0.0) if z.any() else of * system.unknown
+
+        scale = self.islands.norms(rest(load))
+        residual = self.islands.balance(rest(shape_load))
         history: list[float] = []
         worst = self.islands.worst(residual, scale)
         # one pass does it; islands much smaller than the rest may lag behind the common norm and get their own
@@ -127,11 +132,11 @@ class Solver:
             step, seen = self.method.correct(lagging, tolerance / 2, max_iterations - len(history), progress)
             z += step
             history += seen
-            residual = self.islands.balance(np.where(unknown, load - system.apply(z), 0.0))
+            residual = self.islands.balance(rest(shape_load))
             before, worst = worst, self.islands.worst(residual, scale)
             if not worst < 0.5 * before:
                 break
-        z = self.islands.center(z)
+        z = level + self.islands.center(z, shape_load)
         if not worst <= tolerance:
             raise ConvergenceError(
                 f"the {self.method.name} solver stopped at a relative residual of {worst:.1e} after {len(history)} "

@@ -99,16 +99,17 @@ class QuadSystem:
 
     def apply(self, z: Float64) -> Float64:
         """(L + diag(beta)) z by two 2x2 box sums; no matrix is made."""
-        return (self._around + self.beta) * z - corner_sum(self.weight * corner_mean(z))
+        return (self.around + self.beta) * z - corner_sum(self.weight * corner_mean(z))
 
     @functools.cached_property
-    def _around(self) -> Float64:
+    def around(self) -> Float64:
+        """(H+1, W+1) sum of the face weights around each vertex."""
         return corner_sum(self.weight)
 
     @functools.cached_property
     def unknown(self) -> Mask:
         """(H+1, W+1) bool: vertices to solve for."""
-        return ~self.held & ((self._around > 0) | (self.beta > 0))
+        return ~self.held & ((self.around > 0) | (self.beta > 0))
 
     def islands(self) -> tuple[NDArray[np.int32], int]:
         """Label of each vertex's island (0: none) and their count; faces that share a vertex are one island."""
