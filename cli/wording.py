@@ -28,6 +28,7 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
     yield f"  green        {d.green} ({d.green_from}; {sure})"
     yield f"  channels     x,y,z = {d.swizzle}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
     yield f"  background   {d.background} ({d.background_from}); motif {seen.foreground_share:.1%} of the picture"
+    yield f"  coverage     {seen.coverage_mean:.1%} of the picture is defined"
     if d.rim_pixels:
         yield f"  rim          {d.rim_pixels} anti-aliased pixels take the normals just inside them"
     yield f"  unit length  off by {seen.unit_length_error:.4f} on average; {seen.off_length_share:.2%} by more than 0.1"

@@ -67,7 +67,7 @@ def parameters() -> Picture:
         [
             row([shaded(*layers, mu=mu, beta=0.001) for mu in (0.0, 0.3, 1.0, 3.0)]),
             row([shaded(*layers, beta=beta) for beta in (0.0001, 0.001, 0.01, 0.1)]),
-            row([shaded(*layers, beta=0.01, delta=delta) for delta in (0.0, 10.0, 20.0, 40.0)]),
+            row([shaded(*layers, beta=0.01, delta=delta) for delta in (0.0, 15.0, 30.0, 60.0)]),
         ]
     )
 

@@ -122,7 +122,7 @@ class ReliefOptions:
 
     mu: float = 0.1
     beta: float = 0.001
-    delta: float = 20.0
+    delta: float = 30.0
     background: BackgroundMode = "plane"
     slope_cap: float = 3.0
     energy: Energy = "eq6"

@@ -139,5 +139,5 @@ def doubts(normal_map: NormalMap, code_step: float = 2 / 255) -> tuple[str, ...]
         return (f"its channels look turned or mirrored; try --swizzle={better}",)
     if is_inverted(outline_sign(normal_map.normals, normal_map.foreground)):
         swizzle = upright_swizzle(normal_map.decoding)
-        return (f"it looks inverted; for a raised motif try --swizzle={swizzle}, for an engraving --delta=-20",)
+        return (f"it looks inverted; for a raised motif try --swizzle={swizzle}, for an engraving --delta=-30",)
     return ()

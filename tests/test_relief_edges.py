@@ -53,19 +53,25 @@ def test_a_slow_mask_fades_over_all_of_its_ramp():
     assert not solve(original, mask=np.broadcast_to(step, (96, 96)), beta=1e-4).foreground[48, :46].any()
 
 
-def test_the_insides_of_letters_are_not_filled():
-    """A ring embossed on a flat map: what it encloses lies as low as the plate, whatever delta pulls to."""
+def test_the_insides_of_letters_are_left_to_the_map():
+    """A ring embossed on a flat map: what it encloses lies as low as the plate."""
     row, col = np.mgrid[0:121, 0:121]
     r = np.hypot(row - 60, col - 60)
     z = 4 * np.clip((np.minimum(r - 20, 45 - r)) / 4, 0, 1)
     ring = normal_map(*height_slopes(z))
     outside = np.hypot(*(np.mgrid[0:120, 0:120] + 0.5 - 60)) > 46
     flat = dataclasses.replace(ring, foreground=~outside, decoding=nm.Decoding(background="flat"))
-    height = solve(flat).z_mm / (100 / 120)
-    filled = solve(dataclasses.replace(flat, decoding=nm.Decoding(background="none"))).z_mm / (100 / 120)
-    top = height[60, 60 + 32]
-    assert height[60, 60] < 0.35 * top
-    assert filled[60, 60] > 0.5 * filled[60, 60 + 32]
+    inside, top = (60, 60), (60, 60 + 32)
+
+    def share_filled(source, **options):
+        height = solve(source, **options).z_mm
+        return height[inside] / height[top]
+
+    assert share_filled(dataclasses.replace(flat, decoding=nm.Decoding(background="none")), delta=20.0) > 0.5
+    assert share_filled(flat, delta=20.0) < 0.35
+    assert abs(share_filled(flat, beta=0.0)) < 0.02
+    assert any("--beta 0 keeps every height" in w for w in solve(flat).report.warnings)
+    assert not any("--beta 0" in w for w in solve(flat, beta=0.0).report.warnings)
 
 
 def test_what_is_not_a_map_is_named():

@@ -64,7 +64,7 @@ def _inverted(f: Inspection) -> Told:
         return None
     return (
         "looks inverted: along the outline the normals point inwards, so that bumps become dents",
-        f"for an engraving say --delta=-20; for a raised motif read it with --swizzle={upright_swizzle(f.decoding)}",
+        f"for an engraving say --delta=-30; for a raised motif read it with --swizzle={upright_swizzle(f.decoding)}",
     )
 
 

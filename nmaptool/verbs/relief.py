@@ -21,6 +21,9 @@ from nmaptool.results import Relief, SolveReport
 from nmaptool.solver import QuadSystem, Solution, Solver, prepare, slope_load
 from nmaptool.verbs import relief_inputs as given
 
+# where so much of a motif on a flat background is flat, it is likely lettering or an emblem
+_MUCH_FLAT = 0.1
+
 
 def relief(
     original: NormalMap,
@@ -203,6 +206,9 @@ def _report(
             warnings.append(
                 "no background was found to hold: the whole picture is surface, its height counts from delta"
             )
+    left_alone = float((foreground & ~domain.foreground).mean())
+    if left_alone > _MUCH_FLAT * foreground.mean() and targets.beta.any():
+        warnings.append("much of the motif is flat; for lettering and emblems --beta 0 keeps every height of the map")
     if reach_px < 1:
         warnings.append(f"beta is so large that shape is kept over {reach_px:.2g} px only: little but delta is left")
     if options.fit == "slope" and heights.scale < 0.05:
