@@ -170,7 +170,10 @@ def _solve(
         original = nm.read_normal_map(source, reading)
         others = dataclasses.replace(reading, layer=None)
         detail = None if detail_source is None else nm.read_normal_map(detail_source, others, like=original)
-        surface = _surface(surface_source, original, options, others)
+        surface = None
+        if surface_source is not None:
+            pitch_mm, _ = nm.pitch_of(original, options)
+            surface = nm.read_surface(surface_source, others, like=original, pitch_mm=pitch_mm)
 
         def grey(path: str | None) -> Any:
             return None if path is None else nm.read_grey(path, reading.max_megapixels)
@@ -212,16 +215,3 @@ def _tell(session: Session, maps: list[nm.NormalMap], doubts: tuple[str, ...], r
         session.warn(warning)
     session.detail(f"  residuals {' '.join(f'{r:.1e}' for r in result.report.history)}")
     session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in result.report.seconds.items())}")
-
-
-def _surface(path: str | None, original: nm.NormalMap, options: ReliefOptions, reading: ReadOptions) -> Any:
-    """The curved background: heights where the file holds heights, else a normal map."""
-    import nmaptool as nm
-    from nmaptool.io.heights import is_height
-    from nmaptool.verbs.relief_inputs import pitch_of
-
-    if path is None:
-        return None
-    if is_height(Path(path), reading.max_megapixels):
-        return nm.read_height(path, pitch_of(original, options)[0], reading.max_megapixels)
-    return nm.read_normal_map(path, dataclasses.replace(reading, background_color="none"), like=original)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         OutputError,
         UsageError,
     )
-    from nmaptool.io.heights import read_height
+    from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
     from nmaptool.io.outputs import write_relief
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
     from nmaptool.verbs.integrate import integrate
     from nmaptool.verbs.relief import relief
+    from nmaptool.verbs.relief_inputs import pitch_of
 
 _HOME = {
     "decode_normal_map": "decoding",
@@ -48,6 +49,7 @@ _HOME = {
     "OutputError": "errors",
     "UsageError": "errors",
     "read_height": "io.heights",
+    "read_surface": "io.heights",
     "read_grey": "io.normal_maps",
     "read_normal_map": "io.normal_maps",
     "read_raster": "io.normal_maps",
@@ -73,6 +75,7 @@ _HOME = {
     "inspect_map": "verbs.inspect",
     "integrate": "verbs.integrate",
     "relief": "verbs.relief",
+    "pitch_of": "verbs.relief_inputs",
 }
 
 __all__ = [
@@ -101,11 +104,13 @@ __all__ = [
     "inspect_map",
     "integrate",
     "length",
+    "pitch_of",
     "preview",
     "read_grey",
     "read_height",
     "read_normal_map",
     "read_raster",
+    "read_surface",
     "relief",
     "surface_mesh",
     "write_normal_map",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64
+from nmaptool.decoding import decode_normal_map
 from nmaptool.errors import InputError, OutputError, UsageError, reason_of
 from nmaptool.grid import corner_mean
 from nmaptool.io.image_writer import write_image
-from nmaptool.io.normal_maps import read_raster
+from nmaptool.io.normal_maps import options_like, read_raster
 from nmaptool.io.png import check_size
-from nmaptool.model import Frame, Height, RasterImage
+from nmaptool.model import Frame, Height, NormalMap, RasterImage
 from nmaptool.options import ReadOptions
 
 ENDINGS = (".exr", ".tif", ".tiff", ".npy", ".png")
@@ -96,13 +98,6 @@ def to_vertices(centre: Float64) -> Float64:
     return corner_mean(centre)
 
 
-def is_height(path: Path, max_megapixels: float = 270.0) -> bool:
-    """Whether a file holds heights (an array, or a grey picture) rather than normals."""
-    if path.suffix.lower() == ".npy":
-        return True
-    return "R" not in read_raster(path, ReadOptions(max_megapixels=max_megapixels)).channels
-
-
 def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels: float = 270.0) -> Height:
     """Read heights in mm at pixel centres, as `write_height` writes them.
 
@@ -123,15 +118,49 @@ def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels:
     """
     path = Path(path)
     if path.suffix.lower() == ".npy":
-        centre, stated = _read_npy(path, max_megapixels), None
-    else:
-        image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
-        if image.channels[0] != "Y":
-            raise InputError(f"{path}: has channels {', '.join(image.channels)}; a height file has one grey channel")
-        centre, stated = _in_mm(image), image.frame.pitch_mm
+        return _height(path, _read_npy(path, max_megapixels), pitch_mm)
+    return _height_of(path, read_raster(path, ReadOptions(max_megapixels=max_megapixels)), pitch_mm)
+
+
+def read_surface(
+    path: str | Path, options: ReadOptions | None = None, *, like: NormalMap, pitch_mm: float
+) -> NormalMap | Height:
+    """Read a curved background: heights where the file holds an array or a grey picture, else a normal map.
+
+    Parameters
+    ----------
+    path : str or Path
+    options : ReadOptions, optional
+        As for the map that lies on it; all of a background is surface, whatever its colours.
+    like : NormalMap
+        The map that lies on it: green points the same way.
+    pitch_mm : float
+        Size of a pixel where a file of heights does not say it.
+
+    Raises
+    ------
+    InputError, LimitError
+        As `read_height` and `nmaptool.read_normal_map`.
+    """
+    options = replace(options or ReadOptions(), background_color="none")
+    if Path(path).suffix.lower() == ".npy":
+        return read_height(path, pitch_mm, options.max_megapixels)
+    image = read_raster(path, options)
+    if "R" not in image.channels:
+        return _height_of(Path(path), image, pitch_mm)
+    return decode_normal_map(image, options_like(image, options, like))
+
+
+def _height_of(path: Path, image: RasterImage, pitch_mm: float | None) -> Height:
+    if image.channels[0] != "Y":
+        raise InputError(f"{path}: has channels {', '.join(image.channels)}; a height file has one grey channel")
+    return _height(path, _in_mm(image), image.frame.pitch_mm or pitch_mm)
+
+
+def _height(path: Path, centre: Float64, pitch_mm: float | None) -> Height:
     if not np.isfinite(centre).all():
         raise InputError(f"{path}: holds NaN or infinite heights; a curved background must be defined everywhere")
-    frame = Frame(centre.shape[0], centre.shape[1], stated or pitch_mm)
+    frame = Frame(centre.shape[0], centre.shape[1], pitch_mm)
     return Height(to_vertices(centre), np.ones(centre.shape, bool), frame)
 
 

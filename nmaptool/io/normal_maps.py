@@ -83,9 +83,14 @@ def read_normal_map(
     """
     options = options or ReadOptions()
     image = read_raster(path, options)
-    if like is not None and options.green == "auto" and image.attributes.get("green") not in ("up", "down"):
-        options = replace(options, green="down" if like.decoding.green == "down" else "up")
-    return decode_normal_map(image, options)
+    return decode_normal_map(image, options_like(image, options, like))
+
+
+def options_like(image: RasterImage, options: ReadOptions, like: NormalMap | None) -> ReadOptions:
+    """The options with green as in ``like``, unless they or the file itself say which way it points."""
+    if like is None or options.green != "auto" or image.attributes.get("green") in ("up", "down"):
+        return options
+    return replace(options, green="down" if like.decoding.green == "down" else "up")
 
 
 def read_grey(path: str | Path, max_megapixels: float = 270.0) -> Float32:
