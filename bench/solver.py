@@ -18,10 +18,10 @@ from nmaptool import ConvergenceError, ReliefOptions
 from nmaptool.arrays import Float64, Mask
 from nmaptool.formulation.domain import lay_out
 from nmaptool.formulation.targets import Weights, aim, to_pixels
+from nmaptool.progress import Progress
 from nmaptool.solver import QuadSystem, Solver, prepare, slope_load
 from nmaptool.solver.amg import assemble
 from nmaptool.solver.islands import Islands
-from nmaptool.solver.prepare import Progress
 
 MOST_ITERATIONS = 12
 _DEFAULTS = ReliefOptions()

@@ -109,8 +109,9 @@ def _noisy_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
     return np.asarray(near | small[specks])
 
 
-def _edge(mask: Mask) -> NDArray[np.bool_]:
-    return np.concatenate([mask[0], mask[-1], mask[1:-1, 0], mask[1:-1, -1]])
+def _edge(picture: NDArray[Any]) -> NDArray[Any]:
+    """The pixels along the picture's edge."""
+    return np.concatenate([picture[0], picture[-1], picture[1:-1, 0], picture[1:-1, -1]])
 
 
 def _big_patches(mask: Mask) -> Mask:
@@ -142,7 +143,7 @@ def _find_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
 def _find_odd(image: RasterImage, xyz: NDArray[Any], order: tuple[int, ...]) -> Background | None:
     """A colour that fills much of the edge: a background where it is no normal, a doubt where it may be one."""
     low, top, step = _range(image, xyz)
-    edge = np.concatenate([xyz[0], xyz[-1], xyz[1:-1, 0], xyz[1:-1, -1]])
+    edge = _edge(xyz)
     colors, counts = np.unique(edge, axis=0, return_counts=True)
     codes = tuple(float(c) for c in colors[np.argmax(counts)])
     vector = (np.array(codes) - (low + top) / 2) / ((top - low) / 2)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from nmaptool import background as bg
 from nmaptool import codec, rim
-from nmaptool.arrays import Float32
+from nmaptool.arrays import Float32, Mask
 from nmaptool.errors import InputError
 from nmaptool.model import Decoding, NormalMap, RasterImage
 from nmaptool.options import ReadOptions
@@ -157,8 +157,8 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
         facts["warnings"] += (found.doubt,)
     if alpha is not None and options.background_color == "auto" and bg.alpha_is_data(image):
         facts["warnings"] += ("alpha looks like data (a height or gloss channel), not coverage: ignored",)
-    vectors, coverage = _cover(vectors, found, alpha, facts, _decode_like(image, facts))
-    off = off_length_share(vectors[found.mask == 0])
+    vectors, coverage, outside = _cover(vectors, found, alpha, facts, _decode_like(image, facts))
+    off = off_length_share(vectors[~outside])
     if off >= NOT_NORMALS_SHARE:
         facts["warnings"] += (f"does not look like a normal map: {off:.0%} of its vectors are not of unit length",)
     normals = unit(vectors)
@@ -166,7 +166,7 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
         if sign < 0:
             normals[..., axis] = -normals[..., axis] + np.float32(0)  # + 0: flat gives 0, not -0
     normals[coverage <= 0] = FLAT
-    foreground = (coverage >= 0.5) & ~found.mask
+    foreground = (coverage >= 0.5) & ~outside
     _settle_green(image, options, facts, green_evidence(normals, foreground, code_step(image)))
     if facts["green"] == "down":
         normals[..., 1] = -normals[..., 1] + np.float32(0)
@@ -206,22 +206,21 @@ def _decode_like(image: RasterImage, facts: Mapping[str, Any]) -> Any:
 
 def _cover(
     vectors: Float32, found: bg.Background, alpha: Float32 | None, facts: dict[str, Any], decode: Any
-) -> tuple[Float32, Float32]:
-    """Coverage of the map by the kind of its background, the rim repaired."""
+) -> tuple[Float32, Float32, Mask]:
+    """Vectors with the rim repaired, coverage by the kind of background, and where it is background in the end."""
     everywhere = np.ones(vectors.shape[:2], np.float32)
     if found.kind == "none":
-        return vectors, everywhere
+        return vectors, everywhere, found.mask
     if found.kind == "flat":  # it is a defined part of the map; a rim that is mostly background joins it
         flat = np.array(FLAT, np.float32)
         vectors, share, facts["rim_pixels"] = rim.repair_rim(vectors, found.mask, flat, is_normal=True)
-        found.mask[share < 0.5] = True
-        vectors[found.mask] = FLAT
-        return vectors, everywhere
+        outside = found.mask | (share < 0.5)
+        return np.where(outside[..., None], flat, vectors), everywhere, outside
     if found.kind == "alpha":
         if alpha is None:
-            return vectors, everywhere
+            return vectors, everywhere, found.mask
         vectors, _, facts["rim_pixels"] = rim.repair_rim(vectors, alpha <= 0.02, None)
-        return vectors, alpha.copy()
+        return vectors, alpha.copy(), found.mask
     assert found.codes is not None
     vectors, coverage, facts["rim_pixels"] = rim.repair_rim(vectors, found.mask, decode(found.codes))
-    return vectors, coverage
+    return vectors, coverage, found.mask
