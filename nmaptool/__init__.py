@@ -23,17 +23,19 @@ if TYPE_CHECKING:
         LimitError,
         NmaptoolError,
         OutputError,
+        RendererError,
         UsageError,
     )
     from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
     from nmaptool.io.outputs import write_relief
+    from nmaptool.mesh import Mesh
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
     from nmaptool.options import ReadOptions, ReliefOptions
     from nmaptool.orientation import doubts
     from nmaptool.results import Relief, SolveReport
     from nmaptool.shading import preview
-    from nmaptool.tessellate import Mesh, surface_mesh
+    from nmaptool.tessellate import surface_mesh
     from nmaptool.units import Length, length
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
     from nmaptool.verbs.integrate import integrate
@@ -47,6 +49,7 @@ _HOME = {
     "LimitError": "errors",
     "NmaptoolError": "errors",
     "OutputError": "errors",
+    "RendererError": "errors",
     "UsageError": "errors",
     "read_height": "io.heights",
     "read_surface": "io.heights",
@@ -55,6 +58,7 @@ _HOME = {
     "read_raster": "io.normal_maps",
     "write_normal_map": "io.normal_maps",
     "write_relief": "io.outputs",
+    "Mesh": "mesh",
     "Decoding": "model",
     "Frame": "model",
     "Height": "model",
@@ -66,7 +70,6 @@ _HOME = {
     "Relief": "results",
     "SolveReport": "results",
     "preview": "shading",
-    "Mesh": "tessellate",
     "surface_mesh": "tessellate",
     "Length": "units",
     "length": "units",
@@ -96,6 +99,7 @@ __all__ = [
     "ReadOptions",
     "Relief",
     "ReliefOptions",
+    "RendererError",
     "SolveReport",
     "UsageError",
     "__version__",

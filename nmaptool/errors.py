@@ -41,6 +41,12 @@ class OutputError(NmaptoolError, OSError):
     exit_code = 5
 
 
+class RendererError(NmaptoolError, RuntimeError):
+    """No OpenGL context can be had, or the one there cannot draw (exit code 6)."""
+
+    exit_code = 6
+
+
 class ConvergenceError(NmaptoolError, ArithmeticError):
     """A solve that did not reach its tolerance (exit code 7).
 

@@ -2,28 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64
+from nmaptool.mesh import Mesh
 from nmaptool.model import Height
-
-
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """Triangles.
-
-    Attributes
-    ----------
-    vertices_mm : (N, 3) float64
-    faces : (M, 3) int32
-        Counter-clockwise seen from the viewer, so that normals point outwards (+z).
-    """
-
-    vertices_mm: Float64
-    faces: NDArray[np.int32]
 
 
 def surface_mesh(height: Height) -> Mesh:

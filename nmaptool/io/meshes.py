@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from nmaptool.errors import OutputError, UsageError, reason_of
-from nmaptool.tessellate import Mesh
+from nmaptool.mesh import Mesh
 
 ENDINGS = (".stl", ".ply", ".obj", ".glb")
 

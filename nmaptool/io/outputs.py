@@ -13,10 +13,11 @@ from nmaptool.errors import OutputError, UsageError, reason_of
 from nmaptool.io import heights, meshes
 from nmaptool.io.image_writer import write_image
 from nmaptool.io.replace import check_target, written_beside
+from nmaptool.mesh import Mesh
 from nmaptool.model import Height
 from nmaptool.results import Relief
 from nmaptool.shading import preview
-from nmaptool.tessellate import Mesh, surface_mesh
+from nmaptool.tessellate import surface_mesh
 
 RELIEF_ENDINGS = tuple(dict.fromkeys((*heights.ENDINGS, *meshes.ENDINGS)))
 

@@ -1,0 +1,141 @@
+"""A mesh as files hold it made fit for filtering and drawing, with an account of what was dropped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Mask
+from nmaptool.errors import InputError
+from nmaptool.mesh import Faces, Mesh
+
+# a face is degenerate where its height over its longest edge is below this share of that edge: its normal is noise
+_THINNEST = 1e-10
+
+
+@dataclass(frozen=True)
+class MeshFindings:
+    """What was found in a mesh and dropped.
+
+    Attributes
+    ----------
+    vertices, faces : int
+        As the file holds them.
+    welded_vertices : int
+        Duplicates of another vertex's position.
+    unreferenced_vertices : int
+        Used by no face.
+    nonfinite_vertices, nonfinite_faces : int
+        Vertices that are NaN or infinite, and the faces that use them.
+    degenerate_faces : int
+        Without area.
+    """
+
+    vertices: int
+    faces: int
+    welded_vertices: int = 0
+    unreferenced_vertices: int = 0
+    nonfinite_vertices: int = 0
+    nonfinite_faces: int = 0
+    degenerate_faces: int = 0
+
+
+def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
+    """Drop what cannot be used and weld vertices at the same position.
+
+    Parameters
+    ----------
+    mesh : Mesh
+
+    Returns
+    -------
+    mesh : Mesh
+        Finite vertices, each used; no two at one position; no face without area.
+    source_faces : (M,) int64
+        Which face of the given mesh each face is.
+    findings : MeshFindings
+
+    Raises
+    ------
+    InputError
+        If nothing is left, or the mesh has no extent.
+    """
+    if not len(mesh.faces):
+        raise InputError(f"{mesh.name}: holds {len(mesh.vertices)} points and no faces; a surface is needed")
+    finite = np.isfinite(mesh.vertices).all(axis=1)
+    sound: Mask = np.asarray(finite[mesh.faces].all(axis=1))
+    if not sound.any():
+        raise InputError(f"{mesh.name}: every face has a vertex that is NaN or infinite; export it again")
+    used = np.zeros(len(mesh.vertices), bool)
+    used[mesh.faces[sound]] = True
+    chosen = np.flatnonzero(used)
+    positions = mesh.vertices[chosen] + 0.0  # -0 and 0 are one place
+    extent = np.ptp(positions, axis=0).max()
+    if not extent > 0:
+        raise InputError(f"{mesh.name}: all vertices lie in one point; a surface is needed")
+    if not np.isfinite(extent * extent) or extent < 1e-100:
+        raise InputError(f"{mesh.name}: is {extent:.3g} units large; scale it to a size that can be made")
+    first, place = _weld(positions)
+    index = np.zeros(len(mesh.vertices), np.int32)
+    index[chosen] = place
+    faces: Faces = index[mesh.faces]
+    vertices = positions[first]
+    solid = sound & _has_area(vertices, faces, sound)
+    if not solid.any():
+        raise InputError(f"{mesh.name}: none of its {len(mesh.faces)} faces has an area; export it again")
+    welded = Mesh(vertices, np.ascontiguousarray(faces[solid]), mesh.mm_per_unit, mesh.unit_from, mesh.name)
+    findings = MeshFindings(
+        vertices=len(mesh.vertices),
+        faces=len(mesh.faces),
+        welded_vertices=len(chosen) - len(first),
+        unreferenced_vertices=len(mesh.vertices) - len(chosen) - int((~finite & _named(mesh)).sum()),
+        nonfinite_vertices=int((~finite).sum()),
+        nonfinite_faces=int((~sound).sum()),
+        degenerate_faces=int((sound & ~solid).sum()),
+    )
+    return _without_unused(welded), np.flatnonzero(solid), findings
+
+
+def _named(mesh: Mesh) -> Mask:
+    named = np.zeros(len(mesh.vertices), bool)
+    named[mesh.faces] = True
+    return named
+
+
+def _weld(positions: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """The first vertex at each position, and which of them each vertex is; the order of the file is kept."""
+    order = np.lexsort(positions.T)
+    ordered = positions[order]
+    starts = np.r_[True, (ordered[1:] != ordered[:-1]).any(axis=1)]
+    group = np.cumsum(starts) - 1
+    first = np.minimum.reduceat(order, np.flatnonzero(starts))
+    rank = np.empty(len(first), np.int32)
+    rank[np.argsort(first)] = np.arange(len(first), dtype=np.int32)
+    place = np.empty(len(positions), np.int32)
+    place[order] = rank[group]
+    return np.sort(first), place
+
+
+def _has_area(vertices: NDArray[np.float64], faces: Faces, sound: Mask) -> Mask:
+    good = np.zeros(len(faces), bool)
+    kept = np.flatnonzero(sound)
+    a, b, c = (vertices[faces[kept, k]] for k in range(3))
+    scale = np.maximum(np.abs(b - a).max(axis=1), np.abs(c - a).max(axis=1))
+    safe = np.where(scale > 0, scale, 1)[:, None]
+    ab, ac = (b - a) / safe, (c - a) / safe
+    twice = np.cross(ab, ac)
+    longest2 = np.maximum.reduce([(v * v).sum(axis=1) for v in (ab, ac, ac - ab)])
+    good[kept] = (scale > 0) & (np.sqrt((twice * twice).sum(axis=1)) > _THINNEST * longest2)
+    return good
+
+
+def _without_unused(mesh: Mesh) -> Mesh:
+    """Vertices that only degenerate faces used are dropped."""
+    used = np.zeros(len(mesh.vertices), bool)
+    used[mesh.faces] = True
+    if used.all():
+        return mesh
+    index = np.cumsum(used, dtype=np.int32) - np.int32(1)
+    return Mesh(mesh.vertices[used], index[mesh.faces], mesh.mm_per_unit, mesh.unit_from, mesh.name)

@@ -1,0 +1,106 @@
+"""Triangle meshes: the value that travels from a file to the camera and from a relief to a file."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float64, read_only
+from nmaptool.errors import InputError
+
+Faces = NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles.
+
+    Parameters
+    ----------
+    vertices : (N, 3) float64
+        Positions in the mesh's own units; they may be NaN until `nmaptool.cleaning.clean_mesh` has dropped those.
+    faces : (M, 3) int32
+        Vertices of each triangle, counter-clockwise seen from outside.
+    mm_per_unit : float
+        Millimetres to one unit of the vertices.
+    unit_from : str
+        Where ``mm_per_unit`` comes from: ``given``, ``file`` (its format fixes it) or ``assumed``.
+    name : str
+        What to call the mesh in messages: a file name.
+
+    Raises
+    ------
+    InputError
+        If shapes or types do not fit, or a face names a vertex that is not there.
+    """
+
+    vertices: Float64
+    faces: Faces
+    mm_per_unit: float = 1.0
+    unit_from: str = "assumed"
+    name: str = "mesh"
+
+    def __post_init__(self) -> None:
+        for what, array, dtype in (("vertices", self.vertices, np.float64), ("faces", self.faces, np.int32)):
+            if array.ndim != 2 or array.shape[1] != 3 or array.dtype != dtype:
+                raise InputError(
+                    f"{self.name}: {what} are {array.dtype} {array.shape}, expected {np.dtype(dtype).name} (count, 3)"
+                )
+        if len(self.faces) and not (self.faces.min() >= 0 and self.faces.max() < len(self.vertices)):
+            raise InputError(
+                f"{self.name}: a face names vertex {int(self.faces.max())} of {len(self.vertices)}; "
+                "the file is damaged: export it again"
+            )
+        if not (math.isfinite(self.mm_per_unit) and self.mm_per_unit > 0):
+            raise InputError(f"{self.name}: {self.mm_per_unit} mm to a unit: must be greater than zero")
+        object.__setattr__(self, "vertices", read_only(self.vertices))
+        object.__setattr__(self, "faces", read_only(self.faces))
+
+    @property
+    def vertices_mm(self) -> Float64:
+        """(N, 3) float64 positions in millimetres."""
+        return self.vertices if self.mm_per_unit == 1 else self.vertices * self.mm_per_unit
+
+    @property
+    def corners(self) -> Float64:
+        """(M, 3, 3) float64: the three corners of each face, each x, y, z."""
+        return np.asarray(self.vertices[self.faces])
+
+
+@dataclass(frozen=True, eq=False)
+class FaceGeometry:
+    """What the filters need to know of each face.
+
+    Attributes
+    ----------
+    normals : (M, 3) float64
+        Unit length, by the right-hand rule over the corners.
+    areas : (M,) float64
+        In squared units of the mesh.
+    centroids : (M, 3) float64
+    """
+
+    normals: Float64
+    areas: Float64
+    centroids: Float64
+
+
+def face_geometry(mesh: Mesh) -> FaceGeometry:
+    """Normals, areas and centroids of the faces of a mesh without degenerate faces."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    twice = np.cross(b - a, c - a)
+    length = np.sqrt(np.einsum("ij,ij->i", twice, twice))
+    normals = twice / np.where(length > 0, length, 1)[:, None]
+    return FaceGeometry(normals, length / 2, (a + b + c) / 3)
+
+
+def mean_edge_length(mesh: Mesh) -> float:
+    """Mean length of the unique edges, in units of the mesh; the unit of sigma_s (paper, Sec. 3)."""
+    pairs = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]])
+    low, high = pairs.min(axis=1).astype(np.int64), pairs.max(axis=1).astype(np.int64)
+    keys = np.unique(low * len(mesh.vertices) + high)
+    step = mesh.vertices[keys // len(mesh.vertices)] - mesh.vertices[keys % len(mesh.vertices)]
+    return float(np.sqrt(np.einsum("ij,ij->i", step, step)).mean())
