@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from nmaptool.io.outputs import write_relief
     from nmaptool.mesh import Mesh
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
-    from nmaptool.options import ReadOptions, ReliefOptions
+    from nmaptool.options import BakeOptions, FilterOptions, MeshReadOptions, ReadOptions, ReliefOptions, SplitOptions
     from nmaptool.orientation import doubts
     from nmaptool.results import Relief, SolveReport
     from nmaptool.shading import preview
@@ -64,8 +64,12 @@ _HOME = {
     "Height": "model",
     "NormalMap": "model",
     "RasterImage": "model",
+    "BakeOptions": "options",
+    "FilterOptions": "options",
+    "MeshReadOptions": "options",
     "ReadOptions": "options",
     "ReliefOptions": "options",
+    "SplitOptions": "options",
     "doubts": "orientation",
     "Relief": "results",
     "SolveReport": "results",
@@ -82,8 +86,10 @@ _HOME = {
 }
 
 __all__ = [
+    "BakeOptions",
     "ConvergenceError",
     "Decoding",
+    "FilterOptions",
     "Finding",
     "Frame",
     "Height",
@@ -92,6 +98,7 @@ __all__ = [
     "Length",
     "LimitError",
     "Mesh",
+    "MeshReadOptions",
     "NmaptoolError",
     "NormalMap",
     "OutputError",
@@ -101,6 +108,7 @@ __all__ = [
     "ReliefOptions",
     "RendererError",
     "SolveReport",
+    "SplitOptions",
     "UsageError",
     "__version__",
     "decode_normal_map",

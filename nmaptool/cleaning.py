@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from nmaptool.arrays import Mask
 from nmaptool.errors import InputError
-from nmaptool.mesh import Faces, Mesh
+from nmaptool.mesh import Faces, Mesh, cross
 
 # a face is degenerate where its height over its longest edge is below this share of that edge: its normal is noise
 _THINNEST = 1e-10
@@ -125,7 +125,7 @@ def _has_area(vertices: NDArray[np.float64], faces: Faces, sound: Mask) -> Mask:
     scale = np.maximum(np.abs(b - a).max(axis=1), np.abs(c - a).max(axis=1))
     safe = np.where(scale > 0, scale, 1)[:, None]
     ab, ac = (b - a) / safe, (c - a) / safe
-    twice = np.cross(ab, ac)
+    twice = cross(ab, ac)
     longest2 = np.maximum.reduce([(v * v).sum(axis=1) for v in (ab, ac, ac - ab)])
     good[kept] = (scale > 0) & (np.sqrt((twice * twice).sum(axis=1)) > _THINNEST * longest2)
     return good

@@ -88,19 +88,36 @@ class FaceGeometry:
     centroids: Float64
 
 
+def cross(u: Float64, v: Float64) -> Float64:
+    """Cross products of (N, 3) vectors; several times quicker than `numpy.cross`."""
+    out = np.empty_like(u)
+    for k in range(3):
+        a, b = (k + 1) % 3, (k + 2) % 3
+        out[:, k] = u[:, a] * v[:, b] - u[:, b] * v[:, a]
+    return out
+
+
 def face_geometry(mesh: Mesh) -> FaceGeometry:
     """Normals, areas and centroids of the faces of a mesh without degenerate faces."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
-    twice = np.cross(b - a, c - a)
+    twice = cross(b - a, c - a)
     length = np.sqrt(np.einsum("ij,ij->i", twice, twice))
     normals = twice / np.where(length > 0, length, 1)[:, None]
     return FaceGeometry(normals, length / 2, (a + b + c) / 3)
 
 
+def unique_edges(mesh: Mesh) -> NDArray[np.int32]:
+    """(E, 2) int32: vertices of each edge, the lower number first."""
+    f = mesh.faces
+    first, second = (np.concatenate([f[:, k] for k in order]) for order in ((0, 1, 2), (1, 2, 0)))
+    keys = np.minimum(first, second).astype(np.int64) << 32 | np.maximum(first, second)
+    keys.sort()
+    keys = keys[np.concatenate([[True], keys[1:] != keys[:-1]])] if len(keys) else keys
+    return np.column_stack([keys >> 32, keys & 0xFFFFFFFF]).astype(np.int32)
+
+
 def mean_edge_length(mesh: Mesh) -> float:
     """Mean length of the unique edges, in units of the mesh; the unit of sigma_s (paper, Sec. 3)."""
-    pairs = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]])
-    low, high = pairs.min(axis=1).astype(np.int64), pairs.max(axis=1).astype(np.int64)
-    keys = np.unique(low * len(mesh.vertices) + high)
-    step = mesh.vertices[keys // len(mesh.vertices)] - mesh.vertices[keys % len(mesh.vertices)]
+    first, second = unique_edges(mesh).T
+    step = mesh.vertices[first] - mesh.vertices[second]
     return float(np.sqrt(np.einsum("ij,ij->i", step, step)).mean())

@@ -9,7 +9,8 @@ import numpy as np
 from nmaptool.arrays import Float32, Float64, Mask
 from nmaptool.errors import InputError, UsageError
 from nmaptool.model import DEFAULT_LONGER_SIDE_MM, Height, NormalMap
-from nmaptool.options import LARGEST_WEIGHT, ReliefOptions
+from nmaptool.options import ReliefOptions
+from nmaptool.options.checks import LARGEST_WEIGHT
 from nmaptool.verbs.integrate import integrate
 
 # a mask that changes by less than this per px is a ramp to fade over, not a smoothed edge to cut at one half

@@ -1,4 +1,4 @@
-"""Options of every verb as frozen dataclasses: their defaults feed the Python API, the command line and the docs.
+"""How a relief is solved.
 
 Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
@@ -10,71 +10,16 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.errors import UsageError
+from nmaptool.options.checks import LARGEST_WEIGHT, require_at_least_zero, require_choices
 from nmaptool.units import Length, length
 
-Green = Literal["auto", "up", "down"]
-ZeroCode = Literal["auto", "127", "127.5", "128"]
-Encoding = Literal["auto", "signed", "unsigned"]
 BackgroundMode = Literal["plane", "free", "cut", "surface"]
 Energy = Literal["eq6", "eq4"]
 Fit = Literal["scale", "slope", "delta"]
 SolverName = Literal["auto", "dct", "amg"]
 
-LARGEST_WEIGHT = 1e6
 _SMALLEST_BETA = 1e-9
 _LARGEST_SLOPE = 1e4
-_BACKGROUND_WORDS = ("auto", "none", "alpha", "white", "grey", "black", "flat")
-
-
-def _is_hex_color(text: str) -> bool:
-    return len(text) == 7 and text[0] == "#" and all(c in "0123456789abcdefABCDEF" for c in text[1:])
-
-
-@dataclass(frozen=True)
-class ReadOptions:
-    """How a normal map file is read.
-
-    Parameters
-    ----------
-    layer:
-        Layer of an EXR that holds several, such as "detail". Also written as FILE.exr:detail.
-    green:
-        Which way the green channel points: "up" (+Y, OpenGL), "down" (DirectX), or "auto": what the file says of
-        itself, else "down" where the picture proves it, else "up".
-    swizzle:
-        Which channel feeds x, y and z, each with an optional minus sign: "-g,r,b" reads nx = -G, ny = R, nz = B.
-    zero_code:
-        The 8-bit code that means zero: "127.5" (the middle), "128", "127" (truncated when it was written), or "auto".
-    encoding:
-        How floating-point files store a normal: "signed" (-1 to 1), "unsigned" (0 to 1), or "auto".
-    background_color:
-        What the background looks like: "auto", "none" (every pixel is surface), "alpha", "white", "grey", "black",
-        "flat", or a colour such as "#7f7fff".
-    max_megapixels:
-        Refuse larger pictures before any memory is taken.
-    """
-
-    layer: str | None = None
-    green: Green = "auto"
-    swizzle: str | None = None
-    zero_code: ZeroCode = "auto"
-    encoding: Encoding = "auto"
-    background_color: str = "auto"
-    max_megapixels: float = 270.0
-
-    def __post_init__(self) -> None:
-        _require_choices(
-            ("green", self.green, ("auto", "up", "down")),
-            ("zero-code", self.zero_code, ("auto", "127", "127.5", "128")),
-            ("encoding", self.encoding, ("auto", "signed", "unsigned")),
-        )
-        if self.background_color not in _BACKGROUND_WORDS and not _is_hex_color(self.background_color):
-            raise UsageError(
-                f"--background-color {self.background_color!r}: use one of {', '.join(_BACKGROUND_WORDS)}, "
-                "or a colour such as #7f7fff"
-            )
-        if not (math.isfinite(self.max_megapixels) and self.max_megapixels > 0):
-            raise UsageError(f"--max-megapixels {self.max_megapixels:g}: must be greater than zero")
 
 
 @dataclass(frozen=True)
@@ -135,7 +80,7 @@ class ReliefOptions:
     max_iterations: int = 100
 
     def __post_init__(self) -> None:
-        _require_choices(
+        require_choices(
             ("background", self.background, ("plane", "free", "cut", "surface")),
             ("energy", self.energy, ("eq6", "eq4")),
             ("fit", self.fit, ("scale", "slope", "delta")),
@@ -144,7 +89,7 @@ class ReliefOptions:
         for name in ("height", "width"):  # text is as good as a Length
             if isinstance(getattr(self, name), str):
                 object.__setattr__(self, name, length(getattr(self, name)))
-        _require_at_least_zero(mu=self.mu, beta=self.beta)
+        require_at_least_zero(mu=self.mu, beta=self.beta)
         if 0 < self.beta < _SMALLEST_BETA:
             raise UsageError(f"--beta {self.beta:g}: must be 0 or at least {_SMALLEST_BETA:g}")
         if not (math.isfinite(self.delta) and abs(self.delta) <= LARGEST_WEIGHT):
@@ -159,15 +104,3 @@ class ReliefOptions:
             raise UsageError(f"--width {self.width}: the size of a pixel follows from it, so give it in mm, cm or in")
         if self.fit != "scale" and self.height is None:
             raise UsageError(f"--fit {self.fit}: needs --height, such as --height 3mm")
-
-
-def _require_at_least_zero(**values: float) -> None:
-    for name, value in values.items():
-        if not 0 <= value <= LARGEST_WEIGHT:
-            raise UsageError(f"--{name} {value:g}: must be zero or more, at most {LARGEST_WEIGHT:g}")
-
-
-def _require_choices(*choices: tuple[str, str, tuple[str, ...]]) -> None:
-    for name, value, accepted in choices:
-        if value not in accepted:
-            raise UsageError(f"--{name} {value!r}: use one of {', '.join(accepted)}")

@@ -1,0 +1,1 @@
+"""From a mesh to what each pixel of a camera sees of it."""

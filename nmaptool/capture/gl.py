@@ -1,0 +1,190 @@
+"""Which face each pixel sees, drawn by OpenGL through pyrender: EGL, then OSMesa, then the platform's window."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float64
+from nmaptool.errors import RendererError
+from nmaptool.mesh import Faces
+
+# software OpenGL says 16384 and fails there; two buffers of four samples a pixel take 100 MB at this size
+TILE_PX = 2048
+PLATFORMS = ("egl", "osmesa", "window")
+_SHADERS = Path(__file__).parent / "shaders"
+_VARIABLE = "PYOPENGL_PLATFORM"
+_REMEDY = (
+    "install OpenGL's libraries (Debian, Ubuntu: sudo apt-get install libegl1 libgl1 libgl1-mesa-dri; Fedora: sudo dnf "
+    "install mesa-libEGL mesa-libGL mesa-dri-drivers), or draw without them, slower: --renderer numpy"
+)
+
+Draw = Callable[[Float64, Faces, int, int], NDArray[np.int32]]
+
+
+@contextlib.contextmanager
+def drawing(renderer: str = "auto") -> Iterator[tuple[Draw, str]]:
+    """An OpenGL context for any number of drawings; everything it holds is freed at the end.
+
+    Parameters
+    ----------
+    renderer : str
+        ``egl``, ``osmesa``, ``window``, or ``auto``: the first of them that works, or the one that the environment
+        variable PYOPENGL_PLATFORM names.
+
+    Yields
+    ------
+    draw, platform
+        ``draw`` as `nmaptool.capture.numpy_raster.visible_faces`, and which platform was had.
+
+    Raises
+    ------
+    RendererError
+        If no context can be had; says why, and what to install.
+    """
+    offscreen, platform = _open(renderer)
+    try:
+        yield lambda points, faces, rows, cols: _draw(offscreen, points, faces, rows, cols), platform
+    finally:
+        offscreen.delete()
+
+
+def _open(renderer: str) -> tuple[Any, str]:
+    wanted = (renderer,) if renderer != "auto" else PLATFORMS
+    chosen = os.environ.get(_VARIABLE)
+    if renderer == "auto" and chosen in PLATFORMS:
+        wanted = (chosen,)
+    reasons = []
+    for platform in wanted:
+        loaded = {name for name in sys.modules if _is_graphics(name)}
+        try:
+            return _try(platform), platform
+        except Exception as error:  # noqa: BLE001 - drivers and their bindings fail in every way there is
+            reason = " ".join(str(error).split()) or type(error).__name__
+            reasons.append(f"{platform}: {reason[:70]}")
+        for name in [name for name in sys.modules if _is_graphics(name) and name not in loaded]:
+            del sys.modules[name]  # PyOpenGL binds itself to a platform when it is imported
+    raise RendererError(f"no OpenGL context can be had ({'; '.join(reasons)}); {_REMEDY}")
+
+
+def _is_graphics(name: str) -> bool:
+    return name.partition(".")[0] in ("OpenGL", "pyrender")
+
+
+def _try(platform: str) -> Any:
+    before = os.environ.get(_VARIABLE)
+    if platform == "window":
+        os.environ.pop(_VARIABLE, None)
+    else:
+        os.environ[_VARIABLE] = platform
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of the packages' own making
+            from pyrender import OffscreenRenderer
+            from pyrender.shader_program import ShaderProgramCache
+
+            offscreen = OffscreenRenderer(1, 1)
+        offscreen._renderer.dpscale = 1  # or a Mac would draw at twice the size and blend face numbers
+        offscreen._renderer._program_cache = ShaderProgramCache(shader_dir=str(_SHADERS))
+        return offscreen
+    finally:
+        if before is None:
+            os.environ.pop(_VARIABLE, None)
+        else:
+            os.environ[_VARIABLE] = before
+
+
+def _draw(offscreen: Any, points: Float64, faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
+    """The whole picture, in tiles that the renderer can hold."""
+    toward = _turned_to_viewer(points, faces)
+    near = points[:, 2]
+    depth = 0.999 - (near - near.min()) * (1.998 / max(float(np.ptp(near)), 1e-30))
+    shown = np.empty((rows, cols), np.int32)
+    for top in range(0, rows, TILE_PX):
+        for left in range(0, cols, TILE_PX):
+            high, wide = min(TILE_PX, rows - top), min(TILE_PX, cols - left)
+            clip = np.column_stack(
+                [(points[:, 0] - left) * (2 / wide) - 1, 1 - (points[:, 1] - top) * (2 / high), depth]
+            ).astype(np.float32)
+            number = None
+            drawn = toward
+            if (high, wide) != (rows, cols):
+                number = np.flatnonzero(_touches(clip, toward))
+                drawn = toward[number]
+            tile = _draw_tile(offscreen, clip, drawn, high, wide)
+            shown[top : top + high, left : left + wide] = tile if number is None else _renumbered(tile, number)
+    return shown
+
+
+def _turned_to_viewer(points: Float64, faces: Faces) -> Faces:
+    """Faces counter-clockwise as seen: pyrender culls back faces where it draws segments."""
+    a, b, c = (points[faces[:, k], :2] for k in range(3))
+    twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
+    turned = faces.copy()
+    away = twice > 0  # rows count downwards
+    turned[away] = turned[away][:, ::-1]
+    return turned
+
+
+def _touches(clip: NDArray[np.float32], faces: Faces) -> NDArray[np.bool_]:
+    """Faces whose bounding box meets the tile."""
+    out = np.ones(len(faces), bool)
+    for axis in (0, 1):
+        corner = clip[:, axis][faces]
+        out &= (corner.max(axis=1) >= -1) & (corner.min(axis=1) <= 1)
+    return out
+
+
+def _renumbered(tile: NDArray[np.int32], number: NDArray[np.int64]) -> NDArray[np.int32]:
+    out = np.full(tile.shape, -1, np.int32)
+    seen = tile >= 0
+    out[seen] = number[tile[seen]]
+    return out
+
+
+def _draw_tile(offscreen: Any, clip: NDArray[np.float32], faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
+    if not len(faces):
+        return np.full((rows, cols), -1, np.int32)
+    from pyrender import Mesh, Node, OrthographicCamera, Primitive, RenderFlags, Scene
+
+    scene = Scene()
+    scene.add(OrthographicCamera(1.0, 1.0))  # asked for, not used: the shader takes the positions as they are
+    node = Node(mesh=Mesh([Primitive(positions=clip, indices=faces.astype(np.uint32))]))
+    scene.add_node(node)
+    offscreen.viewport_width, offscreen.viewport_height = cols, rows
+    flags = RenderFlags.SEG | RenderFlags.RGBA | RenderFlags.SKIP_CULL_FACES
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        bytes_, _ = offscreen.render(scene, flags=flags, seg_node_map={node: (0, 0, 0)})
+        offscreen._renderer._update_context(Scene(), flags)  # frees the buffers of this drawing
+    return face_numbers(bytes_)
+
+
+def face_numbers(color: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Face numbers out of drawn bytes.
+
+    Parameters
+    ----------
+    color : (H, W, 4) uint8
+        Number + 1, lowest byte first; nothing drawn is black, opaque or not.
+
+    Returns
+    -------
+    (H, W) int32
+        -1 where nothing was drawn.
+    """
+    parts = color.astype(np.uint32)
+    number = parts[..., 0] | parts[..., 1] << 8 | parts[..., 2] << 16
+    empty = number == 0  # the clear colour is opaque black
+    number |= parts[..., 3] << 24
+    out = number.astype(np.int64) - 1
+    out[empty & (parts[..., 3] == 255)] = -1
+    return out.astype(np.int32)

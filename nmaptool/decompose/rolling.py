@@ -1,0 +1,102 @@
+"""Rolling guidance over any neighbourhood, and the split of a field of normals that follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.arrays import Float64, Mask
+from nmaptool.decompose.mixture import fit_mixture
+from nmaptool.layer_set import Mixture
+from nmaptool.progress import Progress
+
+# sums shorter than this have no direction
+_SHORTEST = 1e-20
+# normals are kept as multiples of this, so that base and residual add up to the original in every bit
+_STEP = 2.0**-40
+
+# (guide or None) -> sums: for every face, the weighted sum of the original normals around it
+Gather = Callable[[Float64 | None], Float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Decomposition:
+    """A field of unit normals N split into base and detail, N = base + residual in every bit.
+
+    Attributes
+    ----------
+    normals : (M, 3) float64
+        The field that was split.
+    filtered : (M, 3) float64
+        What rolling guidance made of it.
+    base : (M, 3) float64
+        N_B.
+    residual : (M, 3) float64
+        N_D = N - N_B; zero where nothing is detail.
+    is_detail : (M,) bool
+        Where the filtered normal was taken as base.
+    mixture : Mixture
+        The lengths |N - filtered| and the threshold found in them.
+    """
+
+    normals: Float64
+    filtered: Float64
+    base: Float64
+    residual: Float64
+    is_detail: Mask
+    mixture: Mixture
+
+
+def roll(normals: Float64, gather: Gather, iterations: int, progress: Progress | None = None) -> Float64:
+    """Rolling guidance (paper, Eq. 1): the original normals are averaged again and again, led by the last average.
+
+    Parameters
+    ----------
+    normals : (M, 3) float64
+        Unit normals.
+    gather : callable
+        Sums of the original normals around each face, weighted by area, distance and, where a guide is given,
+        likeness of the guide's normals.
+    iterations : int
+        Passes, at least 1; the first has no guide.
+
+    Returns
+    -------
+    (M, 3) float64
+        Unit normals; the original where the sum around a face is shorter than 1e-20.
+    """
+    guide: Float64 | None = None
+    for step in range(iterations):
+        if progress is not None:
+            progress("filtering", step / iterations)
+        total = gather(guide)
+        length = np.sqrt(np.einsum("ij,ij->i", total, total))
+        lost = ~(length > _SHORTEST)
+        guide = total / np.where(lost, 1, length)[:, None]
+        guide[lost] = normals[lost]
+    assert guide is not None  # at least one pass
+    return guide
+
+
+def separate(normals: Float64, filtered: Float64, weights: Float64, keep_small: bool = True) -> Decomposition:
+    """Split normals by the length of their residuals.
+
+    Parameters
+    ----------
+    normals, filtered : (M, 3) float64
+        Unit normals before and after the filter.
+    weights : (M,) float64
+        Areas.
+    keep_small : bool
+        Where the residual is no longer than the threshold, the base is the original (GRNF); False takes the filtered
+        normals everywhere (RNF).
+    """
+    normals, filtered = (np.round(n / _STEP) * _STEP for n in (normals, filtered))
+    residual = normals - filtered
+    length = np.sqrt(np.einsum("ij,ij->i", residual, residual))
+    mixture = fit_mixture(length, weights)
+    is_detail = length > mixture.theta if keep_small else np.ones(len(normals), bool)
+    base = np.where(is_detail[:, None], filtered, normals)
+    return Decomposition(normals, filtered, base, normals - base, is_detail, mixture)

@@ -1,0 +1,59 @@
+"""What a detail map holds: how an original differs from its base, as normals that are flat where it does not.
+
+Each encoding is undone by one way of blending base and detail again.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nmaptool.arrays import Float32
+from nmaptool.vectors import FLAT, slopes, unit
+
+# steeper slopes are brought down to this before they are subtracted
+_STEEPEST = 50.0
+
+
+def encode_detail(original: Float32, base: Float32, encoding: str = "rotation") -> Float32:
+    """Detail normals from original and base.
+
+    Parameters
+    ----------
+    original, base : (..., 3) float32
+        Unit normals.
+    encoding : str
+        ``rotation``: the rotation that takes the base to (0, 0, 1), applied to the original; reoriented blending
+        undoes it. ``slope``: the difference of the slopes; partial-derivative blending undoes it. ``difference``:
+        (0, 0, 1) + original - base, made unit.
+
+    Returns
+    -------
+    (..., 3) float32
+        Unit normals; exactly (0, 0, 1) where original and base are equal.
+    """
+    if encoding == "rotation":
+        detail = _rotation(original, base)
+    elif encoding == "slope":
+        p, q = (o - b for o, b in zip(slopes(original, _STEEPEST), slopes(base, _STEEPEST), strict=True))
+        detail = unit(np.stack([-p, -q, np.ones_like(p)], axis=-1))
+    elif encoding == "difference":
+        detail = unit(original - base + np.array(FLAT, np.float32))
+    else:
+        raise ValueError(f"unknown encoding {encoding!r}")
+    detail[(original == base).all(axis=-1)] = FLAT
+    return detail
+
+
+def _rotation(original: Float32, base: Float32) -> Float32:
+    o, b = original.astype(np.float64), base.astype(np.float64)
+    # half-way vector form: two mirrors, stable unless the base faces straight away
+    towards = 1 + b[..., 2]
+    across = b[..., 0] * o[..., 0] + b[..., 1] * o[..., 1]
+    away = towards < 1e-9
+    share = (across + towards * o[..., 2]) / np.where(away, 1, towards)
+    out = np.empty_like(o)
+    out[..., 0] = o[..., 0] - b[..., 0] * share
+    out[..., 1] = o[..., 1] - b[..., 1] * share
+    out[..., 2] = across + b[..., 2] * o[..., 2]
+    out[away] = o[away] * (1, -1, -1)
+    return unit(out)

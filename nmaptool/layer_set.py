@@ -1,0 +1,182 @@
+"""The layers of one view: original, base and detail normal maps on one grid, with the account of how they were made."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float32, Float64, read_only
+from nmaptool.cleaning import MeshFindings
+from nmaptool.errors import InputError
+from nmaptool.model import Frame, NormalMap
+
+
+@dataclass(frozen=True)
+class Gaussian:
+    """One part of the mixture: its share of the whole, mean and standard deviation of residual lengths."""
+
+    weight: float
+    mean: float
+    sigma: float
+
+    def density(self, x: Float64) -> Float64:
+        """Weighted density at residual lengths; 0 everywhere where all residuals are alike."""
+        if self.sigma <= 0:
+            return np.zeros_like(x)
+        peak = self.weight / (self.sigma * np.sqrt(2 * np.pi))
+        return np.asarray(peak * np.exp(-0.5 * ((x - self.mean) / self.sigma) ** 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """Lengths of residuals, the two Gaussians that model them, and the threshold (paper, Sec. 3.1 and Fig. 5).
+
+    Attributes
+    ----------
+    edges : (B+1,) float64
+        Bounds of the histogram's bins, 0 to 2.
+    density : (B,) float64
+        Share of the area per unit of length; sums to 1 over the bins' widths.
+    low, high : Gaussian
+        Residuals of the base and of detail, by their means.
+    theta : float
+        Residuals longer than this are detail.
+    form : str
+        ``weighted``: where the weighted densities cross between the means; ``unweighted``: where the plain ones do;
+        ``midpoint``: neither crosses there; ``none``: all residuals are alike, nothing is detail.
+    iterations : int
+        Steps of expectation and maximisation.
+    """
+
+    edges: Float64
+    density: Float64
+    low: Gaussian
+    high: Gaussian
+    theta: float
+    form: str
+    iterations: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; the histogram in 100 bins."""
+        coarse = self.density.reshape(100, -1).mean(axis=1)
+        return {
+            "theta": self.theta,
+            "form": self.form,
+            "iterations": self.iterations,
+            "low": dataclasses.asdict(self.low),
+            "high": dataclasses.asdict(self.high),
+            "histogram": {"from": 0.0, "to": float(self.edges[-1]), "density": [round(float(d), 6) for d in coarse]},
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class LayerReport:
+    """How layers were made.
+
+    Attributes
+    ----------
+    options : mapping
+        As given, plain values.
+    mixture : Mixture
+    detail_share : float
+        Share of the surface (by area) or of the motif that is detail.
+    detail_angle_deg : float
+        Mean angle between original and base over the covered pixels.
+    view : str
+        Name of the view; empty for layers of a map.
+    pitch_from : str
+        Where the size of a pixel comes from: ``given``, ``file`` or ``assumed``; empty where there is none.
+    findings : MeshFindings or None
+        What was dropped from the mesh.
+    faces : int
+        Faces that were filtered and drawn; 0 for layers of a map.
+    mean_edge : float
+        Mean edge length in units of the mesh, the unit of sigma_s; 0 for layers of a map.
+    sigma_s_px : float
+        What sigma_s comes to in pixels.
+    renderer : str
+        Which platform drew.
+    camera : mapping
+        azimuth, elevation, roll, unit_per_px, distance.
+    seconds : mapping of str to float
+        Time by stage.
+    warnings : tuple of str
+    """
+
+    options: Mapping[str, Any]
+    mixture: Mixture
+    detail_share: float
+    detail_angle_deg: float
+    view: str = ""
+    pitch_from: str = ""
+    findings: MeshFindings | None = None
+    faces: int = 0
+    mean_edge: float = 0.0
+    sigma_s_px: float = 0.0
+    renderer: str = ""
+    camera: Mapping[str, Any] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        out = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        out["mixture"] = self.mixture.to_dict()
+        out["findings"] = None if self.findings is None else dataclasses.asdict(self.findings)
+        out |= {key: dict(out[key]) for key in ("options", "camera", "seconds")}
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class LayerSet:
+    """Three normal maps of one view, and what else the drawing knows.
+
+    Parameters
+    ----------
+    original, base, detail : NormalMap
+        On one grid, with one coverage.
+    report : LayerReport
+    depth_mm : (H, W) float32, optional
+        Distance from the camera along its axis; 0 where nothing is seen. A perspective camera counts from its eye, an
+        orthographic one from the nearest point of the mesh.
+    faces : (H, W) int32, optional
+        Number of the face seen at each pixel, in the order of the mesh as it was given, from 0; -1 for none.
+
+    Raises
+    ------
+    InputError
+        If the layers do not fit each other.
+    """
+
+    original: NormalMap
+    base: NormalMap
+    detail: NormalMap
+    report: LayerReport
+    depth_mm: Float32 | None = None
+    faces: NDArray[np.int32] | None = None
+
+    def __post_init__(self) -> None:
+        for layer in (self.base, self.detail):
+            if layer.frame != self.original.frame:
+                raise InputError(f"{layer.name} is {layer.frame}, but the original {self.original.frame}")
+        for name in ("depth_mm", "faces"):
+            array = getattr(self, name)
+            if array is not None:
+                if array.shape != self.original.frame.shape:
+                    raise InputError(f"{name} is {array.shape}, expected {self.original.frame.shape}")
+                object.__setattr__(self, name, read_only(array))
+
+    @property
+    def frame(self) -> Frame:
+        """Size and pitch."""
+        return self.original.frame
+
+    @property
+    def coverage(self) -> Float32:
+        """(H, W) float32 in [0, 1]: where the layers are defined."""
+        return self.original.coverage

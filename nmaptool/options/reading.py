@@ -1,0 +1,70 @@
+"""How files are read.
+
+Nothing heavy is imported here, so that ``nmap --help`` stays quick.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from nmaptool.errors import UsageError
+from nmaptool.options.checks import require_choices
+
+Green = Literal["auto", "up", "down"]
+ZeroCode = Literal["auto", "127", "127.5", "128"]
+Encoding = Literal["auto", "signed", "unsigned"]
+
+_BACKGROUND_WORDS = ("auto", "none", "alpha", "white", "grey", "black", "flat")
+
+
+def _is_hex_color(text: str) -> bool:
+    return len(text) == 7 and text[0] == "#" and all(c in "0123456789abcdefABCDEF" for c in text[1:])
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """How a normal map file is read.
+
+    Parameters
+    ----------
+    layer:
+        Layer of an EXR that holds several, such as "detail". Also written as FILE.exr:detail.
+    green:
+        Which way the green channel points: "up" (+Y, OpenGL), "down" (DirectX), or "auto": what the file says of
+        itself, else "down" where the picture proves it, else "up".
+    swizzle:
+        Which channel feeds x, y and z, each with an optional minus sign: "-g,r,b" reads nx = -G, ny = R, nz = B.
+    zero_code:
+        The 8-bit code that means zero: "127.5" (the middle), "128", "127" (truncated when it was written), or "auto".
+    encoding:
+        How floating-point files store a normal: "signed" (-1 to 1), "unsigned" (0 to 1), or "auto".
+    background_color:
+        What the background looks like: "auto", "none" (every pixel is surface), "alpha", "white", "grey", "black",
+        "flat", or a colour such as "#7f7fff".
+    max_megapixels:
+        Refuse larger pictures before any memory is taken.
+    """
+
+    layer: str | None = None
+    green: Green = "auto"
+    swizzle: str | None = None
+    zero_code: ZeroCode = "auto"
+    encoding: Encoding = "auto"
+    background_color: str = "auto"
+    max_megapixels: float = 270.0
+
+    def __post_init__(self) -> None:
+        require_choices(
+            ("green", self.green, ("auto", "up", "down")),
+            ("zero-code", self.zero_code, ("auto", "127", "127.5", "128")),
+            ("encoding", self.encoding, ("auto", "signed", "unsigned")),
+        )
+        if self.background_color not in _BACKGROUND_WORDS and not _is_hex_color(self.background_color):
+            raise UsageError(
+                f"--background-color {self.background_color!r}: use one of {', '.join(_BACKGROUND_WORDS)}, "
+                "or a colour such as #7f7fff"
+            )
+        if not (math.isfinite(self.max_megapixels) and self.max_megapixels > 0):
+            raise UsageError(f"--max-megapixels {self.max_megapixels:g}: must be greater than zero")

@@ -1,0 +1,227 @@
+"""A mesh to original, base and detail normal maps."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float32, Float64
+from nmaptool.capture import numpy_raster
+from nmaptool.capture.camera import Camera, frame_camera
+from nmaptool.capture.corners import corner_normals
+from nmaptool.capture.sight import Draw, Sight, look
+from nmaptool.cleaning import MeshFindings, clean_mesh
+from nmaptool.decompose.rolling import Decomposition
+from nmaptool.detail import encode_detail
+from nmaptool.errors import InputError, UsageError
+from nmaptool.layer_set import LayerReport, LayerSet
+from nmaptool.mesh import Mesh, mean_edge_length
+from nmaptool.model import Frame, NormalMap
+from nmaptool.options import BakeOptions, FilterOptions
+from nmaptool.options.bake import VIEWS
+from nmaptool.progress import Progress
+from nmaptool.verbs.decompose import decompose_clean
+
+
+def bake(
+    mesh: Mesh,
+    options: BakeOptions | None = None,
+    filter: FilterOptions | None = None,
+    *,
+    progress: Progress | None = None,
+) -> LayerSet:
+    """Draw a mesh as original, base and detail normal maps (paper, Sec. 3 and 4.2.1).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any; what cannot be used is dropped and reported.
+    options : BakeOptions, optional
+        Of one view.
+    filter : FilterOptions, optional
+    progress : callable, optional
+        Called with a word and the share done.
+
+    Returns
+    -------
+    LayerSet
+        Base and detail are drawn on the original geometry (paper, Fig. 10).
+
+    Raises
+    ------
+    UsageError
+        If options do not fit each other, or name several views: then use `bake_views`.
+    InputError
+        If no face of the mesh can be used or none is seen.
+    RendererError
+        If no OpenGL context can be had.
+    """
+    options = options or BakeOptions()
+    if len(options.views) > 1:
+        raise UsageError(f"--view {options.view}: is several views; use bake_views, which gives a set for each")
+    return bake_views(mesh, options, filter, progress=progress)[0]
+
+
+def bake_views(
+    mesh: Mesh,
+    options: BakeOptions | None = None,
+    filter: FilterOptions | None = None,
+    *,
+    progress: Progress | None = None,
+) -> tuple[LayerSet, ...]:
+    """`bake` for each view of ``options.view``, in order; the mesh is filtered once."""
+    options = options or BakeOptions()
+    tell = progress or (lambda word, share: None)
+    work = _Work(options, filter or FilterOptions())
+    with work.timed("clean"):
+        clean, source_faces, findings = clean_mesh(mesh)
+        cameras = [_camera(clean, options, view) for view in options.views]
+    with work.timed("filter"):
+        split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share))
+        fields = _fields(clean, split, options)
+    made = []
+    with _drawing(options.renderer) as (draw, platform):
+        for number, (view, camera) in enumerate(zip(options.views, cameras, strict=True)):
+            tell("drawing", 0.7 + 0.3 * number / len(cameras))
+            with work.timed("draw"):
+                sight = look(clean, camera, draw, options.supersample)
+            with work.timed("layers"):
+                drawn = _Drawn(clean, source_faces, findings, view, sight, platform)
+                made.append(_layer_set(work, drawn, split, fields))
+    seconds = {key: round(value, 4) for key, value in work.seconds.items()}
+    return tuple(dataclasses.replace(s, report=dataclasses.replace(s.report, seconds=seconds)) for s in made)
+
+
+@dataclass
+class _Work:
+    """What is asked for, and the time it takes."""
+
+    options: BakeOptions
+    filter: FilterOptions
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @contextlib.contextmanager
+    def timed(self, stage: str) -> Iterator[None]:
+        start = time.perf_counter()
+        yield
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """A drawing of a clean mesh, and what it came from."""
+
+    mesh: Mesh
+    source_faces: NDArray[np.int64]
+    findings: MeshFindings
+    view: str
+    sight: Sight
+    platform: str
+
+
+@contextlib.contextmanager
+def _drawing(renderer: str) -> Iterator[tuple[Draw, str]]:
+    if renderer == "numpy":
+        yield numpy_raster.visible_faces, renderer
+        return
+    from nmaptool.capture import gl
+
+    with gl.drawing(renderer) as drawn:
+        yield drawn
+
+
+def _camera(mesh: Mesh, options: BakeOptions, view: str) -> Camera:
+    azimuth, elevation = VIEWS[view]
+    if options.azimuth is not None:
+        azimuth = options.azimuth
+    if options.elevation is not None:
+        elevation = options.elevation
+    return frame_camera(mesh, options, azimuth, elevation)
+
+
+def _fields(mesh: Mesh, split: Decomposition, options: BakeOptions) -> tuple[Float64, Float64]:
+    """Original and base directions, one a face or one a corner."""
+    if options.shading == "flat":
+        return split.normals, split.base
+    return corner_normals(mesh, split.normals, options.crease), corner_normals(mesh, split.base, options.crease)
+
+
+def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[Float64, Float64]) -> LayerSet:
+    options, sight, camera = work.options, drawn.sight, drawn.sight.camera
+    original, coverage = sight.normal_layer(fields[0])
+    if not coverage.any():
+        raise InputError(
+            f"{drawn.mesh.name}: nothing of it is seen in the {drawn.view} view; choose another --view, --pitch or "
+            "--target"
+        )
+    base, _ = sight.normal_layer(fields[1])
+    seen = coverage > 0
+    detail = original.copy()
+    detail[seen] = encode_detail(original[seen], base[seen], options.detail_encoding)
+    pitch_mm, pitch_from = camera.unit_per_px * drawn.mesh.mm_per_unit, drawn.mesh.unit_from
+    if options.pitch is not None:
+        pitch_from = "given"
+    if options.width is not None:
+        pitch_mm, pitch_from = options.width.to_mm(1.0, 1) / camera.cols, "given"
+    frame = Frame(camera.rows, camera.cols, pitch_mm)
+    pixel_faces = sight.pixel_faces()
+    edge = mean_edge_length(drawn.mesh)
+    report = LayerReport(
+        options=_plain(options) | _plain(work.filter),
+        mixture=split.mixture,
+        detail_share=_share(split, drawn.mesh),
+        detail_angle_deg=_mean_angle(original, base, coverage),
+        view=drawn.view,
+        pitch_from=pitch_from,
+        findings=drawn.findings,
+        faces=len(drawn.mesh.faces),
+        mean_edge=edge,
+        sigma_s_px=work.filter.sigma_s * edge / camera.unit_per_px,
+        renderer=drawn.platform,
+        camera={"rotation": camera.rotation.tolist(), "unit_per_px": camera.unit_per_px, "distance": camera.distance},
+        warnings=_warnings(drawn, coverage),
+    )
+    maps = {
+        name: NormalMap(normals, coverage, frame, name=f"{drawn.mesh.name}: {name}")
+        for name, normals in (("original", original), ("base", base), ("detail", detail))
+    }
+    source = np.where(pixel_faces >= 0, drawn.source_faces[pixel_faces], -1).astype(np.int32)
+    depth_mm = sight.depth(pixel_faces) * np.float32(pitch_mm / camera.unit_per_px)
+    return LayerSet(**maps, report=report, depth_mm=depth_mm, faces=source)
+
+
+def _plain(options: Any) -> dict[str, Any]:
+    values = {f.name: getattr(options, f.name) for f in dataclasses.fields(options)}
+    return {k: str(v) if dataclasses.is_dataclass(v) else v for k, v in values.items()}
+
+
+def _share(split: Decomposition, mesh: Mesh) -> float:
+    from nmaptool.mesh import face_geometry
+
+    areas = face_geometry(mesh).areas
+    return float(areas[split.is_detail].sum() / areas.sum())
+
+
+def _mean_angle(original: Float32, base: Float32, coverage: Float32) -> float:
+    seen = coverage > 0
+    cosine = np.einsum("ij,ij->i", original[seen], base[seen], dtype=np.float64)
+    return float(np.degrees(np.arccos(cosine.clip(-1, 1))).mean())
+
+
+def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:
+    f = drawn.findings
+    counted = (
+        (f.degenerate_faces, "faces have no area and were dropped"),
+        (f.nonfinite_faces, "faces have a vertex that is NaN or infinite and were dropped"),
+    )
+    found = [f"{count} {words}" for count, words in counted if count]
+    if float((coverage > 0).mean()) < 0.001:
+        found.append("less than a thousandth of the picture sees the mesh")
+    return tuple(found)

@@ -1,0 +1,50 @@
+"""A mesh's face normals split into base and detail."""
+
+from __future__ import annotations
+
+from nmaptool.cleaning import clean_mesh
+from nmaptool.decompose.ring import gather_ring
+from nmaptool.decompose.rolling import Decomposition, roll, separate
+from nmaptool.decompose.surface import gather_surface
+from nmaptool.mesh import Mesh, face_geometry, mean_edge_length
+from nmaptool.options import FilterOptions
+from nmaptool.progress import Progress
+
+
+def decompose_normals(
+    mesh: Mesh, options: FilterOptions | None = None, *, progress: Progress | None = None
+) -> Decomposition:
+    """Split the face normals of a mesh into base and detail (GRNF: paper, Sec. 3.1).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any; what cannot be used is dropped and vertices at one position are welded first, see
+        `nmaptool.cleaning.clean_mesh`, whose faces are those of the answer.
+    options : FilterOptions, optional
+    progress : callable, optional
+        Called with a word and the share done.
+
+    Returns
+    -------
+    Decomposition
+        Face normals, base and residual, base + residual = normals in every bit; the mixture and its threshold.
+
+    Raises
+    ------
+    InputError
+        If no face of the mesh can be used.
+    """
+    clean, _, _ = clean_mesh(mesh)
+    return decompose_clean(clean, options or FilterOptions(), progress)
+
+
+def decompose_clean(mesh: Mesh, options: FilterOptions, progress: Progress | None = None) -> Decomposition:
+    """`decompose_normals` of a mesh that is clean already."""
+    geometry = face_geometry(mesh)
+    sigma_s = options.sigma_s * mean_edge_length(mesh)
+    gather = {"ring": gather_ring, "surface": gather_surface}[options.neighborhood](
+        mesh, geometry, sigma_s, options.sigma_r
+    )
+    filtered = roll(geometry.normals, gather, options.iterations, progress)
+    return separate(geometry.normals, filtered, geometry.areas, keep_small=options.filter == "grnf")
