@@ -22,6 +22,7 @@ demo: $(STAMP)
 
 samples: $(STAMP)
 	$(BIN)/python samples/make_samples.py samples
+	$(BIN)/python samples/make_meshes.py samples
 
 check: $(STAMP)
 	$(BIN)/ruff check .
