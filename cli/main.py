@@ -15,7 +15,9 @@ from nmaptool_cli.session import STREAM, guarded
 
 HELP = """Normal maps in, carved bas-reliefs in exact millimetres out.
 
-Start with: nmap inspect MAP, then nmap relief MAP -o relief.stl --preview relief.png
+From a mesh: nmap bake MESH -o maps, then nmap relief maps/original.exr --detail maps/detail.exr -o relief.stl
+
+From a map: nmap inspect MAP, then nmap relief MAP -o relief.stl --preview relief.png
 """
 
 app = App(
@@ -32,11 +34,17 @@ app = App(
 app.command(
     "nmaptool_cli.inspect:inspect", name="inspect", help="Look a normal map over and say what is wrong with it."
 )
+app.command("nmaptool_cli.bake:bake", name="bake", help="Draw a mesh as original, base and detail normal maps.")
+app.command(
+    "nmaptool_cli.compose:app", name="compose", help="Edit normal maps as vectors: split a map into base and detail."
+)
 app.command(
     "nmaptool_cli.relief:relief", name="relief", help="Make a relief in millimetres from one or two normal maps."
 )
 
 
+# flags whose values may start with a minus sign
+_SIGNED = ("--swizzle", "--height", "--width", "--target", "--azimuth", "--elevation", "--roll")
 _SIGNED_VALUE = re.compile(r"-[\d.rgb]")
 
 
@@ -52,7 +60,7 @@ def _plain_words(arguments: list[str]) -> list[str]:
             raise UsageError(f"--max-iterations {word!r}: must be a whole number")  # the parser would round it
         if word == "-":
             joined.append(STREAM)
-        elif joined and joined[-1] in ("--swizzle", "--height", "--width") and _SIGNED_VALUE.match(word):
+        elif joined and joined[-1] in _SIGNED and _SIGNED_VALUE.match(word):
             joined[-1] = f"{joined[-1]}={word}"
         else:
             joined.append(word)

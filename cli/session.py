@@ -33,8 +33,9 @@ Parameter(n_tokens=1, accepts_keys=False, converter=lambda _, tokens: length(tok
 
 
 # groups of flags in the order that --help shows them
-INPUTS, OUTPUTS, RELIEF, READING, RUN = (
-    Group(name, sort_key=place) for place, name in enumerate(("Inputs", "Outputs", "Relief", "Reading", "Run"), start=1)
+_GROUPS = ("Inputs", "Outputs", "Camera", "Filter", "Relief", "Reading", "Run")
+INPUTS, OUTPUTS, CAMERA, FILTER, RELIEF, READING, RUN = (
+    Group(name, sort_key=place) for place, name in enumerate(_GROUPS, start=1)
 )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from nmaptool import Decoding, Inspection, SolveReport
+    from nmaptool import Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport
 
 
 def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
@@ -73,3 +73,48 @@ def describe_relief(report: SolveReport) -> Iterator[str]:
         yield f"  {report.below_background_share:.1%} of the motif lies below its background{remedy}"
     if report.pitch_from == "assumed":
         yield "  no size was given: 100 mm on the longer side is assumed; say --width 80mm for your own"
+
+
+def describe_mesh(mesh: Mesh, report: LayerReport) -> Iterator[str]:
+    """A mesh as it was read and cleaned."""
+    found = report.findings
+    assert found is not None  # every drawing has them
+    counted = (
+        (found.welded_vertices, "vertices welded"),
+        (found.degenerate_faces, "faces without area"),
+        (found.nonfinite_faces, "faces with NaN"),
+        (found.unreferenced_vertices, "vertices unused"),
+    )
+    dropped = ", ".join(f"{count} {words}" for count, words in counted if count)
+    yield f"{mesh.name}: {found.vertices} vertices, {found.faces} faces{f'; {dropped}' if dropped else ''}"
+
+
+def describe_split(report: LayerReport) -> Iterator[str]:
+    """How base and detail were told apart."""
+    o, m = report.options, report.mixture
+    where = f", {o['neighborhood']}" if "neighborhood" in o else ""
+    size = str(o["sigma_s"]) if isinstance(o["sigma_s"], str) else f"{o['sigma_s']:g} edges"
+    yield (
+        f"  {o['filter']}{where}: sigma_s {size} = {report.sigma_s_px:.1f} px, sigma_r {o['sigma_r']:g}, "
+        f"{o['iterations']} passes"
+    )
+    if m.form == "none":
+        yield "  nothing is finer than that: the detail map is flat"
+        return
+    threshold = f"theta {m.theta:.4f} ({m.form}{'' if m.form == 'midpoint' else ' crossing'})"
+    yield (
+        f"  residuals: base {m.low.mean:.4f} +- {m.low.sigma:.4f} ({m.low.weight:.0%}), detail {m.high.mean:.4f} +- "
+        f"{m.high.sigma:.4f} ({m.high.weight:.0%}); {threshold}; {report.detail_share:.0%} of the surface beyond it"
+    )
+
+
+def describe_view(layers: LayerSet) -> str:
+    """One view, in one line."""
+    report, frame = layers.report, layers.frame
+    pitch = frame.pitch_mm or 0.0
+    size = f"{frame.cols * pitch:.4g} x {frame.rows * pitch:.4g} mm"
+    unit = {"assumed": "units taken as mm", "file": "units of the file", "given": "as given"}[report.pitch_from]
+    return (
+        f"  {report.view}: {frame}, {size} ({unit}), mesh on {(layers.coverage > 0).mean():.0%} of it, drawn by "
+        f"{report.renderer}"
+    )

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from nmaptool._version import __version__
 
 if TYPE_CHECKING:
+    from nmaptool.verbs.split import split
     from nmaptool.decoding import decode_normal_map
     from nmaptool.errors import (
         ConvergenceError,
@@ -27,8 +28,11 @@ if TYPE_CHECKING:
         UsageError,
     )
     from nmaptool.io.heights import read_height, read_surface
+    from nmaptool.io.layer_files import write_layers
+    from nmaptool.io.mesh_reader import read_mesh
     from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
     from nmaptool.io.outputs import write_relief
+    from nmaptool.layer_set import LayerReport, LayerSet, Mixture
     from nmaptool.mesh import Mesh
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
     from nmaptool.options import BakeOptions, FilterOptions, MeshReadOptions, ReadOptions, ReliefOptions, SplitOptions
@@ -37,12 +41,23 @@ if TYPE_CHECKING:
     from nmaptool.shading import preview
     from nmaptool.tessellate import surface_mesh
     from nmaptool.units import Length, length
+    from nmaptool.verbs.bake import bake, bake_views
+    from nmaptool.verbs.decompose import decompose_normals
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
     from nmaptool.verbs.integrate import integrate
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
 
 _HOME = {
+    "split": "verbs.split",
+    "read_mesh": "io.mesh_reader",
+    "decompose_normals": "verbs.decompose",
+    "bake_views": "verbs.bake",
+    "bake": "verbs.bake",
+    "Mixture": "layer_set",
+    "LayerSet": "layer_set",
+    "LayerReport": "layer_set",
+    "write_layers": "io.layer_files",
     "decode_normal_map": "decoding",
     "ConvergenceError": "errors",
     "InputError": "errors",
@@ -86,6 +101,7 @@ _HOME = {
 }
 
 __all__ = [
+    "split",
     "BakeOptions",
     "ConvergenceError",
     "Decoding",
@@ -95,10 +111,13 @@ __all__ = [
     "Height",
     "InputError",
     "Inspection",
+    "LayerReport",
+    "LayerSet",
     "Length",
     "LimitError",
     "Mesh",
     "MeshReadOptions",
+    "Mixture",
     "NmaptoolError",
     "NormalMap",
     "OutputError",
@@ -111,7 +130,10 @@ __all__ = [
     "SplitOptions",
     "UsageError",
     "__version__",
+    "bake",
+    "bake_views",
     "decode_normal_map",
+    "decompose_normals",
     "doubts",
     "inspect_map",
     "integrate",
@@ -120,11 +142,13 @@ __all__ = [
     "preview",
     "read_grey",
     "read_height",
+    "read_mesh",
     "read_normal_map",
     "read_raster",
     "read_surface",
     "relief",
     "surface_mesh",
+    "write_layers",
     "write_normal_map",
     "write_relief",
 ]

@@ -104,3 +104,10 @@ def mean_abs_curl(normals: Float32, mask: Mask, cap: float = 1.0) -> float:
     if not inside.any():
         return 0.0
     return float(np.abs(curl(*slopes(normals, cap))[inside]).mean())
+
+
+def mean_angle_deg(first: Float32, second: Float32) -> float:
+    """Mean angle between (N, 3) unit vectors, in degrees; accurate for small angles."""
+    step = first.astype(np.float64) - second
+    chord = np.sqrt(np.einsum("ij,ij->i", step, step))
+    return float(np.degrees(2 * np.arcsin((chord / 2).clip(0, 1))).mean())

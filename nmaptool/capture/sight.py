@@ -126,7 +126,7 @@ class Sight:
                         total += turned[shown]
                     else:
                         seen = shown >= 0
-                        row, col = np.nonzero(seen)
+                        row, col = (place.astype(np.float64) for place in np.nonzero(seen))
                         x, y = col + (right + 0.5) / s, row + (top + (down + 0.5) / s)
                         total[seen] += self._at(turned, shown[seen], x, y)
             normals[part] = unit(total)

@@ -36,7 +36,7 @@ class Decomposition:
     residual : (M, 3) float64
         N_D = N - N_B; zero where nothing is detail.
     is_detail : (M,) bool
-        Where the filtered normal was taken as base.
+        Where the filter changed the normal by more than the threshold.
     mixture : Mixture
         The lengths |N - filtered| and the threshold found in them.
     """
@@ -97,6 +97,6 @@ def separate(normals: Float64, filtered: Float64, weights: Float64, keep_small: 
     residual = normals - filtered
     length = np.sqrt(np.einsum("ij,ij->i", residual, residual))
     mixture = fit_mixture(length, weights)
-    is_detail = length > mixture.theta if keep_small else np.ones(len(normals), bool)
-    base = np.where(is_detail[:, None], filtered, normals)
+    is_detail = length > mixture.theta
+    base = np.where(is_detail[:, None], filtered, normals) if keep_small else filtered
     return Decomposition(normals, filtered, base, normals - base, is_detail, mixture)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,31 @@ from nmaptool.errors import InputError, OutputError
 from nmaptool.io.images import PREFIX, error_text, read_image
 
 
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """What one picture, or one part of a multi-part EXR, holds.
+
+    Attributes
+    ----------
+    pixels : (H, W, C) uint8, uint16 or float32
+        Alpha unassociated.
+    channels : tuple of str
+        One name per channel.
+    attributes : mapping
+        Metadata; keys without prefix.
+    name : str
+        Of the part.
+    half : bool
+        Store float32 as half.
+    """
+
+    pixels: NDArray[Any]
+    channels: tuple[str, ...]
+    attributes: Mapping[str, str]
+    name: str = ""
+    half: bool = False
+
+
 def write_image(
     path: Path,
     pixels: NDArray[Any],
@@ -21,31 +47,50 @@ def write_image(
     attributes: Mapping[str, str],
     half: bool = False,
 ) -> None:
-    """Write a picture and read it back; alpha unassociated, no colour-space data, metadata under ``nmaptool:``.
+    """`write_pictures` of one."""
+    write_pictures(path, [Picture(pixels, channels, attributes, half=half)])
+
+
+def write_pictures(path: Path, pictures: Sequence[Picture]) -> None:
+    """Write pictures and read them back; no colour-space data, metadata under ``nmaptool:``.
 
     Parameters
     ----------
     path : Path
-        Where to write.
-    pixels : (H, W, C) uint8, uint16 or float32
-    channels : tuple of str
-        One name per channel.
-    attributes : mapping
-        Metadata; keys without prefix.
-    half : bool
-        Store float32 as half.
+        Where to write; several pictures become the parts of an EXR.
+    pictures : sequence of Picture
 
     Raises
     ------
     OutputError
         If writing fails or what is on disk is not what was written.
     """
-    rows, cols, count = pixels.shape
-    kind = path.suffix.lower()
-    stored = "half" if half else {"u1": "uint8", "u2": "uint16", "f4": "float"}[pixels.dtype.str[1:]]
+    specs = [_spec(path.suffix.lower(), picture) for picture in pictures]
+    if len(specs) > 1:
+        for spec, picture in zip(specs, pictures, strict=True):
+            spec.attribute("oiio:subimagename", picture.name)
+    sink: Any = oiio.ImageOutput.create(f"picture{path.suffix.lower()}")
+    if sink is None:
+        raise OutputError(f"{path}: cannot be written ({error_text(oiio)})")
+    good = sink.open(str(path), tuple(specs) if len(specs) > 1 else specs[0])
+    for number, picture in enumerate(pictures):
+        if number:
+            good = good and sink.open(str(path), specs[number], "AppendSubimage")
+        good = good and sink.write_image(np.ascontiguousarray(picture.pixels))
+    reason = "" if good else error_text(sink)
+    good = bool(sink.close()) and good
+    if good:  # the PNG writer calls a full disk a success
+        good = all(_same_on_disk(path, picture, named=len(specs) > 1) for picture in pictures)
+    if not good:
+        raise OutputError(f"{path}: cannot be written ({reason or 'is the disk full?'})")
+
+
+def _spec(kind: str, picture: Picture) -> Any:
+    rows, cols, count = picture.pixels.shape
+    stored = "half" if picture.half else {"u1": "uint8", "u2": "uint16", "f4": "float"}[picture.pixels.dtype.str[1:]]
     spec = oiio.ImageSpec(cols, rows, count, stored)
-    spec.channelnames = channels
-    spec.alpha_channel = channels.index("A") if "A" in channels else -1
+    spec.channelnames = picture.channels
+    spec.alpha_channel = picture.channels.index("A") if "A" in picture.channels else -1
     spec.attribute("oiio:UnassociatedAlpha", 1)
     spec.attribute("oiio:ColorSpace", "data")
     spec.attribute("Software", "nmaptool")
@@ -53,25 +98,17 @@ def write_image(
     if kind == ".png":
         spec.attribute("png:compressionLevel", 5)
     if kind in (".tif", ".tiff"):
-        spec.attribute("ImageDescription", "\n".join(f"{PREFIX}{k}={v}" for k, v in attributes.items()))
+        spec.attribute("ImageDescription", "\n".join(f"{PREFIX}{k}={v}" for k, v in picture.attributes.items()))
     else:
-        for key, value in attributes.items():
+        for key, value in picture.attributes.items():
             spec.attribute(PREFIX + key, value)
-    sink = oiio.ImageOutput.create(f"picture{kind}")
-    good = sink is not None and sink.open(str(path), spec) and sink.write_image(np.ascontiguousarray(pixels))
-    reason = "" if good else error_text(sink if sink is not None else oiio)
-    if sink is not None:
-        good = bool(sink.close()) and good
-    if good:
-        good = _same_on_disk(path, pixels, half)  # the PNG writer calls a full disk a success
-    if not good:
-        raise OutputError(f"{path}: cannot be written ({reason or 'is the disk full?'})")
+    return spec
 
 
-def _same_on_disk(path: Path, pixels: NDArray[Any], half: bool) -> bool:
+def _same_on_disk(path: Path, picture: Picture, named: bool) -> bool:
     try:
-        back = read_image(path, max_megapixels=float("inf")).pixels
+        back = read_image(path, picture.name if named else None, max_megapixels=float("inf")).pixels
     except InputError:
         return False
-    expected = pixels.astype(np.float16).astype(np.float32) if half else pixels
+    expected = picture.pixels.astype(np.float16).astype(np.float32) if picture.half else picture.pixels
     return bool(back.shape == expected.shape and np.array_equal(back, expected, equal_nan=expected.dtype.kind == "f"))

@@ -5,15 +5,17 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool import codec
 from nmaptool._version import __version__
 from nmaptool.arrays import Float32
 from nmaptool.decoding import decode_normal_map
 from nmaptool.errors import InputError, OutputError, UsageError
-from nmaptool.io.image_writer import write_image
+from nmaptool.io.image_writer import Picture, write_pictures
 from nmaptool.io.images import read_image
 from nmaptool.io.replace import written_beside
 from nmaptool.model import NormalMap, RasterImage
@@ -158,22 +160,33 @@ def write_normal_map(
     floating = ending == ".exr" or (bits == 32 and ending != ".png")
     if not floating and bits not in (8, 16):
         raise UsageError(f"{target}: {bits} bits are not offered for {ending}; use 8 or 16")
+    picture = normal_picture(normal_map, 32 if floating else bits, half=half and ending == ".exr")
+    with written_beside([target], overwrite) as (beside,):
+        try:
+            write_pictures(beside, [picture])
+        except OutputError as error:
+            raise OutputError(str(error).replace(str(beside), str(target))) from None
+
+
+def normal_picture(normal_map: NormalMap, bits: int, *, half: bool = False, name: str = "") -> Picture:
+    """A normal map as a file holds it: codes of 8 or 16 bits, or signed floats (32); its coverage as alpha."""
     covered = bool((normal_map.coverage < 1).any())
     channels = ("R", "G", "B", "A") if covered else ("R", "G", "B")
     attributes = {"version": __version__, "kind": "normal", "green": "up"}
     if normal_map.frame.pitch_mm is not None:
         attributes["pitch_mm"] = repr(normal_map.frame.pitch_mm)
-    if floating:
+    if bits == 32:
         attributes["encoding"] = "signed"
         colors, alpha = normal_map.normals, normal_map.coverage
     else:
         attributes["zero_code"] = "127.5"
         colors = codec.encode_codes(normal_map.normals, bits)
-        top = (1 << bits) - 1
-        alpha = np.floor(normal_map.coverage.astype(np.float64) * top + 0.5).astype(colors.dtype)
+        alpha = grey_codes(normal_map.coverage, bits)
     pixels = np.dstack([colors, alpha]) if covered else colors
-    with written_beside([target], overwrite) as (beside,):
-        try:
-            write_image(beside, pixels, channels, attributes, half=half and ending == ".exr")
-        except OutputError as error:
-            raise OutputError(str(error).replace(str(beside), str(target))) from None
+    return Picture(pixels, channels, attributes, name=name, half=half)
+
+
+def grey_codes(values: Float32, bits: int) -> NDArray[Any]:
+    """(H, W) values in [0, 1] as integer codes of 8 or 16 bits, rounded."""
+    top = (1 << bits) - 1
+    return np.floor(values.astype(np.float64) * top + 0.5).astype(np.uint8 if bits == 8 else np.uint16)

@@ -12,14 +12,14 @@ from nmaptool.errors import UsageError
 from nmaptool.options.checks import require_choices, require_number
 from nmaptool.units import Length, length
 
-Filter = Literal["grnf", "rnf"]
+Filter = Literal["rnf", "grnf"]
 Neighborhood = Literal["surface", "ring"]
 
 _MOST_ITERATIONS = 100
 
 
 def _check(filter: str, sigma_r: float, iterations: int) -> None:
-    require_choices(("filter", filter, ("grnf", "rnf")))
+    require_choices(("filter", filter, ("rnf", "grnf")))
     require_number("sigma-r", sigma_r, 0.01, 10, "0.5")
     if not 1 <= iterations <= _MOST_ITERATIONS:
         raise UsageError(f"--iterations {iterations}: must lie between 1 and {_MOST_ITERATIONS}, such as 5")
@@ -32,13 +32,14 @@ class FilterOptions:
     Parameters
     ----------
     filter:
-        "grnf" keeps the original normal in the base wherever the filter changed it less than a threshold found in the
-        mesh itself; "rnf" takes the filtered normals as they are.
+        "rnf" takes the filtered normals as the base; "grnf" does so only where the filter changed a normal more than a
+        threshold found in the mesh itself, and keeps the original elsewhere.
     neighborhood:
         Faces that are averaged: "surface", those within 2.5 sigma_s along the surface; "ring", those that share a
         vertex, as the paper prints it.
     sigma_s:
-        Size of what counts as detail, in mean edge lengths of the mesh.
+        Size of what counts as detail: a plain number is in mean edge lengths of the mesh, 2% is of the mesh's longest
+        side, 1.5mm is a length.
     sigma_r:
         How different (length of the difference of unit normals) two sides of an edge must be for the edge to stay in
         the base.
@@ -46,16 +47,24 @@ class FilterOptions:
         Passes of the filter; the first blurs, the others bring back the larger forms.
     """
 
-    filter: Filter = "grnf"
+    filter: Filter = "rnf"
     neighborhood: Neighborhood = "surface"
-    sigma_s: float = 8.0
+    sigma_s: float | Length = 3.0
     sigma_r: float = 0.5
     iterations: int = 5
 
     def __post_init__(self) -> None:
         _check(self.filter, self.sigma_r, self.iterations)
         require_choices(("neighborhood", self.neighborhood, ("surface", "ring")))
-        require_number("sigma-s", self.sigma_s, 0.1, 1000, "8")
+        if isinstance(self.sigma_s, str):
+            object.__setattr__(self, "sigma_s", length(self.sigma_s))
+        if isinstance(self.sigma_s, Length):
+            if self.sigma_s.unit == "px":
+                raise UsageError(
+                    f"--sigma-s {self.sigma_s}: a mesh has no pixels; give edges, mm or %, such as 3 or 2%"
+                )
+        else:
+            require_number("sigma-s", self.sigma_s, 0.1, 1000, "3 or 2%")
 
 
 @dataclass(frozen=True)
@@ -65,8 +74,8 @@ class SplitOptions:
     Parameters
     ----------
     filter:
-        "grnf" keeps the original normal in the base wherever the filter changed it less than a threshold found in the
-        map itself; "rnf" takes the filtered normals as they are.
+        "rnf" takes the filtered normals as the base; "grnf" does so only where the filter changed a normal more than a
+        threshold found in the map itself, and keeps the original elsewhere.
     sigma_s:
         Size of what counts as detail, such as 1% (of the longer side), 8px or 0.5mm.
     sigma_r:
@@ -79,7 +88,7 @@ class SplitOptions:
         "difference".
     """
 
-    filter: Filter = "grnf"
+    filter: Filter = "rnf"
     sigma_s: Length = Length(1.0, "%")
     sigma_r: float = 0.5
     iterations: int = 5

@@ -27,7 +27,8 @@ from nmaptool.model import Frame, NormalMap
 from nmaptool.options import BakeOptions, FilterOptions
 from nmaptool.options.bake import VIEWS
 from nmaptool.progress import Progress
-from nmaptool.verbs.decompose import decompose_clean
+from nmaptool.vectors import mean_angle_deg
+from nmaptool.verbs.decompose import decompose_clean, sigma_s_of
 
 
 def bake(
@@ -177,13 +178,13 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         options=_plain(options) | _plain(work.filter),
         mixture=split.mixture,
         detail_share=_share(split, drawn.mesh),
-        detail_angle_deg=_mean_angle(original, base, coverage),
+        detail_angle_deg=mean_angle_deg(original[seen], base[seen]),
         view=drawn.view,
         pitch_from=pitch_from,
         findings=drawn.findings,
         faces=len(drawn.mesh.faces),
         mean_edge=edge,
-        sigma_s_px=work.filter.sigma_s * edge / camera.unit_per_px,
+        sigma_s_px=sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
         renderer=drawn.platform,
         camera={"rotation": camera.rotation.tolist(), "unit_per_px": camera.unit_per_px, "distance": camera.distance},
         warnings=_warnings(drawn, coverage),
@@ -207,12 +208,6 @@ def _share(split: Decomposition, mesh: Mesh) -> float:
 
     areas = face_geometry(mesh).areas
     return float(areas[split.is_detail].sum() / areas.sum())
-
-
-def _mean_angle(original: Float32, base: Float32, coverage: Float32) -> float:
-    seen = coverage > 0
-    cosine = np.einsum("ij,ij->i", original[seen], base[seen], dtype=np.float64)
-    return float(np.degrees(np.arccos(cosine.clip(-1, 1))).mean())
 
 
 def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from nmaptool.cleaning import clean_mesh
 from nmaptool.decompose.ring import gather_ring
 from nmaptool.decompose.rolling import Decomposition, roll, separate
@@ -9,6 +11,7 @@ from nmaptool.decompose.surface import gather_surface
 from nmaptool.mesh import Mesh, face_geometry, mean_edge_length
 from nmaptool.options import FilterOptions
 from nmaptool.progress import Progress
+from nmaptool.units import Length
 
 
 def decompose_normals(
@@ -42,9 +45,21 @@ def decompose_normals(
 def decompose_clean(mesh: Mesh, options: FilterOptions, progress: Progress | None = None) -> Decomposition:
     """`decompose_normals` of a mesh that is clean already."""
     geometry = face_geometry(mesh)
-    sigma_s = options.sigma_s * mean_edge_length(mesh)
+    sigma_s = sigma_s_of(mesh, options)
     gather = {"ring": gather_ring, "surface": gather_surface}[options.neighborhood](
         mesh, geometry, sigma_s, options.sigma_r
     )
     filtered = roll(geometry.normals, gather, options.iterations, progress)
     return separate(geometry.normals, filtered, geometry.areas, keep_small=options.filter == "grnf")
+
+
+def sigma_s_of(mesh: Mesh, options: FilterOptions) -> float:
+    """sigma_s in units of a clean mesh."""
+    if not isinstance(options.sigma_s, Length):
+        return options.sigma_s * mean_edge_length(mesh)
+    longest = float(np.ptp(mesh.vertices, axis=0).max())
+    return (
+        options.sigma_s.to_mm(1.0, 1) / mesh.mm_per_unit
+        if options.sigma_s.is_absolute
+        else (options.sigma_s.value / 100 * longest)
+    )

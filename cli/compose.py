@@ -1,0 +1,74 @@
+"""``nmap compose``: edits of normal maps."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated, Any
+
+from cyclopts import App, Parameter
+
+from nmaptool.options import ReadOptions, SplitOptions
+from nmaptool_cli.bake import LayerOutputs, destination, say_written
+from nmaptool_cli.session import FILTER, OUTPUTS, READING, RUN, RunOptions, Session, input_files, said_name
+
+HELP = "Edit normal maps as vectors: split a map into base and detail."
+
+app = App(name="compose", help=HELP)
+
+
+@app.command
+def split(
+    map: str,
+    /,
+    *,
+    outputs: Annotated[LayerOutputs, Parameter(name="*", group=OUTPUTS)] = LayerOutputs(),
+    options: Annotated[SplitOptions, Parameter(name="*", group=FILTER)] = SplitOptions(),
+    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
+    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
+) -> None:
+    """Split a normal map that has no mesh into base and detail.
+
+    Example: nmap compose split lion.png -o layers, then nmap relief layers/original.exr --detail layers/detail.exr -o lion.stl
+
+    Parameters
+    ----------
+    map:
+        Normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
+    """
+    from nmaptool.io.layer_files import LayerFiles
+
+    session = Session(run)
+    output, report, to_stdout = destination(outputs)
+    LayerFiles(output, outputs.format, plot=outputs.plot, report=report, overwrite=outputs.overwrite).check()
+    import nmaptool as nm
+    from nmaptool_cli.wording import describe_decoding, describe_split
+
+    with input_files(map) as (source,), session.progress() as progress:
+        assert source is not None
+        original = nm.read_normal_map(source, reading)
+        layers = nm.split(original, options, progress=progress)
+    account: dict[str, Any] = {
+        "version": nm.__version__,
+        "files": {"map": map},
+        "reading": asdict(reading),
+        "layers": [layers.report.to_dict()],
+    }
+    written = nm.write_layers(
+        layers,
+        output,
+        format=outputs.format,
+        plot=outputs.plot,
+        report=report,
+        overwrite=outputs.overwrite,
+        account=account,
+    )
+    name = said_name(original.name)
+    session.say(f"{name}: {original.frame}, {describe_decoding(original.decoding, float(original.foreground.mean()))}")
+    for warning in original.decoding.warnings:
+        session.warn(f"{name}: {warning}")
+    for line in describe_split(layers.report):
+        session.say(line)
+    session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in layers.report.seconds.items())}")
+    say_written(session, written)
+    if run.json or to_stdout:
+        session.data(account)

@@ -1,0 +1,275 @@
+"""Layer sets to files, all of them or none: a folder of PNG or EXR files, or one multi-part EXR."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nmaptool._version import __version__
+from nmaptool.contact_sheet import contact_sheet
+from nmaptool.errors import LimitError, OutputError, UsageError, reason_of
+from nmaptool.io.image_writer import Picture, write_image, write_pictures
+from nmaptool.io.normal_maps import grey_codes, normal_picture
+from nmaptool.io.replace import check_target, written_beside
+from nmaptool.layer_set import LayerSet
+from nmaptool.mixture_plot import mixture_plot
+
+FORMATS = ("exr", "png")
+_MOST_EXACT = 1 << 24  # whole numbers that float32 and three bytes hold
+_NORMAL_LAYERS = ("original", "base", "detail")
+
+
+@dataclass(frozen=True)
+class LayerFiles:
+    """Where layer sets go.
+
+    Parameters
+    ----------
+    output : Path
+        A folder (made if missing), or a file ``.exr`` that holds all layers as parts.
+    format : str
+        ``exr`` or ``png``: of the files in a folder.
+    depth, faces : bool
+        Write these layers too.
+    plot : Path or None
+        Figure of the mixture, .png.
+    report : Path or None
+        .json.
+    views : tuple of str
+        Names of the views; several get a folder, or a prefix in a multi-part EXR, each.
+    overwrite : bool
+        Replace files that exist.
+    """
+
+    output: Path
+    format: str = "exr"
+    depth: bool = False
+    faces: bool = False
+    plot: Path | None = None
+    report: Path | None = None
+    views: tuple[str, ...] = ("",)
+    overwrite: bool = False
+
+    @property
+    def is_one_file(self) -> bool:
+        """Whether all layers go into one multi-part EXR."""
+        return self.output.suffix.lower() == ".exr"
+
+    @property
+    def layers(self) -> tuple[str, ...]:
+        """Names of the layers that are written."""
+        extra = tuple(name for name in ("depth", "faces") if getattr(self, name))
+        return (*_NORMAL_LAYERS, "coverage", *extra)
+
+    @property
+    def sheet(self) -> Path:
+        """The contact sheet."""
+        if self.is_one_file:
+            return self.output.with_name(f"{self.output.stem}_sheet.png")
+        return self.output / "sheet.png"
+
+    def place(self, view: str, layer: str) -> Path:
+        """The file of one layer of one view in a folder."""
+        folder = self.output / view if len(self.views) > 1 else self.output
+        return folder / f"{layer}.{self.format}"
+
+    @property
+    def targets(self) -> list[Path]:
+        """All files: maps first, then the contact sheet, the plot and the report."""
+        maps = [self.output] if self.is_one_file else [self.place(v, name) for v in self.views for name in self.layers]
+        return [*maps, self.sheet, *(p for p in (self.plot, self.report) if p is not None)]
+
+    def check(self) -> None:
+        """Refuse what could not be written, before any work is done.
+
+        Raises
+        ------
+        UsageError
+            If an ending or format is not offered or a file is named twice.
+        OutputError
+            If a target cannot be written or exists.
+        """
+        ending = self.output.suffix.lower()
+        if self.format not in FORMATS:
+            raise UsageError(f"--format {self.format!r}: use one of {', '.join(FORMATS)}")
+        if ending and not self.is_one_file and not self.output.is_dir():
+            raise UsageError(
+                f"{self.output}: layers are written into a folder, such as -o maps --format png, or into one file .exr"
+            )
+        for path, kind, what in ((self.plot, ".png", "a plot"), (self.report, ".json", "a report")):
+            if path is not None and path.suffix.lower() != kind:
+                raise UsageError(f"{path}: {what} is written as {kind}")
+        targets = self.targets
+        if len({path.resolve() for path in targets}) < len(targets):
+            raise UsageError(f"{self.output}: two of the outputs have the same name; give others")
+        for folder in self._folders():
+            if folder.exists() and not folder.is_dir():
+                raise OutputError(f"{folder}: is a file; layers need a folder of that name; give another")
+        for path in targets:
+            if path.parent.exists() or path in (self.plot, self.report):
+                check_target(path, self.overwrite)
+        if not self.output.parent.is_dir():
+            raise OutputError(f"{self.output}: the folder {self.output.parent} does not exist; make it first")
+
+    def _folders(self) -> list[Path]:
+        if self.is_one_file:
+            return []
+        return [self.output, *(self.output / view for view in self.views if len(self.views) > 1)]
+
+    @contextlib.contextmanager
+    def folders(self) -> Iterator[None]:
+        """The folders made; those that were not there before are removed again where the block fails."""
+        made = []
+        try:
+            for folder in self._folders():
+                if not folder.is_dir():
+                    try:
+                        folder.mkdir()
+                    except OSError as error:
+                        raise OutputError(f"{folder}: cannot be made ({reason_of(error)})") from None
+                    made.append(folder)
+            yield
+        except BaseException:
+            for folder in reversed(made):
+                with contextlib.suppress(OSError):
+                    folder.rmdir()
+            raise
+
+
+def write_layers(
+    layer_sets: LayerSet | Sequence[LayerSet],
+    output: str | Path,
+    *,
+    format: str = "exr",
+    depth: bool = False,
+    faces: bool = False,
+    plot: str | Path | None = None,
+    report: str | Path | None = None,
+    overwrite: bool = False,
+    account: Mapping[str, Any] | None = None,
+) -> list[Path]:
+    """Write layer sets and a contact sheet: all files appear, or none.
+
+    Parameters
+    ----------
+    layer_sets : LayerSet or sequence of LayerSet
+        One a view.
+    output : str or Path
+        A folder, made if missing, or a file ``.exr`` for all layers as parts of one file.
+    format : str
+        ``exr`` (float) or ``png`` (16 bit): of the files in a folder.
+    depth, faces : bool
+        Write these layers too. Depth: EXR in mm, channel Z, transparent where nothing is seen; PNG 16-bit, white at
+        the nearest and black at the farthest point, both in the file's metadata. Faces: EXR the number of the face,
+        -1 for none; PNG the number + 1 in three bytes, R + 256 G + 65536 B.
+    plot : str or Path, optional
+        Figure of the mixture, .png.
+    report : str or Path, optional
+        JSON account of the run.
+    overwrite : bool
+        Replace files that exist.
+    account : mapping, optional
+        What to put in the report. Default: the reports of the layer sets.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    UsageError
+        If an ending is not offered.
+    LimitError
+        If face numbers are too large for a picture.
+    OutputError
+        If a file cannot be written, or exists and ``overwrite`` is False.
+    """
+    sets = [layer_sets] if isinstance(layer_sets, LayerSet) else list(layer_sets)
+    views = tuple(layers.report.view for layers in sets)
+    plot, report = (Path(p) if p is not None else None for p in (plot, report))
+    files = LayerFiles(Path(output), format, depth, faces, plot, report, views, overwrite)
+    files.check()
+    values = account or {"version": __version__, "layers": [layers.report.to_dict() for layers in sets]}
+    jobs: list[Callable[[Path], None]] = []
+    floating = files.is_one_file or format == "exr"
+    pictures = [[_picture(layers, name, floating) for name in files.layers] for layers in sets]
+    if files.is_one_file:
+        prefix = [f"{view}." if len(views) > 1 else "" for view in views]
+        parts = [replace(p, name=pre + p.name) for pre, row in zip(prefix, pictures, strict=True) for p in row]
+        jobs.append(partial(write_pictures, pictures=parts))
+    else:
+        jobs += [partial(write_pictures, pictures=[picture]) for row in pictures for picture in row]
+    jobs.append(partial(_write_look, pixels=lambda: contact_sheet(sets), kind="contact sheet"))
+    if files.plot is not None:
+        jobs.append(partial(_write_look, pixels=lambda: mixture_plot(sets[0].report.mixture), kind="plot"))
+    if files.report is not None:
+        jobs.append(lambda path: _write_text(path, json.dumps(values, indent=2) + "\n"))
+    with files.folders(), written_beside(files.targets, overwrite) as beside:
+        for job, target, temporary in zip(jobs, files.targets, beside, strict=True):
+            try:
+                job(temporary)
+            except OutputError as error:
+                raise OutputError(str(error).replace(str(temporary), str(target))) from None
+            except OSError as error:
+                raise OutputError(f"{target}: cannot be written ({reason_of(error)})") from None
+    return files.targets
+
+
+def _write_text(path: Path, text: str) -> None:
+    path.write_text(text)
+
+
+def _write_look(path: Path, pixels: Callable[[], Any], kind: str) -> None:
+    write_image(path, pixels(), ("R", "G", "B"), {"kind": kind, "version": __version__})
+
+
+def _picture(layers: LayerSet, name: str, floating: bool) -> Picture:
+    """A layer as a file holds it."""
+    shared = {"version": __version__, "layer": name, "recipe": json.dumps(dict(layers.report.options))}
+    if layers.report.view:
+        shared["view"] = layers.report.view
+    if layers.frame.pitch_mm is not None:
+        shared["pitch_mm"] = repr(layers.frame.pitch_mm)
+    if name in _NORMAL_LAYERS:
+        picture = normal_picture(getattr(layers, name), 32 if floating else 16, name=name)
+    elif name == "coverage":
+        grey = layers.coverage if floating else grey_codes(layers.coverage, 16)
+        picture = Picture(grey[..., None], ("Y",), {"kind": "coverage"}, name)
+    elif name == "depth":
+        picture = _depth(layers, floating)
+    else:
+        picture = _faces(layers, floating)
+    return replace(picture, attributes={**picture.attributes, **shared})
+
+
+def _depth(layers: LayerSet, floating: bool) -> Picture:
+    if layers.depth_mm is None:
+        raise UsageError("--depth: these layers have no depth; only those of a mesh do")
+    seen = layers.coverage > 0
+    near, far = float(layers.depth_mm[seen].min()), float(layers.depth_mm[seen].max())
+    facts = {"kind": "depth", "near_mm": repr(near), "far_mm": repr(far)}
+    if floating:
+        return Picture(np.dstack([layers.depth_mm, seen.astype(np.float32)]), ("Z", "A"), facts, "depth")
+    shade = np.where(seen, 1 - (layers.depth_mm - near) / max(far - near, 1e-30), 0).clip(0, 1).astype(np.float32)
+    codes = np.dstack([grey_codes(shade, 16), grey_codes(seen.astype(np.float32), 16)])
+    return Picture(codes, ("Y", "A"), facts, "depth")
+
+
+def _faces(layers: LayerSet, floating: bool) -> Picture:
+    if layers.faces is None:
+        raise UsageError("--faces: these layers have no face numbers; only those of a mesh do")
+    if int(layers.faces.max()) + 1 >= _MOST_EXACT:
+        raise LimitError(f"--faces: a mesh of more than {_MOST_EXACT} faces has numbers too large for a picture")
+    facts = {"kind": "faces"}
+    if floating:
+        return Picture(layers.faces.astype(np.float32)[..., None], ("Y",), facts, "faces")
+    number = (layers.faces + 1).astype(np.uint32)
+    return Picture(np.dstack([number >> s & 255 for s in (0, 8, 16)]).astype(np.uint8), ("R", "G", "B"), facts, "faces")
