@@ -13,6 +13,8 @@ from nmaptool.mesh import Faces, Mesh, cross
 
 # a face is degenerate where its height over its longest edge is below this share of that edge: its normal is noise
 _THINNEST = 1e-10
+# the squares of areas must be numbers too
+_SMALLEST, _LARGEST = 1e-30, 1e30
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,7 @@ class MeshFindings:
     welded_vertices : int
         Duplicates of another vertex's position.
     unreferenced_vertices : int
-        Used by no face.
+        Finite ones that no face names.
     nonfinite_vertices, nonfinite_faces : int
         Vertices that are NaN or infinite, and the faces that use them.
     degenerate_faces : int
@@ -64,7 +66,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     """
     if not len(mesh.faces):
         raise InputError(f"{mesh.name}: holds {len(mesh.vertices)} points and no faces; a surface is needed")
-    finite = np.isfinite(mesh.vertices).all(axis=1)
+    finite: Mask = np.asarray(np.isfinite(mesh.vertices).all(axis=1))
     sound: Mask = np.asarray(finite[mesh.faces].all(axis=1))
     if not sound.any():
         raise InputError(f"{mesh.name}: every face has a vertex that is NaN or infinite; export it again")
@@ -72,10 +74,11 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     used[mesh.faces[sound]] = True
     chosen = np.flatnonzero(used)
     positions = mesh.vertices[chosen] + 0.0  # -0 and 0 are one place
-    extent = np.ptp(positions, axis=0).max()
+    with np.errstate(over="ignore"):
+        extent = float(np.ptp(positions, axis=0).max())
     if not extent > 0:
         raise InputError(f"{mesh.name}: all vertices lie in one point; a surface is needed")
-    if not np.isfinite(extent * extent) or extent < 1e-100:
+    if not _SMALLEST <= extent <= _LARGEST:
         raise InputError(f"{mesh.name}: is {extent:.3g} units large; scale it to a size that can be made")
     first, place = _weld(positions)
     index = np.zeros(len(mesh.vertices), np.int32)
@@ -90,7 +93,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
         vertices=len(mesh.vertices),
         faces=len(mesh.faces),
         welded_vertices=len(chosen) - len(first),
-        unreferenced_vertices=len(mesh.vertices) - len(chosen) - int((~finite & _named(mesh)).sum()),
+        unreferenced_vertices=int((finite & ~_named(mesh)).sum()),
         nonfinite_vertices=int((~finite).sum()),
         nonfinite_faces=int((~sound).sum()),
         degenerate_faces=int((sound & ~solid).sum()),

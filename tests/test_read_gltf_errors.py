@@ -1,0 +1,176 @@
+"""glTF and GLB that cannot be used: other files are never opened, and no scene is too strange for an answer."""
+
+import json
+import struct
+
+import mesh_files as files
+import pytest
+from mesh_files import VERTICES, tree
+
+from nmaptool.errors import InputError
+from nmaptool.io.mesh_reader import read_mesh
+
+DAMAGED = r"(GLB|glTF) file is damaged or cut short; export it again$"
+OTHERS = r"keeps its data in other files, which are not opened; export it as one GLB file$"
+
+
+@pytest.fixture
+def refused(tmp_path, capfd):
+    """``refused(content, pattern)``: refused as a glTF and as a GLB, and nothing is said elsewhere."""
+
+    def call(content, pattern):
+        for name, data in (("a.glb", files.glb(content)), ("a.gltf", files.gltf(content))):
+            (tmp_path / name).write_bytes(data)
+            with pytest.raises(InputError, match=pattern) as caught:
+                read_mesh(tmp_path / name)
+            assert str(caught.value).startswith(f"{tmp_path / name}: ")
+            assert "\n" not in str(caught.value)
+            assert capfd.readouterr() == ("", "")
+
+    return call
+
+
+@pytest.mark.parametrize(
+    "uri", ["a.bin", "../../etc/passwd", "/etc/passwd", "http://127.0.0.1:1/a.bin", "file:///etc/passwd", "", 7, "Data"]
+)
+def test_other_files_are_never_opened(tmp_path, refused, uri):
+    content, data = tree()
+    (tmp_path / "a.bin").write_bytes(data)
+    buffers = [{"uri": uri, "byteLength": len(data)}]
+    (tmp_path / "a.gltf").write_text(json.dumps({**content, "buffers": buffers}))
+    with pytest.raises(InputError, match=OTHERS):
+        read_mesh(tmp_path / "a.gltf")
+    refused(({**content, "buffers": [*content["buffers"], *buffers]}, data), OTHERS)  # one that nothing needs
+
+
+@pytest.mark.parametrize(
+    ("extension", "name"),
+    [("KHR_draco_mesh_compression", "Draco"), ("EXT_meshopt_compression", "meshopt")],
+)
+def test_compressed(refused, extension, name):
+    refused(
+        tree(extensionsRequired=["KHR_mesh_quantization", extension]),
+        rf"is compressed with {name}; export it again without compression$",
+    )
+    content, data = tree(extensionsUsed=[extension])  # not said to be required, and yet nothing else is there
+    del content["accessors"][0]["bufferView"]
+    refused((content, data), rf"is compressed with {name}")
+    content, data = tree()
+    content["buffers"].append({"byteLength": 99, "extensions": {extension: {"fallback": True}}})
+    refused((content, data), rf"is compressed with {name}")
+
+
+def test_what_would_be_lost(refused):
+    instanced = [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}]
+    refused(tree(nodes=instanced), r"repeats parts by instancing; export it again with the instances made real$")
+    fan = [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}]
+    refused(tree(meshes=fan), r"holds triangle fans; export it again as plain triangles$")
+    for change in ({"sparse": {"count": 1}}, {"componentType": 5122, "normalized": True}):
+        content, data = tree()
+        content["accessors"][0].update(change)
+        refused((content, data), r"stores positions in a reduced form .*export it again without compression$")
+
+
+def test_quantised_positions_whose_scale_is_at_the_node_are_read(tmp_path):
+    content, data = tree(nodes=[{"mesh": 0, "scale": [0.5, 0.5, 0.5]}])
+    start = len(data)
+    data += (VERTICES * 2).astype("<i2").tobytes()
+    content["bufferViews"].append({"buffer": 0, "byteOffset": start, "byteLength": 24})
+    content["accessors"].append({"bufferView": 2, "componentType": 5122, "count": 4, "type": "VEC3"})
+    content["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 2
+    content["buffers"][0]["byteLength"] = len(data)
+    (tmp_path / "a.glb").write_bytes(files.glb((content, data)))
+    assert (read_mesh(tmp_path / "a.glb").vertices == VERTICES).all()
+
+
+@pytest.mark.parametrize(
+    "nodes",
+    [
+        [{"children": [0], "mesh": 0}],
+        [{"children": [1]}, {"children": [2], "mesh": 0}, {"children": [1]}],
+        [{"children": [1, 2]}, {"children": [3]}, {"children": [3]}, {"mesh": 0}],
+        [{"children": [1, 1]}, {"mesh": 0}],
+    ],
+)
+def test_nodes_that_are_no_tree(refused, nodes):
+    refused(tree(nodes=nodes), r"node \d of the scene stands in two places or below itself; export it again$")
+
+
+def test_trees_that_double_at_every_level_take_no_time(refused):
+    nodes = [{"children": [i + 1, i + 1]} for i in range(200)] + [{"mesh": 0}]
+    refused(tree(nodes=nodes), r"stands in two places")
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        {"translation": [0, float("nan"), 0]},
+        {"scale": [1, 1, float("inf")]},
+        {"matrix": [float("nan")] * 16},
+        {"rotation": [float("nan"), 0, 0, 1]},
+        {"scale": [1e200, 1, 1], "children": [1]},
+    ],
+)
+def test_places_that_are_no_numbers(refused, place):
+    nodes = [{**place, "mesh": 0}, {"scale": [1e200, 1, 1], "mesh": 0}]
+    refused(tree(nodes=nodes), r"node [01] of the scene has a place or size that is no number; export it again$")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"nodes": [{"mesh": 1}]},
+        {"nodes": [{"mesh": -1}]},
+        {"nodes": [{"mesh": True}]},
+        {"nodes": [{"children": [7]}]},
+        {"nodes": [{"mesh": 0, "translation": [1, 2]}]},
+        {"nodes": [{"mesh": 0, "scale": "big"}]},
+        {"nodes": {"0": 1}},
+        {"scene": 1},
+        {"scenes": [{"nodes": [-1]}]},
+        {"meshes": [{}]},
+        {"meshes": [{"primitives": [{"attributes": {"POSITION": 1}}]}]},
+        {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 0}]}]},
+        {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 9}]}]},
+        {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]},  # 4 corners
+        {"accessors": []},
+        {"bufferViews": [{"buffer": 0, "byteLength": 47}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}]},
+        {"bufferViews": [{"buffer": 0, "byteLength": 48, "byteStride": 4}, {"buffer": 0, "byteLength": 24}]},
+        {"bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 10**9, "byteLength": 24}]},
+        {"bufferViews": [{"buffer": 3, "byteLength": 48}, {"buffer": 0, "byteLength": 24}]},
+        {"buffers": [{"byteLength": 10**9}]},
+        {"buffers": [{}]},
+        {"asset": 2},
+    ],
+)
+def test_references_that_lead_nowhere(refused, change):
+    refused(tree(**change), DAMAGED)
+
+
+def test_other_versions_and_other_json(tmp_path, refused):
+    refused(tree(asset={"version": "1.0"}), r"is not of glTF version 2; export it as glTF 2\.0$")
+    for text in ("{}", '{"a": 1}'):
+        (tmp_path / "a.gltf").write_text(text)
+        with pytest.raises(InputError, match=r"holds no glTF data; export it again, best as one GLB file$"):
+            read_mesh(tmp_path / "a.gltf")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"{",
+        b'{"asset": {"version": "2.0"}, "extras": ' + b"[" * 100_000 + b"]" * 100_000 + b"}",
+        b'{"asset": {"version": "2.0"}, "extras": ' + b"9" * 10_000 + b"}",
+        b'{"asset": {"version": "2.0"}, "buffers": 7}',
+        b'{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 3}]}',
+        b'{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 3, "uri": "data:a;base64,$$$$"}]}',
+        b'{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 3, "uri": "data:a,abc"}]}',
+        b'{"asset": {"version": "2.0"}, "nodes": [\xff]}',
+    ],
+)
+def test_json_that_cannot_be(tmp_path, text):
+    glb = struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A) + text
+    for name, data in (("a.gltf", text), ("a.glb", glb)):
+        (tmp_path / name).write_bytes(data)
+        with pytest.raises(InputError, match=DAMAGED):
+            read_mesh(tmp_path / name)
