@@ -44,7 +44,7 @@ def patches(centroids: Float64, neighbors: tuple[Labels, Labels], side: float) -
 
 
 def _components(one: Labels, other: Labels, count: int) -> tuple[int, Labels]:
-    graph = sparse.coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
+    graph = sparse.coo_array((np.ones(len(one), np.bool_), (one, other)), shape=(count, count))
     parts, label = connected_components(graph, directed=False)
     return int(parts), label.astype(np.int64)
 
@@ -57,7 +57,7 @@ class Reach:
     ----------
     patch : (M,) int64
         Of each face.
-    near : (P, P) sparse int8
+    near : (P, P) sparse bool
         Pairs of patches, each with itself, connected by patches all of which lie within the radius of the first.
     """
 
@@ -74,9 +74,9 @@ def reach(centroids: Float64, neighbors: tuple[Labels, Labels], radius: float) -
     neighbors : pair of (E,) int64
         Faces that share an edge.
     radius : float
-        Of the ball; patches are a third of it large.
+        Of the ball; patches are two thirds of it large.
     """
-    side = radius / 3
+    side = radius / 1.5
     patch = patches(centroids, neighbors, side)
     count = int(patch.max()) + 1
     size = np.bincount(patch)
@@ -87,7 +87,7 @@ def reach(centroids: Float64, neighbors: tuple[Labels, Labels], radius: float) -
     own = np.arange(count)
     step = sparse.csr_array(
         (
-            np.ones(2 * len(one) + count, np.int8),
+            np.ones(2 * len(one) + count, np.bool_),
             (np.concatenate([one, other, own]), np.concatenate([other, one, own])),
         ),
         shape=(count, count),
@@ -104,7 +104,7 @@ def _within(pairs: Any, middle: Float64, radius: float) -> Any:
     one, other = pairs.coords
     step = middle[one] - middle[other]
     keep = np.einsum("ij,ij->i", step, step) <= radius * radius
-    out = sparse.csr_array((np.ones(int(keep.sum()), np.int8), (one[keep], other[keep])), shape=pairs.shape)
+    out = sparse.csr_array((np.ones(int(keep.sum()), np.bool_), (one[keep], other[keep])), shape=pairs.shape)
     out.sum_duplicates()
-    out.data[:] = 1
+    out.data[:] = True
     return out
