@@ -54,7 +54,7 @@ def drawing(renderer: str = "auto") -> Iterator[tuple[Draw, str]]:
     try:
         yield lambda points, faces, rows, cols: _draw(offscreen, points, faces, rows, cols), platform
     finally:
-        offscreen.delete()
+        _close(offscreen)
 
 
 def _open(renderer: str) -> tuple[Any, str]:
@@ -73,6 +73,23 @@ def _open(renderer: str) -> tuple[Any, str]:
         for name in [name for name in sys.modules if _is_graphics(name) and name not in loaded]:
             del sys.modules[name]  # PyOpenGL binds itself to a platform when it is imported
     raise RendererError(f"no OpenGL context can be had ({'; '.join(reasons)}); {_REMEDY}")
+
+
+def _close(offscreen: Any) -> None:
+    """Free everything; pyrender would end the whole display connection, under any other context of this process."""
+    platform = offscreen._platform
+    display = getattr(platform, "_egl_display", None)
+    if display is None:
+        offscreen.delete()
+        return
+    from OpenGL import EGL
+
+    platform.make_current()
+    offscreen._renderer.delete()
+    EGL.eglMakeCurrent(display, EGL.EGL_NO_SURFACE, EGL.EGL_NO_SURFACE, EGL.EGL_NO_CONTEXT)
+    EGL.eglDestroyContext(display, platform._egl_context)
+    platform._egl_display = platform._egl_context = None
+    offscreen._renderer = offscreen._platform = None
 
 
 def _is_graphics(name: str) -> bool:

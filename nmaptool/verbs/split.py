@@ -80,11 +80,9 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
         sigma_s_px=sigma_s_px,
         seconds={"split": round(time.perf_counter() - start, 4)},
     )
-    maps = {
-        name: dataclasses.replace(normal_map, normals=normals, name=f"{normal_map.name}: {name}")
-        for name, normals in (("base", base), ("detail", detail))
-    }
-    return LayerSet(normal_map, **maps, report=report)
+    base_map = dataclasses.replace(normal_map, normals=base, name=f"{normal_map.name}: base")
+    detail_map = dataclasses.replace(normal_map, normals=detail, name=f"{normal_map.name}: detail")
+    return LayerSet(normal_map, base_map, detail_map, report)
 
 
 def _in_px(sigma_s: Length, normal_map: NormalMap) -> float:
