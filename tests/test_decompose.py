@@ -88,8 +88,8 @@ def test_surface_is_close_to_the_exact_sum(mesh, sigma):
 
 
 def test_every_bit_of_the_original_is_in_base_and_residual():
-    for filter in ("rnf", "grnf"):
-        found = nm.decompose_normals(uneven(20), nm.FilterOptions(filter=filter))
+    for kind in ("rnf", "grnf"):
+        found = nm.decompose_normals(uneven(20), nm.FilterOptions(filter=kind))
         assert np.array_equal(found.base + found.residual, found.normals)
         length = np.linalg.norm(found.normals - found.filtered, axis=1)
         assert np.array_equal(found.is_detail, length > found.mixture.theta)

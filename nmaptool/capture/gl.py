@@ -68,8 +68,7 @@ def _open(renderer: str) -> tuple[Any, str]:
         try:
             return _try(platform), platform
         except Exception as error:  # noqa: BLE001 - drivers and their bindings fail in every way there is
-            reason = " ".join(str(error).split()) or type(error).__name__
-            reasons.append(f"{platform}: {reason[:70]}")
+            reasons.append(f"{platform}: {_reason(platform, error)}")
         for name in [name for name in sys.modules if _is_graphics(name) and name not in loaded]:
             del sys.modules[name]  # PyOpenGL binds itself to a platform when it is imported
     raise RendererError(f"no OpenGL context can be had ({'; '.join(reasons)}); {_REMEDY}")
@@ -90,6 +89,13 @@ def _close(offscreen: Any) -> None:
     EGL.eglDestroyContext(display, platform._egl_context)
     platform._egl_display = platform._egl_context = None
     offscreen._renderer = offscreen._platform = None
+
+
+def _reason(platform: str, error: Exception) -> str:
+    if platform == "osmesa" and isinstance(error, (ImportError, AttributeError)):
+        return "needs libosmesa6 and a newer binding, pip install PyOpenGL==3.1.10"
+    said = " ".join(str(error).split()).partition(" (")[0].rstrip(".:;")
+    return said[:90] or type(error).__name__
 
 
 def _is_graphics(name: str) -> bool:
