@@ -46,7 +46,6 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
     """
     options = options or SplitOptions()
     start = time.perf_counter()
-    sigma_s_px = _in_px(options.sigma_s, normal_map)
     original = normal_map.normals
     # a background that is a defined, flat part of the map stays out of the motif, and the motif out of it
     beside = (normal_map.coverage == 1) & ~normal_map.foreground
@@ -54,6 +53,7 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
     seen = coverage > 0
     if not seen.any():
         raise InputError(f"{normal_map.name}: covers nothing; there is nothing to split")
+    sigma_s_px = _in_px(options.sigma_s, normal_map)
     filtered = roll_image(
         original,
         coverage,
