@@ -30,7 +30,6 @@ from nmaptool.progress import Progress
 from nmaptool.vectors import mean_angle_deg
 from nmaptool.verbs.decompose import decompose_clean, sigma_s_of
 
-
 # sizes in mm beyond which a mesh's units are hardly millimetres
 _SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
 
