@@ -258,7 +258,8 @@ def _depth(layers: LayerSet, floating: bool) -> Picture:
     facts = {"kind": "depth", "near_mm": repr(near), "far_mm": repr(far)}
     if floating:
         return Picture(np.dstack([layers.depth_mm, seen.astype(np.float32)]), ("Z", "A"), facts, "depth")
-    shade = np.where(seen, 1 - (layers.depth_mm - near) / max(far - near, 1e-30), 0).clip(0, 1).astype(np.float32)
+    behind = (layers.depth_mm - near).clip(0) / max(far - near, 1e-30)
+    shade = np.where(seen, 1 - behind, 0).clip(0, 1).astype(np.float32)
     codes = np.dstack([grey_codes(shade, 16), grey_codes(seen.astype(np.float32), 16)])
     return Picture(codes, ("Y", "A"), facts, "depth")
 
