@@ -28,7 +28,7 @@ def split(
 ) -> None:
     """Split a normal map that has no mesh into base and detail.
 
-    Example: nmap compose split lion.png -o layers, then nmap relief layers/original.exr --detail layers/detail.exr -o lion.stl
+    Example: nmap compose split lion.png -o layers, then nmap relief lion.png --detail layers/detail.exr -o lion.stl
 
     Parameters
     ----------

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any
 from nmaptool._version import __version__
 
 if TYPE_CHECKING:
-    from nmaptool.verbs.split import split
     from nmaptool.decoding import decode_normal_map
     from nmaptool.errors import (
         ConvergenceError,
@@ -47,6 +46,7 @@ if TYPE_CHECKING:
     from nmaptool.verbs.integrate import integrate
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
+    from nmaptool.verbs.split import split
 
 _HOME = {
     "split": "verbs.split",
@@ -101,7 +101,6 @@ _HOME = {
 }
 
 __all__ = [
-    "split",
     "BakeOptions",
     "ConvergenceError",
     "Decoding",
@@ -147,6 +146,7 @@ __all__ = [
     "read_raster",
     "read_surface",
     "relief",
+    "split",
     "surface_mesh",
     "write_layers",
     "write_normal_map",

@@ -15,6 +15,8 @@ from nmaptool.vectors import unit
 
 # of the picture, worked on at a time
 _PIXELS_AT_ONCE = 2_000_000
+# slope up to which the depth of a pixel may lie outside its face
+_STEEPEST = 3.0
 
 Draw = Callable[[Float64, Faces, int, int], NDArray[np.int32]]
 
@@ -73,8 +75,12 @@ class Sight:
         row, col = np.nonzero(pixel_faces >= 0)
         face = pixel_faces[row, col]
         z = self._hit(face, col.astype(np.float64) + 0.5, row.astype(np.float64) + 0.5)[..., 2]
-        corner = self.vertices[:, 2][self.faces]
-        z = z.clip(corner.min(axis=1)[face], corner.max(axis=1)[face])
+        corner = self.vertices[:, 2][self.faces[face]]
+        # a pixel's centre may lie beside the face its samples see, but grazing faces must not run away there
+        nx, ny, nz = np.abs(self.normals[face]).T
+        beside = 0.5 * self.camera.unit_per_px * np.minimum((nx + ny) / np.maximum(nz, 1e-12), _STEEPEST)
+        z = z.clip(corner.min(axis=1) - beside, corner.max(axis=1) + beside)
+        z = z.clip(self.vertices[:, 2].min(), self.vertices[:, 2].max())
         start = self.camera.distance if self.camera.distance is not None else float(self.vertices[:, 2].max())
         out = np.zeros(pixel_faces.shape, np.float32)
         out[row, col] = start - z

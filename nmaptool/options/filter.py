@@ -90,7 +90,7 @@ class SplitOptions:
 
     filter: Filter = "rnf"
     sigma_s: Length = Length(1.0, "%")
-    sigma_r: float = 0.5
+    sigma_r: float = 0.35
     iterations: int = 5
     detail_encoding: Literal["rotation", "slope", "difference"] = "rotation"
 

@@ -186,7 +186,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         mean_edge=edge,
         sigma_s_px=sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
         renderer=drawn.platform,
-        camera={"rotation": camera.rotation.tolist(), "unit_per_px": camera.unit_per_px, "distance": camera.distance},
+        camera=_account(camera),
         warnings=_warnings(drawn, coverage),
     )
     maps = {
@@ -196,6 +196,15 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
     source = np.where(pixel_faces >= 0, drawn.source_faces[pixel_faces], -1).astype(np.int32)
     depth_mm = sight.depth(pixel_faces) * np.float32(pitch_mm / camera.unit_per_px)
     return LayerSet(**maps, report=report, depth_mm=depth_mm, faces=source)
+
+
+def _account(camera: Camera) -> dict[str, Any]:
+    return {
+        "rotation": camera.rotation.tolist(),
+        "center": camera.center.tolist(),
+        "unit_per_px": camera.unit_per_px,
+        "distance": camera.distance,
+    }
 
 
 def _plain(options: Any) -> dict[str, Any]:

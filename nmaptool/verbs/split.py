@@ -46,7 +46,6 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
     """
     options = options or SplitOptions()
     start = time.perf_counter()
-    sigma_s_px = _in_px(options.sigma_s, normal_map)
     original = normal_map.normals
     # a background that is a defined, flat part of the map stays out of the motif, and the motif out of it
     beside = (normal_map.coverage == 1) & ~normal_map.foreground
@@ -54,6 +53,7 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
     seen = coverage > 0
     if not seen.any():
         raise InputError(f"{normal_map.name}: covers nothing; there is nothing to split")
+    sigma_s_px = _in_px(options.sigma_s, normal_map)
     filtered = roll_image(
         original,
         coverage,
@@ -80,11 +80,9 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
         sigma_s_px=sigma_s_px,
         seconds={"split": round(time.perf_counter() - start, 4)},
     )
-    maps = {
-        name: dataclasses.replace(normal_map, normals=normals, name=f"{normal_map.name}: {name}")
-        for name, normals in (("base", base), ("detail", detail))
-    }
-    return LayerSet(normal_map, **maps, report=report)
+    base_map = dataclasses.replace(normal_map, normals=base, name=f"{normal_map.name}: base")
+    detail_map = dataclasses.replace(normal_map, normals=detail, name=f"{normal_map.name}: detail")
+    return LayerSet(normal_map, base_map, detail_map, report)
 
 
 def _in_px(sigma_s: Length, normal_map: NormalMap) -> float:
