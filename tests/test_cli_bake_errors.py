@@ -199,7 +199,7 @@ def fail_with(error):
 
 
 def test_no_renderer(refused, place, monkeypatch):
-    monkeypatch.setattr(gl, "_try", fail_with(ImportError("no libEGL\nhere")))
+    monkeypatch.setattr(gl, "_Context", fail_with(OSError("no libEGL\nhere")))
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
     words = ("bake", "plate.obj", "-o", "m", "--size", "60x50")
     why = "no libEGL here"
@@ -218,7 +218,8 @@ def test_no_renderer_in_truth(place, tree, fails):
     done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=100, env=surroundings)
     if done.returncode == 0:
         pytest.skip("this machine has OSMesa")
-    fails(SimpleNamespace(code=done.returncode, out=done.stdout, err=done.stderr), RENDERER, "osmesa: .*--renderer nu")
+    result = SimpleNamespace(code=done.returncode, out=done.stdout, err=done.stderr)
+    fails(result, RENDERER, "osmesa: .*--renderer numpy")
     assert tree() == before
 
 
