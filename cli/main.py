@@ -44,7 +44,12 @@ app.command(
 
 
 # flags whose values may start with a minus sign
-_SIGNED = ("--swizzle", "--height", "--width", "--target", "--azimuth", "--elevation", "--roll")
+_SIGNED = (
+    *("--swizzle", "--height", "--width", "--target", "--azimuth", "--elevation", "--roll"),
+    *("--size", "--margin", "--pitch", "--sigma-s"),
+)
+# flags that take whole numbers: the parser would round
+_WHOLE = ("--max-iterations", "--iterations", "--max-faces")
 _SIGNED_VALUE = re.compile(r"-[\d.rgb]")
 
 
@@ -56,8 +61,8 @@ def _plain_words(arguments: list[str]) -> list[str]:
     """
     joined: list[str] = []
     for word in arguments:
-        if joined and joined[-1] == "--max-iterations" and not word.isdecimal() and not word.startswith("-"):
-            raise UsageError(f"--max-iterations {word!r}: must be a whole number")  # the parser would round it
+        if joined and joined[-1] in _WHOLE and not word.isdecimal() and not word.startswith("-"):
+            raise UsageError(f"{joined[-1]} {word!r}: must be a whole number")
         if word == "-":
             joined.append(STREAM)
         elif joined and joined[-1] in _SIGNED and _SIGNED_VALUE.match(word):

@@ -16,6 +16,7 @@ from cyclopts import Group, Parameter
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
 from nmaptool.errors import InputError, NmaptoolError
+from nmaptool.options import FilterOptions
 from nmaptool.progress import Progress
 from nmaptool.units import Length, length
 
@@ -30,6 +31,19 @@ STREAM = "standard input"
 
 # a Length is one word on the command line, such as 12mm
 Parameter(n_tokens=1, accepts_keys=False, converter=lambda _, tokens: length(tokens[0].value))(Length)
+
+
+def _size(text: str) -> float | Length:
+    """A plain number or a `Length`."""
+    try:
+        return float(text)
+    except ValueError:
+        return length(text)
+
+
+# the parser alone would want a float, or a Length as two words
+_SIZE = Parameter(n_tokens=1, accepts_keys=False, converter=lambda _, tokens: _size(tokens[0].value))
+FilterOptions.__annotations__["sigma_s"] = Annotated[float | Length, _SIZE]
 
 
 # groups of flags in the order that --help shows them
@@ -145,7 +159,7 @@ def _usage(error: CycloptsError) -> str:
         kind = "a whole number" if error.target_type is int else "a number"
         return f"{error.token.keyword} {error.token.value!r}: must be {kind}"
     if isinstance(error, UnusedCliTokensError):
-        return f"{' '.join(error.unused_tokens or [])}: is one word too many; a command takes one map"
+        return f"{' '.join(error.unused_tokens or [])}: is one word too many; a command takes one map or mesh"
     return str(error)
 
 

@@ -64,7 +64,7 @@ def _lit(normals: Float32, coverage: Float32) -> Picture:
 def _depth(depth_mm: Float32, coverage: Float32) -> Picture:
     seen = coverage > 0
     low, high = float(depth_mm[seen].min()), float(depth_mm[seen].max())
-    near = 1 - 0.85 * (depth_mm - low) / max(high - low, 1e-30)
+    near = 1 - 0.85 * (depth_mm - low).clip(0) / max(high - low, 1e-30)
     return _grey(np.where(seen, near, 0.1).astype(np.float32))
 
 

@@ -13,6 +13,9 @@ from nmaptool.errors import InputError, UsageError
 from nmaptool.mesh import Mesh
 from nmaptool.options import BakeOptions
 
+# of the mesh's extent across the view: how far in front of the mesh a perspective camera stands at least
+_CLEARANCE = 0.01
+
 
 @dataclass(frozen=True, eq=False)
 class Camera:
@@ -147,7 +150,10 @@ def frame_camera(mesh: Mesh, options: BakeOptions, azimuth: float, elevation: fl
     margin = options.margin.to_mm(1.0, max(rows, cols))  # in px
     room = np.array([cols - 2 * margin, rows - 2 * margin])
     if not (room > 0).all():
-        raise UsageError(f"--margin {options.margin}: leaves nothing of {cols} x {rows}; use a smaller one, such as 5%")
+        raise UsageError(
+            f"--margin {options.margin}: leaves nothing of {cols} x {rows}; use a smaller one, such as "
+            f"{min(rows, cols) / 10:g}px"
+        )
     low, high = turned.min(axis=0), turned.max(axis=0)
     center = (low + high) / 2
     extent = (high - low)[:2].max()
@@ -156,6 +162,8 @@ def frame_camera(mesh: Mesh, options: BakeOptions, azimuth: float, elevation: fl
     tangent = math.tan(math.radians(options.fov) / 2) * 2 / max(rows, cols)  # per px
     if options.fov:
         center[:2], distance = _fitted(turned - center * (0, 0, 1), room / 2 * tangent)
+        # a spike towards the camera must not touch it
+        distance = max(distance, float((high - low)[2] / 2 + _CLEARANCE * extent))
         unit_per_px = distance * tangent
     else:
         unit_per_px = float(((high - low)[:2] / room).max())

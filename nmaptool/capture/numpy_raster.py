@@ -32,9 +32,9 @@ def visible_faces(points: Float64, faces: Faces, rows: int, cols: int) -> NDArra
     nearest = np.full(rows * cols, -np.inf)
     col, row = (points[:, axis][faces] for axis in (0, 1))
     # pixel centres are at .5
-    left, top = (np.ceil(v.min(axis=1) - 0.5).clip(0, None).astype(np.int64) for v in (col, row))
-    right = np.floor(col.max(axis=1) - 0.5).clip(None, cols - 1).astype(np.int64)
-    bottom = np.floor(row.max(axis=1) - 0.5).clip(None, rows - 1).astype(np.int64)
+    sides = ((col, cols), (row, rows))
+    left, top = (np.ceil(v.min(axis=1) - 0.5).clip(0, end).astype(np.int64) for v, end in sides)
+    right, bottom = (np.floor(v.max(axis=1) - 0.5).clip(-1, end - 1).astype(np.int64) for v, end in sides)
     wide = (right - left + 1).clip(0)
     count = wide * (bottom - top + 1).clip(0)
     for first, last, skip in _portions(count):

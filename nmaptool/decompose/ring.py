@@ -40,9 +40,10 @@ def gather_ring(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: flo
     """
     pattern: Any = neighbor_pairs(mesh.faces, len(mesh.vertices))
     start, other = pattern.indptr, pattern.indices
-    centers = geometry.centroids.astype(np.float32)
+    middle = (geometry.centroids.min(axis=0) + geometry.centroids.max(axis=0)) / 2
+    where = ((geometry.centroids - middle) / sigma_s).astype(np.float32)
     weighted = (geometry.normals * (geometry.areas / geometry.areas.max())[:, None]).astype(np.float32)
-    near = _kernel(centers, start, other, sigma_s)
+    near = _kernel(where, start, other, 1.0)
 
     def gather(guide: Float64 | None) -> Float64:
         weights = near

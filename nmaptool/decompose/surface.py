@@ -131,6 +131,7 @@ def _weights(targets: Float32, sources: Float32) -> Float32:
     inside += squares[:, :3].sum(axis=1)
     weights = targets[:, 3:] @ sources[:, 3:].T
     weights += squares[:, 3:].sum(axis=1)
+    weights -= np.square(targets[:, 3:]).sum(axis=1)[:, None] * np.float32(0.5)  # or a small sigma_r overflows
     weights += inside
     np.exp(weights, out=weights)
     near = np.square(targets[:, :3]).sum(axis=1) * np.float32(0.5) - np.float32(0.5 * RADIUS**2)

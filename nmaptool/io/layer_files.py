@@ -96,6 +96,15 @@ class LayerFiles:
         OutputError
             If a target cannot be written or exists.
         """
+        try:
+            self._check_names()
+            self._check_places()
+        except (OutputError, UsageError):
+            raise
+        except OSError as error:  # a name too long, a folder that may not be looked into
+            raise OutputError(f"{self.output}: cannot be written ({reason_of(error)})") from None
+
+    def _check_names(self) -> None:
         ending = self.output.suffix.lower()
         if self.format not in FORMATS:
             raise UsageError(f"--format {self.format!r}: use one of {', '.join(FORMATS)}")
@@ -109,14 +118,19 @@ class LayerFiles:
         targets = self.targets
         if len({path.resolve() for path in targets}) < len(targets):
             raise UsageError(f"{self.output}: two of the outputs have the same name; give others")
-        for folder in self._folders():
+
+    def _check_places(self) -> None:
+        folders, above = self._folders(), self.output.parent
+        for folder in folders:
             if folder.exists() and not folder.is_dir():
                 raise OutputError(f"{folder}: is a file; layers need a folder of that name; give another")
-        for path in targets:
-            if path.parent.exists() or path in (self.plot, self.report):
+        if above.exists() and not above.is_dir():
+            raise OutputError(f"{self.output}: {above} is a file, not a folder; give another place")
+        if not above.exists():
+            raise OutputError(f"{self.output}: the folder {above} does not exist; make it first")
+        for path in self.targets:
+            if path.parent.exists() or path.parent not in folders:
                 check_target(path, self.overwrite)
-        if not self.output.parent.is_dir():
-            raise OutputError(f"{self.output}: the folder {self.output.parent} does not exist; make it first")
 
     def _folders(self) -> list[Path]:
         if self.is_one_file:
@@ -258,7 +272,8 @@ def _depth(layers: LayerSet, floating: bool) -> Picture:
     facts = {"kind": "depth", "near_mm": repr(near), "far_mm": repr(far)}
     if floating:
         return Picture(np.dstack([layers.depth_mm, seen.astype(np.float32)]), ("Z", "A"), facts, "depth")
-    shade = np.where(seen, 1 - (layers.depth_mm - near) / max(far - near, 1e-30), 0).clip(0, 1).astype(np.float32)
+    behind = (layers.depth_mm - near).clip(0) / max(far - near, 1e-30)
+    shade = np.where(seen, 1 - behind, 0).clip(0, 1).astype(np.float32)
     codes = np.dstack([grey_codes(shade, 16), grey_codes(seen.astype(np.float32), 16)])
     return Picture(codes, ("Y", "A"), facts, "depth")
 

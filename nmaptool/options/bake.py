@@ -28,6 +28,8 @@ VIEWS = {
     "bottom": (0.0, -90.0),
     "iso": (45.0, 35.264389682754654),
 }
+# degrees; from farther away, depths cannot be told apart
+_NARROWEST = 0.01
 _SIZE = re.compile(r"\s*(\d{1,7})\s*[x,×]\s*(\d{1,7})\s*", re.IGNORECASE)
 
 
@@ -134,6 +136,8 @@ class BakeOptions:
                 require_number(name, getattr(self, name), -360, 360, "30")
         require_number("crease", self.crease, 0, 180, "60")
         require_number("fov", self.fov, 0, 150, "35")
+        if 0 < self.fov < _NARROWEST:
+            raise UsageError(f"--fov {self.fov:g}: must be 0 (orthographic) or at least {_NARROWEST:g}, such as 35")
         self._check_lengths()
         self._check_size()
 
@@ -155,7 +159,7 @@ class BakeOptions:
             raise UsageError(f"--max-megapixels {self.max_megapixels:g}: must be greater than zero")
         if megapixels > self.max_megapixels:
             raise LimitError(
-                f"--size {self.size}: is {megapixels:.0f} megapixels with {self.supersample} samples across a pixel, "
+                f"--size {self.size}: is {megapixels:.6g} megapixels with {self.supersample} samples across a pixel, "
                 f"more than the limit of {self.max_megapixels:g}; make it smaller or raise --max-megapixels"
             )
 

@@ -13,6 +13,9 @@ from nmaptool.options import FilterOptions
 from nmaptool.progress import Progress
 from nmaptool.units import Length
 
+# mean edge lengths: sigma_s below it averages no two faces
+_LEAST_EDGES = 0.01
+
 
 def decompose_normals(
     mesh: Mesh, options: FilterOptions | None = None, *, progress: Progress | None = None
@@ -54,12 +57,12 @@ def decompose_clean(mesh: Mesh, options: FilterOptions, progress: Progress | Non
 
 
 def sigma_s_of(mesh: Mesh, options: FilterOptions) -> float:
-    """sigma_s in units of a clean mesh."""
+    """sigma_s in units of a clean mesh; never so far below an edge that places cannot be counted in it."""
+    edge = mean_edge_length(mesh)
     if not isinstance(options.sigma_s, Length):
-        return options.sigma_s * mean_edge_length(mesh)
-    longest = float(np.ptp(mesh.vertices, axis=0).max())
-    return (
-        options.sigma_s.to_mm(1.0, 1) / mesh.mm_per_unit
-        if options.sigma_s.is_absolute
-        else (options.sigma_s.value / 100 * longest)
-    )
+        return options.sigma_s * edge
+    if options.sigma_s.is_absolute:
+        size = options.sigma_s.to_mm(1.0, 1) / mesh.mm_per_unit
+    else:
+        size = options.sigma_s.value / 100 * float(np.ptp(mesh.vertices, axis=0).max())
+    return max(size, _LEAST_EDGES * edge)
