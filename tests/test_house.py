@@ -17,7 +17,19 @@ from nmaptool_cli.main import main
 
 ROOT = Path(__file__).parents[1]
 SOURCES = [p for d in ("nmaptool", "cli", "bench", "samples", "tests") for p in sorted((ROOT / d).rglob("*.py"))]
-HEAVY = {"cv2", "numpy", "OpenImageIO", "pyamg", "scipy", "skimage", "trimesh"}
+HEAVY = {
+    "cv2",
+    "matplotlib",
+    "numpy",
+    "OpenGL",
+    "OpenImageIO",
+    "PIL",
+    "pyamg",
+    "pyrender",
+    "scipy",
+    "skimage",
+    "trimesh",
+}
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
@@ -41,9 +53,12 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["relief", "--help"], ["inspect", "--help"]])
+COMMANDS = ("bake", "compose", "compose split", "inspect", "relief")
+
+
+@pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])
 def test_help_loads_nothing_heavy(arguments):
-    assert not loaded_by(f"from nmaptool_cli.main import main\nassert main({arguments!r}) == 0") & HEAVY
+    assert not loaded_by(f"from nmaptool_cli.main import main\nassert main({arguments.split()!r}) == 0") & HEAVY
 
 
 def test_every_public_name_loads_and_has_a_docstring():
@@ -56,10 +71,20 @@ def test_every_public_name_loads_and_has_a_docstring():
         _ = nm.carve
 
 
-@pytest.mark.parametrize("options", [nm.ReliefOptions, nm.ReadOptions])
-def test_every_option_is_a_documented_flag_with_the_librarys_default(options, capsys, monkeypatch):
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [
+        ("relief", nm.ReliefOptions),
+        ("relief", nm.ReadOptions),
+        ("bake", nm.BakeOptions),
+        ("bake", nm.FilterOptions),
+        ("bake", nm.MeshReadOptions),
+        ("compose split", nm.SplitOptions),
+    ],
+)
+def test_every_option_is_a_documented_flag_with_the_librarys_default(command, options, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "600")
-    main(["relief", "--help"])
+    main([*command.split(), "--help"])
     shown = capsys.readouterr().out
     for field in dataclasses.fields(options):
         flag = "--" + field.name.replace("_", "-")
