@@ -82,7 +82,7 @@ def rows_of(measured: list[Measured]) -> list[list[str]]:
     """A row a stage: seconds and multiples of a copy of the mesh, for each mesh."""
     timed = [
         [stage, *(c for m in measured for c in (_cells(m.seconds[stage], m.copy) if stage in m.seconds else ("", "")))]
-        for stage in measured[0].seconds
+        for stage in max((m.seconds for m in measured), key=len)
     ]
     others = [
         [figure, *(c for m in measured for c in (f"{m.figures[figure]:.2f}", ""))] for figure in measured[0].figures
