@@ -36,6 +36,7 @@ test: check
 bench: $(STAMP)
 	$(BIN)/python -m bench.solver
 	$(BIN)/python -m bench.relief
+	$(BIN)/python -m bench.bake
 
 clean:
 	rm -rf $(VENV) gallery build *.egg-info

@@ -15,6 +15,7 @@ from nmaptool.mesh import Faces, Mesh, cross
 _THINNEST = 1e-10
 # the squares of areas must be numbers too
 _SMALLEST, _LARGEST = 1e-30, 1e30
+_FACES_AT_ONCE = 100_000
 
 
 @dataclass(frozen=True)
@@ -66,14 +67,14 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     """
     if not len(mesh.faces):
         raise InputError(f"{mesh.name}: holds {len(mesh.vertices)} points and no faces; a surface is needed")
-    finite: Mask = np.asarray(np.isfinite(mesh.vertices).all(axis=1))
-    sound: Mask = np.asarray(finite[mesh.faces].all(axis=1))
+    finite: Mask = _all_three(np.isfinite(mesh.vertices))
+    sound: Mask = _all_three(finite.take(mesh.faces))
     if not sound.any():
         raise InputError(f"{mesh.name}: every face has a vertex that is NaN or infinite; export it again")
     used = np.zeros(len(mesh.vertices), bool)
     used[mesh.faces[sound]] = True
     chosen = np.flatnonzero(used)
-    positions = mesh.vertices[chosen] + 0.0  # -0 and 0 are one place
+    positions = mesh.vertices.take(chosen, axis=0) + 0.0  # -0 and 0 are one place
     with np.errstate(over="ignore"):
         extent = float(np.ptp(positions, axis=0).max())
     if not extent > 0:
@@ -83,12 +84,12 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     first, place = _weld(positions)
     index = np.zeros(len(mesh.vertices), np.int32)
     index[chosen] = place
-    faces: Faces = index[mesh.faces]
-    vertices = positions[first]
+    faces: Faces = index.take(mesh.faces)
+    vertices = positions.take(first, axis=0)
     solid = sound & _has_area(vertices, faces, sound)
     if not solid.any():
         raise InputError(f"{mesh.name}: none of its {len(mesh.faces)} faces has an area; export it again")
-    welded = Mesh(vertices, np.ascontiguousarray(faces[solid]), mesh.mm_per_unit, mesh.unit_from, mesh.name)
+    welded = Mesh(vertices, faces.take(np.flatnonzero(solid), axis=0), mesh.mm_per_unit, mesh.unit_from, mesh.name)
     findings = MeshFindings(
         vertices=len(mesh.vertices),
         faces=len(mesh.faces),
@@ -101,6 +102,10 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     return _without_unused(welded), np.flatnonzero(solid), findings
 
 
+def _all_three(flags: Mask) -> Mask:
+    return np.asarray(flags[:, 0] & flags[:, 1] & flags[:, 2])
+
+
 def _named(mesh: Mesh) -> Mask:
     named = np.zeros(len(mesh.vertices), bool)
     named[mesh.faces] = True
@@ -109,9 +114,9 @@ def _named(mesh: Mesh) -> Mask:
 
 def _weld(positions: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
     """The first vertex at each position, and which of them each vertex is; the order of the file is kept."""
-    order = np.lexsort(positions.T)
-    ordered = positions[order]
-    starts = np.r_[True, (ordered[1:] != ordered[:-1]).any(axis=1)]
+    order, starts = _grouped(positions)
+    if starts.all():
+        return np.arange(len(positions)), np.arange(len(positions), dtype=np.int32)
     group = np.cumsum(starts) - 1
     first = np.minimum.reduceat(order, np.flatnonzero(starts))
     rank = np.empty(len(first), np.int32)
@@ -121,17 +126,51 @@ def _weld(positions: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np
     return np.sort(first), place
 
 
+def _grouped(positions: NDArray[np.float64]) -> tuple[NDArray[np.int64], Mask]:
+    """An order in which equal positions follow each other, and where in it each group begins."""
+    key = _hashes(positions)
+    order = np.argsort(key)
+    key = key[order]
+    starts = np.r_[True, key[1:] != key[:-1]]
+    again = np.flatnonzero(~starts)
+    if np.array_equal(positions.take(order[again], axis=0), positions.take(order[again - 1], axis=0)):
+        return order, starts
+    order = np.lexsort(positions.T)  # two positions have the same hash
+    ordered = positions.take(order, axis=0)
+    return order, np.r_[True, (ordered[1:] != ordered[:-1]).any(axis=1)]
+
+
+def _hashes(positions: NDArray[np.float64]) -> NDArray[np.uint64]:
+    """(N,) uint64: sorted several times quicker than three coordinates."""
+    out = np.zeros(len(positions), np.uint64)
+    for column in np.ascontiguousarray(positions.T).view(np.uint64):
+        out += column
+        # bits are spread both ways: coordinates of a grid differ in a few high ones only
+        out ^= out >> np.uint64(32)
+        out *= np.uint64(0xD6E8FEB86659FD93)
+        out ^= out >> np.uint64(29)
+        out *= np.uint64(0x9E3779B97F4A7C15)
+    return out
+
+
 def _has_area(vertices: NDArray[np.float64], faces: Faces, sound: Mask) -> Mask:
     good = np.zeros(len(faces), bool)
     kept = np.flatnonzero(sound)
-    a, b, c = (vertices[faces[kept, k]] for k in range(3))
-    scale = np.maximum(np.abs(b - a).max(axis=1), np.abs(c - a).max(axis=1))
-    safe = np.where(scale > 0, scale, 1)[:, None]
-    ab, ac = (b - a) / safe, (c - a) / safe
-    twice = cross(ab, ac)
-    longest2 = np.maximum.reduce([(v * v).sum(axis=1) for v in (ab, ac, ac - ab)])
-    good[kept] = (scale > 0) & (np.sqrt((twice * twice).sum(axis=1)) > _THINNEST * longest2)
+    for part in np.array_split(kept, 1 + len(kept) // _FACES_AT_ONCE):
+        a, b, c = (vertices.take(corner, axis=0) for corner in faces.take(part, axis=0).T)
+        ab, ac = b - a, c - a
+        scale = np.maximum.reduce([np.abs(v[:, k]) for v in (ab, ac) for k in range(3)])
+        safe = np.where(scale > 0, scale, 1)[:, None]
+        ab /= safe
+        ac /= safe
+        longest2 = np.maximum.reduce([_squares(v) for v in (ab, ac, ac - ab)])
+        good[part] = (scale > 0) & (np.sqrt(_squares(cross(ab, ac))) > _THINNEST * longest2)
     return good
+
+
+def _squares(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    x, y, z = vectors.T
+    return np.asarray(x * x + y * y + z * z)
 
 
 def _without_unused(mesh: Mesh) -> Mesh:
@@ -141,4 +180,4 @@ def _without_unused(mesh: Mesh) -> Mesh:
     if used.all():
         return mesh
     index = np.cumsum(used, dtype=np.int32) - np.int32(1)
-    return Mesh(mesh.vertices[used], index[mesh.faces], mesh.mm_per_unit, mesh.unit_from, mesh.name)
+    return Mesh(mesh.vertices[used], index.take(mesh.faces), mesh.mm_per_unit, mesh.unit_from, mesh.name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +68,17 @@ class Mesh:
     @property
     def corners(self) -> Float64:
         """(M, 3, 3) float64: the three corners of each face, each x, y, z."""
-        return np.asarray(self.vertices[self.faces])
+        return np.asarray(self.vertices.take(self.faces, axis=0))
+
+    @cached_property
+    def geometry(self) -> FaceGeometry:
+        """`face_geometry`, worked out once."""
+        return face_geometry(self)
+
+    @cached_property
+    def mean_edge(self) -> float:
+        """`mean_edge_length`, worked out once."""
+        return mean_edge_length(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +110,8 @@ def cross(u: Float64, v: Float64) -> Float64:
 
 def face_geometry(mesh: Mesh) -> FaceGeometry:
     """Normals, areas and centroids of the faces of a mesh without degenerate faces."""
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    # here and in all that follows rows are fetched by take: several times quicker than by index
+    a, b, c = (mesh.vertices.take(mesh.faces[:, k], axis=0) for k in range(3))
     twice = cross(b - a, c - a)
     length = np.sqrt(np.einsum("ij,ij->i", twice, twice))
     normals = twice / np.where(length > 0, length, 1)[:, None]
@@ -119,5 +131,5 @@ def unique_edges(mesh: Mesh) -> NDArray[np.int32]:
 def mean_edge_length(mesh: Mesh) -> float:
     """Mean length of the unique edges, in units of the mesh; the unit of sigma_s (paper, Sec. 3)."""
     first, second = unique_edges(mesh).T
-    step = mesh.vertices[first] - mesh.vertices[second]
+    step = mesh.vertices.take(first, axis=0) - mesh.vertices.take(second, axis=0)
     return float(np.sqrt(np.einsum("ij,ij->i", step, step)).mean())

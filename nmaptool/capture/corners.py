@@ -29,13 +29,13 @@ def corner_normals(mesh: Mesh, directions: Float64, crease: float) -> Float64:
     weights = corner_angles(mesh)
     vertex = mesh.faces.ravel()
     face = np.repeat(np.arange(len(mesh.faces)), 3)
-    weighted = directions[face] * weights.ravel()[:, None]
+    weighted = directions.take(face, axis=0) * weights.ravel()[:, None]
     total = _sum_by(vertex, weighted, len(mesh.vertices))
     length = np.sqrt(np.einsum("ij,ij->i", total, total))
     mean = total / np.where(length > 1e-12, length, 1)[:, None]
-    out = mean[vertex]
+    out = mean.take(vertex, axis=0)
     # where every face lies within half the crease of the mean, all of them count for each other
-    off = np.einsum("ij,ij->i", directions[face], out) < np.cos(np.radians(min(crease, 180) / 2))
+    off = np.einsum("ij,ij->i", directions.take(face, axis=0), out) < np.cos(np.radians(min(crease, 180) / 2))
     sharp = np.zeros(len(mesh.vertices), bool)
     sharp[vertex[off]] = True
     chosen = np.flatnonzero(sharp[vertex])

@@ -167,12 +167,11 @@ def _draw(context: _Context, points: Float64, faces: Faces, rows: int, cols: int
 
 def _turned_to_viewer(points: Float64, faces: Faces) -> Faces:
     """Faces counter-clockwise as seen: pyrender culls back faces where it draws segments."""
-    a, b, c = (points[faces[:, k], :2] for k in range(3))
-    twice = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
-    turned = faces.copy()
-    away = twice > 0  # rows count downwards
-    turned[away] = turned[away][:, ::-1]
-    return turned
+    col, row = (np.ascontiguousarray(points[:, axis]) for axis in (0, 1))
+    a, b, c = (np.ascontiguousarray(faces[:, k]) for k in range(3))
+    left, top = col.take(a), row.take(a)
+    away = (col.take(b) - left) * (row.take(c) - top) > (col.take(c) - left) * (row.take(b) - top)  # rows count down
+    return np.column_stack([np.where(away, c, a), b, np.where(away, a, c)])
 
 
 def _touches(clip: NDArray[np.float32], faces: Faces) -> NDArray[np.bool_]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Float64
 from nmaptool.capture.camera import Camera
-from nmaptool.mesh import Faces, Mesh, face_geometry
+from nmaptool.mesh import Faces, Mesh
 from nmaptool.vectors import unit
 
 # of the picture, worked on at a time
@@ -75,12 +75,13 @@ class Sight:
         row, col = np.nonzero(pixel_faces >= 0)
         face = pixel_faces[row, col]
         z = self._hit(face, col.astype(np.float64) + 0.5, row.astype(np.float64) + 0.5)[..., 2]
-        corner = self.vertices[:, 2][self.faces[face]]
+        height = np.ascontiguousarray(self.vertices[:, 2])
+        a, b, c = (height.take(self.faces[:, k].take(face)) for k in range(3))
+        low, high = (two(two(a, b), c) for two in (np.minimum, np.maximum))
         # a pixel's centre may lie beside the face its samples see, but grazing faces must not run away there
-        nx, ny, nz = np.abs(self.normals[face]).T
+        nx, ny, nz = np.abs(self.normals.take(face, axis=0)).T
         beside = 0.5 * self.camera.unit_per_px * np.minimum((nx + ny) / np.maximum(nz, 1e-12), _STEEPEST)
-        z = z.clip(corner.min(axis=1) - beside, corner.max(axis=1) + beside)
-        z = z.clip(self.vertices[:, 2].min(), self.vertices[:, 2].max())
+        z = z.clip(low - beside, high + beside).clip(height.min(), height.max())
         start = self.camera.distance if self.camera.distance is not None else float(self.vertices[:, 2].max())
         out = np.zeros(pixel_faces.shape, np.float32)
         out[row, col] = start - z
@@ -90,7 +91,7 @@ class Sight:
         """Points of eye space where the planes of faces are seen at picture positions."""
         start = self.camera.plane_points(col, row)
         ray = self.camera.rays(col, row)
-        anchor, normal = self.vertices[self.faces[face, 0]], self.normals[face]
+        anchor, normal = self.vertices.take(self.faces[:, 0].take(face), axis=0), self.normals.take(face, axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             along = np.einsum("ij,ij->i", normal, anchor - start) / np.einsum("ij,ij->i", normal, ray)
         along[~np.isfinite(along)] = 0
@@ -129,7 +130,7 @@ class Sight:
                     shown = self.sampled_faces[top * s + down : part.stop * s : s, right::s]
                     coverage[part] += shown >= 0
                     if plain:
-                        total += turned[shown]
+                        total += turned.take(shown, axis=0)
                     else:
                         seen = shown >= 0
                         row, col = (place.astype(np.float64) for place in np.nonzero(seen))
@@ -142,8 +143,8 @@ class Sight:
     def _at(self, turned: Float32, face: NDArray[np.int32], x: Float64, y: Float64) -> Float32:
         """(K, 3) float32 unit normals of faces at picture positions."""
         ray = self.camera.rays(x, y)
-        out = unit(turned[face] if turned.ndim == 2 else self._interpolated(turned, face, x, y))
-        out = self._toward(out, np.einsum("ij,ij->i", self.normals[face], ray))
+        out = unit(turned.take(face, axis=0) if turned.ndim == 2 else self._interpolated(turned, face, x, y))
+        out = self._toward(out, np.einsum("ij,ij->i", self.normals.take(face, axis=0), ray))
         if self.camera.distance is not None:
             out[:, 2] = np.einsum("ij,ij->i", out, ray)
             out = unit(out)
@@ -155,7 +156,7 @@ class Sight:
 
     def _interpolated(self, turned: Float32, face: NDArray[np.int32], x: Float64, y: Float64) -> Float32:
         point = self._hit(face, x, y)
-        a, b, c = (self.vertices[self.faces[face, k]] for k in range(3))
+        a, b, c = (self.vertices.take(self.faces[:, k].take(face), axis=0) for k in range(3))
         ab, ac, ap = b - a, c - a, point - a
         bb, bc, cc = (np.einsum("ij,ij->i", u, v) for u, v in ((ab, ab), (ab, ac), (ac, ac)))
         pb, pc = (np.einsum("ij,ij->i", ap, v) for v in (ab, ac))
@@ -163,7 +164,7 @@ class Sight:
         second = ((cc * pb - bc * pc) / area).clip(0, 1)
         third = ((bb * pc - bc * pb) / area).clip(0, 1 - second)
         weights = np.stack([1 - second - third, second, third], axis=-1).astype(np.float32)
-        return np.asarray(np.einsum("ij,ijk->ik", weights, turned[face]))
+        return np.asarray(np.einsum("ij,ijk->ik", weights, turned.take(face, axis=0)))
 
 
 def finer(camera: Camera, factor: int) -> Camera:
@@ -188,5 +189,5 @@ def look(mesh: Mesh, camera: Camera, draw: Draw, supersample: int) -> Sight:
     """
     samples = finer(camera, supersample)
     shown = draw(samples.project(mesh.vertices), mesh.faces, samples.rows, samples.cols)
-    normals = face_geometry(mesh).normals @ camera.rotation.T
+    normals = mesh.geometry.normals @ camera.rotation.T
     return Sight(camera, supersample, shown, camera.to_eye(mesh.vertices), mesh.faces, normals)

@@ -12,7 +12,7 @@ from nmaptool.decompose.rolling import Gather
 from nmaptool.mesh import FaceGeometry, Faces, Mesh
 
 # rows of the pair list that are weighted at a time
-_PAIRS_AT_ONCE = 4_000_000
+_PAIRS_AT_ONCE = 500_000
 
 
 def neighbor_pairs(faces: Faces, vertex_count: int) -> sparse.csr_array:
@@ -38,8 +38,7 @@ def gather_ring(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: flo
     sigma_r : float
         Of differences of unit normals.
     """
-    pattern: Any = neighbor_pairs(mesh.faces, len(mesh.vertices))
-    start, other = pattern.indptr, pattern.indices
+    start, other = _pairs_once(neighbor_pairs(mesh.faces, len(mesh.vertices)))
     middle = (geometry.centroids.min(axis=0) + geometry.centroids.max(axis=0)) / 2
     where = ((geometry.centroids - middle) / sigma_s).astype(np.float32)
     weighted = (geometry.normals * (geometry.areas / geometry.areas.max())[:, None]).astype(np.float32)
@@ -49,10 +48,19 @@ def gather_ring(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: flo
         weights = near
         if guide is not None:
             weights = near * _kernel(guide.astype(np.float32), start, other, sigma_r)
-        matrix = sparse.csr_array((weights, other, start), shape=pattern.shape)
-        return np.asarray(matrix @ weighted, np.float64)
+        # a pair weighs the same from both its sides, and a face with itself 1
+        matrix = sparse.csr_array((weights, other, start), shape=(len(weighted), len(weighted)))
+        return np.asarray(matrix @ weighted + matrix.T @ weighted + weighted, np.float64)
 
     return gather
+
+
+def _pairs_once(pattern: Any) -> tuple[Any, Any]:
+    """Row starts and columns of the pairs of a symmetric pattern whose second number is the higher."""
+    count = pattern.shape[0]
+    later = pattern.indices > np.repeat(np.arange(count, dtype=pattern.indices.dtype), np.diff(pattern.indptr))
+    start = np.concatenate([[0], np.cumsum(later, dtype=pattern.indptr.dtype)])[pattern.indptr]
+    return start.astype(pattern.indptr.dtype), pattern.indices[later]
 
 
 def _kernel(values: Float32, start: Any, other: Any, sigma: float) -> Float32:
@@ -65,7 +73,7 @@ def _kernel(values: Float32, start: Any, other: Any, sigma: float) -> Float32:
         last = max(int(np.searchsorted(start, start[first] + _PAIRS_AT_ONCE, side="right")) - 1, first + 1)
         pairs = slice(start[first], start[last])
         step = np.repeat(values[first:last], np.diff(start[first : last + 1]), axis=0)
-        step -= values[other[pairs]]
+        step -= values.take(other[pairs], axis=0)
         distance2 = np.einsum("ij,ij->i", step, step)
         np.exp(np.multiply(distance2, scale, out=distance2), out=out[pairs])
         first = last

@@ -8,6 +8,7 @@ the middles the sums follow their first derivatives. Tests state the error again
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,9 @@ from nmaptool.mesh import FaceGeometry, Mesh
 RADIUS = 2.5  # sigma_s
 _PATCH = 0.5  # sigma_s
 _ALIKE = 0.5  # sigma_r
+_WEIGHTS_AT_ONCE = 100_000
+# from the squares of eight columns to -|place|^2 / 2 and -|guide|^2 / 2
+_HALVES = np.repeat(np.eye(3, 2, dtype=np.float32), (3, 3, 2), axis=0) * np.float32(-0.5)
 
 
 def gather_surface(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: float) -> Gather:
@@ -37,14 +41,14 @@ def gather_surface(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: 
     """
     neighbors = face_neighbors(mesh.faces)
     around = reach(geometry.centroids, neighbors, RADIUS * sigma_s)
-    patch = patches(geometry.centroids, neighbors, _PATCH * sigma_s)
+    cells = _cells(patches(geometry.centroids, neighbors, _PATCH * sigma_s), around.patch)
     middle = (geometry.centroids.min(axis=0) + geometry.centroids.max(axis=0)) / 2
     where = (geometry.centroids - middle) / sigma_s
     areas = geometry.areas / geometry.areas.mean()
 
     def gather(guide: Float64 | None) -> Float64:
         lead = np.zeros_like(where) if guide is None else guide / sigma_r
-        nodes = _nodes(patch, around.patch, where, lead, areas, geometry.normals)
+        nodes = _nodes(cells, around.patch, where, lead, areas, geometry.normals)
         sums = _pair_sums(nodes, around)
         return _at_faces(nodes, sums, where, lead)
 
@@ -72,20 +76,37 @@ class _Nodes:
     normals: Float32
 
 
-def _nodes(patch: Labels, large: Labels, where: Float64, lead: Float64, areas: Float64, normals: Float64) -> _Nodes:
-    # bins are counted from the patch's own first face, so that a smooth patch is rarely cut
-    first = np.full(int(patch.max()) + 1, -1)
+@dataclass(frozen=True, eq=False)
+class _Cells:
+    """Small patches, cut at the borders of the large ones, which do not hold them exactly.
+
+    Attributes
+    ----------
+    number : (M,) int64
+        Of the cell of each face, in the order of the large patches.
+    first : (M,) int64
+        The first face of the small patch that each face lies in.
+    """
+
+    number: Labels
+    first: Labels
+
+
+def _cells(patch: Labels, large: Labels) -> _Cells:
+    pieces = int(patch.max()) + 1
+    first = np.empty(pieces, np.int64)
     first[patch[::-1]] = np.arange(len(patch))[::-1]
-    bins = np.floor((lead - lead[first[patch]]) / _ALIKE + 0.5).astype(np.int64)
+    _, number = np.unique(large * pieces + patch, return_inverse=True)
+    return _Cells(number, first[patch])
+
+
+def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, areas: Float64, normals: Float64) -> _Nodes:
+    # bins are counted from the patch's own first face, so that a smooth patch is rarely cut
+    bins = np.floor((lead - lead.take(cells.first, axis=0)) / _ALIKE + 0.5).astype(np.int64)
     bins -= bins.min(axis=0)
     spans = bins.max(axis=0) + 1
     likeness = (bins[:, 0] * spans[1] + bins[:, 1]) * spans[2] + bins[:, 2]
-    _, kind = np.unique(likeness, return_inverse=True)
-    kinds = int(kind.max()) + 1
-    pieces = int(patch.max()) + 1
-    # large patches do not hold small ones exactly: a small one that crosses their border counts once in each
-    key = (large * pieces + patch) * kinds + kind
-    _, of_face = np.unique(key, return_inverse=True)
+    _, of_face = np.unique(cells.number * spans.prod() + likeness, return_inverse=True)
     count = int(of_face.max()) + 1
     parent = np.empty(count, np.int64)
     parent[of_face] = large
@@ -101,41 +122,71 @@ def _nodes(patch: Labels, large: Labels, where: Float64, lead: Float64, areas: F
 def _pair_sums(nodes: _Nodes, around: Reach) -> Float32:
     """(K, 21) float32: at each node the weighted sum of normals (3) and its first moments in place and guide (18)."""
     count = len(nodes.large)
-    moments = np.hstack([nodes.normals, (nodes.normals[:, :, None] * nodes.places[:, None, :]).reshape(count, 18)])
+    moments = np.empty((count + 1, 21), np.float32)
+    moments[:count, :3] = nodes.normals
+    moments[:count, 3:] = (nodes.normals[:, :, None] * nodes.places[:, None, :]).reshape(count, 18)
+    moments[count] = 0  # a node that adds nothing, to fill up shorter lists of sources
+    places = np.zeros((count + 1, 8), np.float32)
+    places[:count, :6] = nodes.places
     start = np.searchsorted(nodes.large, np.arange(around.near.shape[0] + 1))
-    sources, first = _sources(start, around)
+    own = np.diff(start)
+    reached = around.near @ own
     out = np.empty((count, 21), np.float32)
-    for large in range(len(start) - 1):
+    for large in _batches(own, reached):
         # the nodes of one large patch have the same sources, so that their weights are a dense block
-        mine = slice(start[large], start[large + 1])
-        others = sources[first[large] : first[large + 1]]
-        center = nodes.places[mine.start]
-        weights = _weights(nodes.places[mine] - center, nodes.places[others] - center)
-        np.matmul(weights, moments[others], out=out[mine])
+        mine = start[large][:, None] + np.arange(own[large[0]])
+        others = _sources(start, around, large, reached[large], count)
+        sources = places.take(others, axis=0)
+        sources -= places.take(mine[:, :1], axis=0)
+        weights = _weights(places.take(mine, axis=0) - places.take(mine[:, :1], axis=0), sources)
+        out[mine] = weights @ moments.take(others, axis=0)
     return out
 
 
-def _sources(start: Labels, around: Reach) -> tuple[Labels, Labels]:
-    """The nodes that each large patch reaches, one list after the other, and where each list begins."""
-    indptr, near = around.near.indptr, around.near.indices
-    size = np.diff(start)[near]
+def _batches(own: Labels, reached: Labels) -> Iterator[Labels]:
+    """Large patches with as many nodes each and nearly as many sources, as many at a time as stay in the cache."""
+    order = np.lexsort([reached, own])
+    mine, others = own[order], reached[order]
+    first = 0
+    while first < len(order):
+        last = first + max(1, _WEIGHTS_AT_ONCE // int(mine[first] * others[first]))
+        last = min(last, int(np.searchsorted(mine, mine[first], side="right")))
+        last = first + int(np.searchsorted(others[first:last], 1.1 * others[first] + 4, side="right"))
+        yield order[first:last]
+        first = last
+
+
+def _sources(start: Labels, around: Reach, large: Labels, reached: Labels, filler: int) -> Labels:
+    """(B, S) int64: the nodes that each of some large patches reaches; shorter lists are filled up."""
+    begin, end = around.near.indptr[large], around.near.indptr[large + 1]
+    near = around.near.indices.take(_ranges(begin, end - begin))
+    out = np.full((len(large), int(reached.max())), filler)
+    out[np.arange(out.shape[1]) < reached[:, None]] = _ranges(start[near], start[near + 1] - start[near])
+    return out
+
+
+def _ranges(begin: Labels, size: Labels) -> Labels:
+    """begin[0], begin[0] + 1, ... begin[0] + size[0] - 1, begin[1], ..."""
     ends = np.cumsum(size)
-    offset = np.repeat(start[near] - (ends - size), size)
-    return np.arange(len(offset)) + offset, np.concatenate([[0], ends])[indptr]
+    return np.asarray(np.arange(ends[-1]) + np.repeat(begin - (ends - size), size), np.int64)
 
 
 def _weights(targets: Float32, sources: Float32) -> Float32:
-    """(T, S) float32: both Gaussians at once, 0 beyond the radius; each row up to a factor of its own."""
-    squares = np.square(sources) * np.float32(-0.5)
-    inside = targets[:, :3] @ sources[:, :3].T
-    inside += squares[:, :3].sum(axis=1)
-    weights = targets[:, 3:] @ sources[:, 3:].T
-    weights += squares[:, 3:].sum(axis=1)
-    weights -= np.square(targets[:, 3:]).sum(axis=1)[:, None] * np.float32(0.5)  # or a small sigma_r overflows
-    weights += inside
-    np.exp(weights, out=weights)
-    near = np.square(targets[:, :3]).sum(axis=1) * np.float32(0.5) - np.float32(0.5 * RADIUS**2)
-    weights *= inside >= near[:, None]
+    """(B, T, S) float32: both Gaussians at once, 0 beyond the radius; each row up to a factor of its own.
+
+    Places and guides in the first six of eight columns; the other two of ``sources`` are overwritten.
+    """
+    # -|t - s|^2 / 2 = t . s - |s|^2 / 2 - |t|^2 / 2, the first two by one product
+    count = targets.shape[1]
+    left = np.zeros((len(targets), 2 * count, 8), np.float32)
+    left[:, :count, :3], left[:, :count, 6] = targets[..., :3], 1
+    left[:, count:, :6], left[:, count:, 6:] = targets[..., :6], 1
+    sources[..., 6:] = np.square(sources) @ _HALVES
+    product = left @ sources.swapaxes(-1, -2)
+    own = np.square(targets) @ _HALVES
+    product[:, count:] += own[..., 1:]  # or a small sigma_r overflows
+    weights: Float32 = np.exp(product[:, count:])
+    weights *= product[:, :count] >= -(own[..., :1] + np.float32(0.5 * RADIUS**2))
     return weights
 
 
@@ -146,5 +197,7 @@ def _at_faces(nodes: _Nodes, sums: Float32, where: Float64, lead: Float64) -> Fl
     """
     value = sums[:, :3].astype(np.float64)
     slope = sums[:, 3:].reshape(-1, 3, 6) - value[:, :, None] * nodes.places[:, None, :]
-    step = np.hstack([where, lead]) - nodes.places[nodes.of_face]
-    return np.asarray(value[nodes.of_face] + np.einsum("ijk,ik->ij", slope[nodes.of_face], step))
+    step = np.hstack([where, lead]) - nodes.places.take(nodes.of_face, axis=0)
+    return np.asarray(
+        value.take(nodes.of_face, axis=0) + np.einsum("ijk,ik->ij", slope.take(nodes.of_face, axis=0), step)
+    )

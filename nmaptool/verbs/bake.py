@@ -22,7 +22,7 @@ from nmaptool.decompose.rolling import Decomposition
 from nmaptool.detail import encode_detail
 from nmaptool.errors import InputError, UsageError
 from nmaptool.layer_set import LayerReport, LayerSet
-from nmaptool.mesh import Mesh, mean_edge_length
+from nmaptool.mesh import Mesh
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import BakeOptions, FilterOptions
 from nmaptool.options.bake import VIEWS
@@ -176,7 +176,6 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         pitch_mm, pitch_from = options.width.to_mm(1.0, 1) / camera.cols, "given"
     frame = Frame(camera.rows, camera.cols, pitch_mm)
     pixel_faces = sight.pixel_faces()
-    edge = mean_edge_length(drawn.mesh)
     report = LayerReport(
         options=_plain(options) | _plain(work.filter),
         mixture=split.mixture,
@@ -186,7 +185,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         pitch_from=pitch_from,
         findings=drawn.findings,
         faces=len(drawn.mesh.faces),
-        mean_edge=edge,
+        mean_edge=drawn.mesh.mean_edge,
         sigma_s_px=sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
         renderer=drawn.platform,
         camera=_account(camera),
@@ -216,9 +215,7 @@ def _plain(options: Any) -> dict[str, Any]:
 
 
 def _share(split: Decomposition, mesh: Mesh) -> float:
-    from nmaptool.mesh import face_geometry
-
-    areas = face_geometry(mesh).areas
+    areas = mesh.geometry.areas
     return float(areas[split.is_detail].sum() / areas.sum())
 
 

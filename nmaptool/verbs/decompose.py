@@ -8,7 +8,7 @@ from nmaptool.cleaning import clean_mesh
 from nmaptool.decompose.ring import gather_ring
 from nmaptool.decompose.rolling import Decomposition, roll, separate
 from nmaptool.decompose.surface import gather_surface
-from nmaptool.mesh import Mesh, face_geometry, mean_edge_length
+from nmaptool.mesh import Mesh
 from nmaptool.options import FilterOptions
 from nmaptool.progress import Progress
 from nmaptool.units import Length
@@ -47,7 +47,7 @@ def decompose_normals(
 
 def decompose_clean(mesh: Mesh, options: FilterOptions, progress: Progress | None = None) -> Decomposition:
     """`decompose_normals` of a mesh that is clean already."""
-    geometry = face_geometry(mesh)
+    geometry = mesh.geometry
     sigma_s = sigma_s_of(mesh, options)
     gather = {"ring": gather_ring, "surface": gather_surface}[options.neighborhood](
         mesh, geometry, sigma_s, options.sigma_r
@@ -58,11 +58,10 @@ def decompose_clean(mesh: Mesh, options: FilterOptions, progress: Progress | Non
 
 def sigma_s_of(mesh: Mesh, options: FilterOptions) -> float:
     """sigma_s in units of a clean mesh; never so far below an edge that places cannot be counted in it."""
-    edge = mean_edge_length(mesh)
     if not isinstance(options.sigma_s, Length):
-        return options.sigma_s * edge
+        return options.sigma_s * mesh.mean_edge
     if options.sigma_s.is_absolute:
         size = options.sigma_s.to_mm(1.0, 1) / mesh.mm_per_unit
     else:
         size = options.sigma_s.value / 100 * float(np.ptp(mesh.vertices, axis=0).max())
-    return max(size, _LEAST_EDGES * edge)
+    return max(size, _LEAST_EDGES * mesh.mean_edge)

@@ -1,0 +1,149 @@
+"""What ``nmap bake`` takes, stage by stage, as ratios in one run: ``python -m bench.bake [--mesh FILE]``.
+
+Nothing heavy may be imported here: a child's peak memory counts from what its parent held when it was started.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.relief import Job, run
+from bench.table import Surroundings, table, write_section
+
+SIZES = (20_000, 75_000, 300_000, 1_500_000)
+WHOLE = "all layers, ring, supersample 1"
+RATIO = "surface / ring, sigma_s 8"
+DRAWING = "drawing, supersample 1"
+PEAK = "peak GB"
+
+
+@dataclass(frozen=True)
+class Goal:
+    """The most that a figure may be for a mesh of about so many faces; None: of any size."""
+
+    figure: str
+    most: float
+    faces: int | None = None
+
+
+GOALS = (
+    Goal(WHOLE, 1.5, 300_000),
+    Goal(WHOLE, 7.0, 1_500_000),
+    Goal(DRAWING, 0.2, 300_000),
+    Goal(RATIO, 10.0),
+    Goal(PEAK, 3.0, 1_500_000),
+)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One mesh: seconds of each stage, and figures of other kinds, by name."""
+
+    name: str
+    wanted: int
+    faces: int
+    copy: float
+    seconds: dict[str, float]
+    figures: dict[str, float]
+
+
+def _child(*arguments: str) -> tuple[dict[str, object], int]:
+    """What ``bench.bake_stages`` says, run in a process of its own, and the peak of its resident memory in bytes."""
+    command = [sys.executable, "-m", "bench.bake_stages", *arguments]
+    with tempfile.TemporaryFile() as said:
+        process = subprocess.Popen(command, cwd=Path(__file__).parents[1], stdout=said)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode != 0:
+            raise RuntimeError(f"{' '.join(command)}: exit code {process.returncode}")
+        said.seek(0)
+        return json.load(said), usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+
+
+def measure(source: str, wanted: int, repeat: int) -> Measured:
+    """The stages from one process, the peak of the whole job from another."""
+    stages, _ = _child("stages", source, "--repeat", str(repeat))
+    _, peak = _child("peak", source)
+    seconds = stages["seconds"]
+    assert isinstance(seconds, dict)
+    ratio = seconds["filter surface, sigma_s 8"] / seconds["filter ring"]
+    figures = {RATIO: ratio, PEAK: peak / 1e9}
+    return Measured(str(stages["name"]), wanted, int(str(stages["faces"])), seconds.pop("copy"), seconds, figures)
+
+
+def rows_of(measured: list[Measured]) -> list[list[str]]:
+    """A row a stage: seconds and multiples of a copy of the mesh, for each mesh."""
+    timed = [
+        [stage, *(c for m in measured for c in (_cells(m.seconds[stage], m.copy) if stage in m.seconds else ("", "")))]
+        for stage in max((m.seconds for m in measured), key=len)
+    ]
+    others = [
+        [figure, *(c for m in measured for c in (f"{m.figures[figure]:.2f}", ""))] for figure in measured[0].figures
+    ]
+    return timed + others
+
+
+def _cells(seconds: float, copy: float) -> tuple[str, str]:
+    return f"{seconds:.3f}", f"{seconds / copy:,.0f}"
+
+
+def goals_of(measured: list[Measured]) -> list[str]:
+    """A line for each goal and mesh that it is for."""
+    lines = []
+    for goal in GOALS:
+        for m in measured:
+            found = (m.seconds | m.figures).get(goal.figure)
+            if found is not None and goal.faces in (None, m.wanted):
+                verdict = "ok" if found <= goal.most else "MISSED"
+                lines.append(f"- {goal.figure}, {m.name}: {found:.2f} of {goal.most:g} allowed: {verdict}")
+    return lines
+
+
+def command_row(folder: Path, source: str, times: int) -> list[str]:
+    """``nmap bake`` from the start of the process to its end, on a PLY file."""
+    path = folder / "mesh.ply"
+    _child("file", source, "--output", str(path))
+    files = ("-o", str(folder / "maps"), "--overwrite", "--quiet")
+    runs = run(Job("nmap bake", ("bake", str(path), *files), times))
+    span = f"{min(runs.seconds):.2f}-{max(runs.seconds):.2f}"
+    return ["nmap bake of 75k faces (PLY), its defaults", str(times), span, f"{runs.peak / 1e9:.2f}"]
+
+
+def main() -> None:
+    """Measure, print and, with --write, keep."""
+    parser = argparse.ArgumentParser(prog="python -m bench.bake", description=__doc__)
+    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, help="faces of the meshes that are made, about")
+    parser.add_argument("--mesh", help="measure this file as well")
+    parser.add_argument("--repeat", type=int, default=3, help="times are the best of this many (default 3)")
+    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
+    options = parser.parse_args()
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
+    surroundings = Surroundings("bench.bake")
+    sources = [(str(size), size) for size in options.sizes] + ([(options.mesh, 0)] if options.mesh else [])
+    measured = [measure(source, wanted, options.repeat) for source, wanted in sources]
+    with tempfile.TemporaryDirectory() as name:
+        command = command_row(Path(name), "75000", options.repeat)
+    preface = (
+        "Knobbly spheres with fine bumps, drawn at 1000x900 px; the filter takes 5 passes. Seconds are the best of "
+        f"{options.repeat} after imports,\n`x` is that over a plain copy of the mesh's arrays. All layers: cleaning, "
+        "filter, mixture, drawing, maps. The peak is of a process that\nmakes the mesh and all layers with `surface` "
+        "at sigma_s 3 and supersample 2 and does nothing else; 1 GB is 1e9 bytes."
+    )
+    header = ["stage", *(cell for m in measured for cell in (f"{m.name} s", "x"))]
+    whole = table(("from start to exit", "runs", "span s", PEAK), [command])
+    verdicts = "\n".join(goals_of(measured))
+    body = [surroundings.describe(), preface, table(header, rows_of(measured)), whole, verdicts]
+    print("\n\n".join(body))
+    if options.write:
+        write_section("bake", "\n\n".join(body))
+
+
+if __name__ == "__main__":
+    main()
