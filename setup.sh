@@ -30,3 +30,19 @@ fi
 [ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
 echo "installing nmaptool into $venv"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+
+# drawing meshes needs OpenGL's libraries, a graphics card or a display it does not
+draws='from nmaptool.capture import gl
+with gl.drawing():
+    pass'
+if ! "$venv/bin/python" -c "$draws" 2>/dev/null; then
+    install="apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
+        { apt-get update -q && $install; } || { echo "This failed: $install" >&2; exit 1; }
+    fi
+    if ! "$venv/bin/python" -c "$draws" 2>/dev/null; then
+        "$venv/bin/python" -c "$draws" 2>&1 | tail -1 >&2
+        echo "Meshes cannot be drawn yet. On Debian and Ubuntu run this, then make again:  sudo $install" >&2
+        exit 1
+    fi
+fi

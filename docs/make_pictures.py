@@ -72,7 +72,55 @@ def parameters() -> Picture:
     )
 
 
+def lit(normal_map: nm.NormalMap) -> Picture:
+    """A normal map under a raking light."""
+    light = np.array([-0.55, 0.55, 0.63], np.float32)
+    shade = (0.08 + 0.92 * (normal_map.normals @ light).clip(0, 1)) * (0.35 + 0.65 * normal_map.coverage)
+    return np.repeat((shade * 255).astype(np.uint8)[..., None], 3, axis=2)
+
+
+def colors(normal_map: nm.NormalMap) -> Picture:
+    return ((normal_map.normals + 1) * 127.5).astype(np.uint8)
+
+
+def capture(side: int = 400) -> Picture:
+    """The portrait: its three maps, the relief that keeps its detail, the relief of its structure."""
+    mesh = nm.read_mesh(SAMPLES / "portrait.ply")
+    camera = nm.BakeOptions(size=f"{2 * side}x{2 * side}", shading="smooth")
+    layers = nm.bake(mesh, camera, nm.FilterOptions(sigma_s=2.0))
+    pictures = [colors(layers.original), colors(layers.base), colors(layers.detail)]
+    height = nm.length("4mm")
+    for maps, mu in (((layers.original, layers.detail), 0.5), ((layers.base, None), 0.0)):
+        pictures.append(nm.preview(nm.relief(*maps, options=nm.ReliefOptions(mu=mu, height=height)).height))
+    return row([cv2.resize(p, (side, side), interpolation=cv2.INTER_AREA).astype(np.uint8) for p in pictures])
+
+
+def divided(mesh: nm.Mesh) -> nm.Mesh:
+    """Each face in four, at the middles of its edges: the same surface."""
+    a, b, c = (mesh.corners[:, k] for k in range(3))
+    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    corners = np.stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca], axis=1).reshape(-1, 3)
+    return nm.Mesh(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3), mesh.mm_per_unit)
+
+
+def refinement(side: int = 360) -> Picture:
+    """Base of one surface, as it is and with its faces divided twice: ring above, surface below."""
+    mesh = nm.read_mesh(SAMPLES / "rings.ply")
+    meshes = (mesh, divided(divided(mesh)))
+    camera = nm.BakeOptions(size=f"{side}x{side}")
+    out = []
+    for neighborhood in ("ring", "surface"):
+        filter = nm.FilterOptions(neighborhood=neighborhood, sigma_s=nm.length("3mm"))  # noqa: A001
+        coarse, fine = (nm.bake(m, camera, filter) for m in meshes)
+        moved = nm.vectors.mean_angle_deg(*(x.base.normals[coarse.coverage == 1] for x in (coarse, fine)))
+        print(f"{neighborhood}: divided twice, the base turns by {moved:.1f} degrees on average")
+        out.append(row([lit(coarse.original), lit(coarse.base), lit(fine.base)]))
+    return rows(out)
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     save("gallery.jpg", gallery())
     save("parameters.jpg", parameters())
+    save("capture.jpg", capture())
+    save("refinement.jpg", refinement())

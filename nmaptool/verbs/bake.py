@@ -30,6 +30,9 @@ from nmaptool.progress import Progress
 from nmaptool.vectors import mean_angle_deg
 from nmaptool.verbs.decompose import decompose_clean, sigma_s_of
 
+# sizes in mm beyond which a mesh's units are hardly millimetres
+_SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
+
 
 def bake(
     mesh: Mesh,
@@ -187,7 +190,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         sigma_s_px=sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
         renderer=drawn.platform,
         camera=_account(camera),
-        warnings=_warnings(drawn, coverage),
+        warnings=_warnings(drawn, options, coverage),
     )
     maps = {
         name: NormalMap(normals, coverage, frame, name=f"{drawn.mesh.name}: {name}")
@@ -219,13 +222,17 @@ def _share(split: Decomposition, mesh: Mesh) -> float:
     return float(areas[split.is_detail].sum() / areas.sum())
 
 
-def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:
+def _warnings(drawn: _Drawn, options: BakeOptions, coverage: Float32) -> tuple[str, ...]:
     f = drawn.findings
     counted = (
         (f.degenerate_faces, "faces have no area and were dropped"),
         (f.nonfinite_faces, "faces have a vertex that is NaN or infinite and were dropped"),
     )
     found = [f"{count} {words}" for count, words in counted if count]
+    size_mm = float(np.ptp(drawn.mesh.vertices, axis=0).max()) * drawn.mesh.mm_per_unit
+    sized = drawn.mesh.unit_from != "assumed" or options.width is not None or options.pitch is not None
+    if not sized and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
+        found.append(f"is {size_mm:.3g} mm large if its units are mm; say --width 100mm, or its --unit")
     if float((coverage > 0).mean()) < 0.001:
         found.append("less than a thousandth of the picture sees the mesh")
     return tuple(found)
