@@ -83,6 +83,8 @@ def describe_mesh(mesh: Mesh, report: LayerReport) -> Iterator[str]:
         (found.welded_vertices, "vertices welded"),
         (found.degenerate_faces, "faces without area"),
         (found.nonfinite_faces, "faces with NaN"),
+        (found.repeated_faces, "faces twice there"),
+        (found.turned_faces, "faces turned to agree with their neighbours"),
         (found.unreferenced_vertices, "vertices unused"),
     )
     dropped = ", ".join(f"{count} {words}" for count, words in counted if count)

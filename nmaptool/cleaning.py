@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from nmaptool.arrays import Mask
 from nmaptool.errors import InputError
-from nmaptool.mesh import Faces, Mesh, cross
+from nmaptool.mesh import Faces, Mesh, cross, face_geometry
+from nmaptool.winding import is_wound_alike, repeated, to_turn
 
 # a face is degenerate where its height over its longest edge is below this share of that edge: its normal is noise
 _THINNEST = 1e-10
@@ -34,6 +35,10 @@ class MeshFindings:
         Vertices that are NaN or infinite, and the faces that use them.
     degenerate_faces : int
         Without area.
+    repeated_faces : int
+        With the same vertices as another.
+    turned_faces : int
+        Wound the other way than their neighbours, and turned.
     """
 
     vertices: int
@@ -43,6 +48,8 @@ class MeshFindings:
     nonfinite_vertices: int = 0
     nonfinite_faces: int = 0
     degenerate_faces: int = 0
+    repeated_faces: int = 0
+    turned_faces: int = 0
 
 
 def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
@@ -55,7 +62,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     Returns
     -------
     mesh : Mesh
-        Finite vertices, each used; no two at one position; no face without area.
+        Finite vertices, each used; no two at one position; no face without area or twice; neighbours wound alike.
     source_faces : (M,) int64
         Which face of the given mesh each face is.
     findings : MeshFindings
@@ -89,7 +96,9 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     solid = sound & _has_area(vertices, faces, sound)
     if not solid.any():
         raise InputError(f"{mesh.name}: none of its {len(mesh.faces)} faces has an area; export it again")
-    welded = Mesh(vertices, faces.take(np.flatnonzero(solid), axis=0), mesh.mm_per_unit, mesh.unit_from, mesh.name)
+    source = np.flatnonzero(solid)
+    alike, once, turned = _wound_alike(vertices, faces.take(source, axis=0))
+    welded = Mesh(vertices, alike, mesh.mm_per_unit, mesh.unit_from, mesh.name)
     findings = MeshFindings(
         vertices=len(mesh.vertices),
         faces=len(mesh.faces),
@@ -98,8 +107,22 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
         nonfinite_vertices=int((~finite).sum()),
         nonfinite_faces=int((~sound).sum()),
         degenerate_faces=int((sound & ~solid).sum()),
+        repeated_faces=len(source) - len(alike),
+        turned_faces=turned,
     )
-    return _without_unused(welded), np.flatnonzero(solid), findings
+    return _without_unused(welded), source[once], findings
+
+
+def _wound_alike(vertices: NDArray[np.float64], faces: Faces) -> tuple[Faces, Mask, int]:
+    """Faces each once and wound like their neighbours; which of the given ones they are; how many were turned."""
+    once = np.ones(len(faces), bool)
+    if is_wound_alike(faces):
+        return faces, once, 0
+    once = ~repeated(faces)
+    alike = faces[once]
+    turn = to_turn(alike, face_geometry(Mesh(vertices, alike)).areas)
+    alike[turn] = alike[turn][:, ::-1]
+    return alike, once, int(turn.sum())
 
 
 def _all_three(flags: Mask) -> Mask:

@@ -225,6 +225,22 @@ def test_welding_lets_the_filter_through():
     assert len(divided(mesh).faces) == 4 * len(mesh.faces)
 
 
+def test_faces_wound_at_random_give_the_same_maps():
+    mesh = knobbly(16)
+    faces = mesh.faces.copy()
+    which = np.random.default_rng(2).random(len(faces)) < 0.4
+    faces[which] = faces[which][:, ::-1]
+    one, other = baked(mesh, {}), baked(nm.Mesh(mesh.vertices, faces), {})
+    assert np.array_equal(one.original.normals, other.original.normals)
+    assert angles(one.base.normals, other.base.normals).max() < 0.01
+
+
+def test_views_that_become_the_same_are_refused():
+    assert len(nm.bake_views(sphere(6), nm.BakeOptions(**NUMPY, view="front,iso", azimuth=30.0))) == 2
+    with pytest.raises(nm.UsageError, match="--view front,left: --azimuth and --elevation take the place of"):
+        nm.BakeOptions(view="front,left", azimuth=10.0)
+
+
 def test_nothing_seen_is_an_error():
     with pytest.raises(nm.InputError, match="nothing of it is seen in the front view; choose another --view, --pitch"):
         baked(sphere(6), pitch="0.001mm", target="50,0,0")

@@ -108,6 +108,8 @@ class LayerFiles:
         ending = self.output.suffix.lower()
         if self.format not in FORMATS:
             raise UsageError(f"--format {self.format!r}: use one of {', '.join(FORMATS)}")
+        if self.is_one_file and self.format != "exr":
+            raise UsageError(f"{self.output}: --format {self.format} is for a folder; one file for all layers is EXR")
         if ending and not self.is_one_file and not self.output.is_dir():
             raise UsageError(
                 f"{self.output}: layers are written into a folder, such as -o maps --format png, or into one file .exr"

@@ -131,6 +131,7 @@ class BakeOptions:
             if isinstance(value, str):
                 object.__setattr__(self, name, length(value))
         _ = self.views, self.target_point
+        self._check_directions()
         for name in ("azimuth", "elevation", "roll"):
             if getattr(self, name) is not None:
                 require_number(name, getattr(self, name), -360, 360, "30")
@@ -140,6 +141,22 @@ class BakeOptions:
             raise UsageError(f"--fov {self.fov:g}: must be 0 (orthographic) or at least {_NARROWEST:g}, such as 35")
         self._check_lengths()
         self._check_size()
+
+    @property
+    def directions(self) -> tuple[tuple[float, float], ...]:
+        """Azimuth and elevation of each view, in degrees."""
+        own = (VIEWS[name] for name in self.views)
+        return tuple(
+            (a if self.azimuth is None else self.azimuth, e if self.elevation is None else self.elevation)
+            for a, e in own
+        )
+
+    def _check_directions(self) -> None:
+        if len(set(self.directions)) < len(self.views):
+            raise UsageError(
+                f"--view {self.view}: --azimuth and --elevation take the place of a view's own angles, and two of "
+                "these views become the same; give one view"
+            )
 
     def _check_lengths(self) -> None:
         if self.margin.is_absolute:

@@ -25,7 +25,6 @@ from nmaptool.layer_set import LayerReport, LayerSet
 from nmaptool.mesh import Mesh
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import BakeOptions, FilterOptions
-from nmaptool.options.bake import VIEWS
 from nmaptool.progress import Progress
 from nmaptool.vectors import mean_angle_deg
 from nmaptool.verbs.decompose import decompose_clean, sigma_s_of
@@ -86,7 +85,7 @@ def bake_views(
     work = _Work(options, filter or FilterOptions())
     with work.timed("clean"):
         clean, source_faces, findings = clean_mesh(mesh)
-        cameras = [_camera(clean, options, view) for view in options.views]
+        cameras = [frame_camera(clean, options, *direction) for direction in options.directions]
     with work.timed("filter"):
         split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share))
         fields = _fields(clean, split, options)
@@ -139,15 +138,6 @@ def _drawing(renderer: str) -> Iterator[tuple[Draw, str]]:
 
     with gl.drawing(renderer) as drawn:
         yield drawn
-
-
-def _camera(mesh: Mesh, options: BakeOptions, view: str) -> Camera:
-    azimuth, elevation = VIEWS[view]
-    if options.azimuth is not None:
-        azimuth = options.azimuth
-    if options.elevation is not None:
-        elevation = options.elevation
-    return frame_camera(mesh, options, azimuth, elevation)
 
 
 def _fields(mesh: Mesh, split: Decomposition, options: BakeOptions) -> tuple[Float64, Float64]:
