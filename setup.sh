@@ -31,12 +31,12 @@ fi
 echo "installing nmaptool into $venv"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 
-# drawing meshes needs OpenGL's libraries, a graphics card or a display it does not
+# drawing meshes needs the libraries of OpenGL (and pyglet one of X), but no graphics card or display
 draws='from nmaptool.capture import gl
 with gl.drawing():
     pass'
 if ! "$venv/bin/python" -c "$draws" 2>/dev/null; then
-    install="apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
+    install="apt-get install -y libegl1 libgl1 libgl1-mesa-dri libxrender1"
     if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
         { apt-get update -q && $install; } || { echo "This failed: $install" >&2; exit 1; }
     fi

@@ -174,7 +174,7 @@ def test_no_context_says_what_to_install(monkeypatch):
     monkeypatch.setattr(gl, "_Context", lambda platform: (_ for _ in ()).throw(OSError(f"no lib{platform}.so")))
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
     expected = (
-        r"egl: no libegl.so; osmesa: .*; window: .*apt-get install libegl1 libgl1 libgl1-mesa-dri.*--renderer numpy"
+        r"egl: no libegl.so; osmesa: .*; window: .*apt-get install libegl1 libgl1 libgl1-mesa-dri libxrender1.*numpy"
     )
     with pytest.raises(nm.RendererError, match=expected), gl.drawing():
         pass

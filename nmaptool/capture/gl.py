@@ -23,8 +23,9 @@ PLATFORMS = ("egl", "osmesa", "window")
 _SHADERS = Path(__file__).parent / "shaders"
 _VARIABLE = "PYOPENGL_PLATFORM"
 _REMEDY = (
-    "install OpenGL's libraries (Debian, Ubuntu: sudo apt-get install libegl1 libgl1 libgl1-mesa-dri; Fedora: sudo dnf "
-    "install mesa-libEGL mesa-libGL mesa-dri-drivers), or draw without them, slower: --renderer numpy"
+    "install OpenGL's libraries (Debian, Ubuntu: sudo apt-get install libegl1 libgl1 libgl1-mesa-dri libxrender1; "
+    "Fedora: sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers libXrender), or draw without them, slower: "
+    "--renderer numpy"
 )
 
 Draw = Callable[[Float64, Faces, int, int], NDArray[np.int32]]
