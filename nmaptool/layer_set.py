@@ -102,7 +102,8 @@ class LayerReport:
     renderer : str
         Which platform drew.
     camera : mapping
-        azimuth, elevation, roll, unit_per_px, distance.
+        ``rotation`` (mesh to eye space), ``center`` (of the picture, in eye space), ``unit_per_px``, ``distance`` (of a
+        perspective camera's eye from the picture plane, else None), all in units of the mesh.
     seconds : mapping of str to float
         Time by stage.
     warnings : tuple of str

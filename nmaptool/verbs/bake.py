@@ -86,11 +86,14 @@ def bake_views(
     with work.timed("clean"):
         clean, source_faces, findings = clean_mesh(mesh)
         cameras = [frame_camera(clean, options, *direction) for direction in options.directions]
-    with work.timed("filter"):
-        split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share))
-        fields = _fields(clean, split, options)
     made = []
-    with _drawing(options.renderer) as (draw, platform):
+    with _drawing(options.renderer) as (
+        draw,
+        platform,
+    ):  # first: where nothing can be drawn, nobody waits for the filter
+        with work.timed("filter"):
+            split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share))
+            fields = _fields(clean, split, options)
         for number, (view, camera) in enumerate(zip(options.views, cameras, strict=True)):
             tell("drawing", 0.7 + 0.3 * number / len(cameras))
             with work.timed("draw"):
