@@ -16,12 +16,12 @@ def directions(vectors):
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
-def uneven(steps=16, seed=3):
+def uneven(steps=16):
     """A sphere with bumps and faces of many sizes."""
     mesh = sphere(steps)
     v = mesh.vertices * [1, 1.3, 0.8]
     v = v * (1 + 0.08 * np.sin(9 * v[:, :1] + 2) * np.cos(8 * v[:, 1:2]) + 0.05 * np.abs(v[:, 2:]))
-    return clean_mesh(nm.Mesh(v + np.random.default_rng(seed).normal(0, 0.004, v.shape) * 0, mesh.faces))[0]
+    return clean_mesh(nm.Mesh(v, mesh.faces))[0]
 
 
 def weighted(geometry, one, others, guide, sigma_s, sigma_r):
@@ -48,7 +48,7 @@ def test_ring_is_the_papers_sum():
                 for f in range(len(mesh.faces))
             ]
         )
-        assert angles(directions(gather(guide)), directions(exact)).max() < 1e-3
+        assert angles(directions(gather(guide)[:, :3]), directions(exact)).max() < 1e-3
         guide = directions(exact)
 
 
@@ -78,7 +78,7 @@ def test_surface_is_close_to_the_exact_sum(mesh, sigma):
     around = {f: reached(mesh, geometry.centroids, f, RADIUS * sigma_s) for f in picked}
     guide = None
     for _ in range(4):
-        sums = directions(gather(guide))
+        sums = directions(gather(guide)[:, :3])
         exact = directions(np.array([weighted(geometry, f, around[f], guide, sigma_s, sigma_r) for f in picked]))
         error = angles(sums[picked], exact)
         assert error.mean() < 0.6

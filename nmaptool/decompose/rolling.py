@@ -10,14 +10,15 @@ import numpy as np
 from nmaptool.arrays import Float64, Mask
 from nmaptool.decompose.mixture import fit_mixture
 from nmaptool.layer_set import Mixture
+from nmaptool.mesh import FaceGeometry
 from nmaptool.progress import Progress
 
-# sums shorter than this have no direction
-_SHORTEST = 1e-20
+# a sum shorter than this share of its weight has no direction: the normals around a face cancel out
+_AGREEMENT = 0.4
 # normals are kept as multiples of this, so that base and residual add up to the original in every bit
 _STEP = 2.0**-40
 
-# (guide or None) -> sums: for every face, the weighted sum of the original normals around it
+# (guide or None) -> (M, 4) sums: for every face, the weighted sum of the original normals around it, and of the weights
 Gather = Callable[[Float64 | None], Float64]
 
 
@@ -65,19 +66,26 @@ def roll(normals: Float64, gather: Gather, iterations: int, progress: Progress |
     Returns
     -------
     (M, 3) float64
-        Unit normals; the original where the sum around a face is shorter than 1e-20.
+        Unit normals; the original where the normals around a face cancel out, as they do around a part thinner than
+        the neighbourhood.
     """
     guide: Float64 | None = None
     for step in range(iterations):
         if progress is not None:
             progress("filtering", step / iterations)
-        total = gather(guide)
-        length = np.sqrt(np.einsum("ij,ij->i", total, total))
-        lost = ~(length > _SHORTEST)
-        guide = total / np.where(lost, 1, length)[:, None]
+        sums = gather(guide)
+        length = np.sqrt(np.einsum("ij,ij->i", sums[:, :3], sums[:, :3]))
+        lost = ~(length > _AGREEMENT * sums[:, 3])
+        guide = sums[:, :3] / np.where(lost, 1, length)[:, None]
         guide[lost] = normals[lost]
     assert guide is not None  # at least one pass
     return guide
+
+
+def summands(geometry: FaceGeometry) -> Float64:
+    """(M, 4) float64: what each face adds to the sums around it, its area times its normal, and its area."""
+    areas = geometry.areas[:, None] / geometry.areas.mean()
+    return np.hstack([geometry.normals * areas, areas])
 
 
 def separate(normals: Float64, filtered: Float64, weights: Float64, keep_small: bool = True) -> Decomposition:

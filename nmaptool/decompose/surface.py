@@ -15,7 +15,7 @@ import numpy as np
 
 from nmaptool.arrays import Float32, Float64
 from nmaptool.decompose.cells import Labels, Reach, face_neighbors, patches, reach
-from nmaptool.decompose.rolling import Gather
+from nmaptool.decompose.rolling import Gather, summands
 from nmaptool.mesh import FaceGeometry, Mesh
 
 RADIUS = 2.5  # sigma_s
@@ -44,11 +44,11 @@ def gather_surface(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: 
     cells = _cells(patches(geometry.centroids, neighbors, _PATCH * sigma_s), around.patch)
     middle = (geometry.centroids.min(axis=0) + geometry.centroids.max(axis=0)) / 2
     where = (geometry.centroids - middle) / sigma_s
-    areas = geometry.areas / geometry.areas.mean()
+    parts = summands(geometry)
 
     def gather(guide: Float64 | None) -> Float64:
         lead = np.zeros_like(where) if guide is None else guide / sigma_r
-        nodes = _nodes(cells, around.patch, where, lead, areas, geometry.normals)
+        nodes = _nodes(cells, around.patch, where, lead, parts)
         sums = _pair_sums(nodes, around)
         return _at_faces(nodes, sums, where, lead)
 
@@ -66,14 +66,14 @@ class _Nodes:
         The patch of `Reach` that each lies in.
     places : (K, 6) float32
         Mean position over sigma_s, mean guide over sigma_r.
-    normals : (K, 3) float32
-        Sum of area times original normal.
+    summands : (K, 4) float32
+        Sum of area times original normal, and of area.
     """
 
     of_face: Labels
     large: Labels
     places: Float32
-    normals: Float32
+    summands: Float32
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ def _cells(patch: Labels, large: Labels) -> _Cells:
     return _Cells(number, first[patch])
 
 
-def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, areas: Float64, normals: Float64) -> _Nodes:
+def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, parts: Float64) -> _Nodes:
     # bins are counted from the patch's own first face, so that a smooth patch is rarely cut
     bins = np.floor((lead - lead.take(cells.first, axis=0)) / _ALIKE + 0.5).astype(np.int64)
     bins -= bins.min(axis=0)
@@ -112,26 +112,26 @@ def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, areas: F
     parent[of_face] = large
 
     def total(values: Float64) -> Float64:
-        return np.column_stack([np.bincount(of_face, areas * values[:, k], count) for k in range(values.shape[1])])
+        return np.column_stack([np.bincount(of_face, column, count) for column in values.T])
 
-    mass = np.bincount(of_face, areas, count)[:, None]
-    places = np.hstack([total(where), total(lead)]) / mass
-    return _Nodes(of_face, parent, places.astype(np.float32), total(normals).astype(np.float32))
+    sums = total(parts)
+    places = total(np.hstack([where, lead]) * parts[:, 3:]) / sums[:, 3:]
+    return _Nodes(of_face, parent, places.astype(np.float32), sums.astype(np.float32))
 
 
 def _pair_sums(nodes: _Nodes, around: Reach) -> Float32:
-    """(K, 21) float32: at each node the weighted sum of normals (3) and its first moments in place and guide (18)."""
+    """(K, 28) float32: at each node the weighted sums (4), and their first moments in place and guide (24)."""
     count = len(nodes.large)
-    moments = np.empty((count + 1, 21), np.float32)
-    moments[:count, :3] = nodes.normals
-    moments[:count, 3:] = (nodes.normals[:, :, None] * nodes.places[:, None, :]).reshape(count, 18)
+    moments = np.empty((count + 1, 28), np.float32)
+    moments[:count, :4] = nodes.summands
+    moments[:count, 4:] = (nodes.summands[:, :, None] * nodes.places[:, None, :]).reshape(count, 24)
     moments[count] = 0  # a node that adds nothing, to fill up shorter lists of sources
     places = np.zeros((count + 1, 8), np.float32)
     places[:count, :6] = nodes.places
     start = np.searchsorted(nodes.large, np.arange(around.near.shape[0] + 1))
     own = np.diff(start)
     reached = around.near @ own
-    out = np.empty((count, 21), np.float32)
+    out = np.empty((count, 28), np.float32)
     for large in _batches(own, reached):
         # the nodes of one large patch have the same sources, so that their weights are a dense block
         mine = start[large][:, None] + np.arange(own[large[0]])
@@ -195,8 +195,8 @@ def _at_faces(nodes: _Nodes, sums: Float32, where: Float64, lead: Float64) -> Fl
 
     The factor exp(-|u|^2 / 2) is left out: it is the same for all of a face's sources, and only directions matter.
     """
-    value = sums[:, :3].astype(np.float64)
-    slope = sums[:, 3:].reshape(-1, 3, 6) - value[:, :, None] * nodes.places[:, None, :]
+    value = sums[:, :4].astype(np.float64)
+    slope = sums[:, 4:].reshape(-1, 4, 6) - value[:, :, None] * nodes.places[:, None, :]
     step = np.hstack([where, lead]) - nodes.places.take(nodes.of_face, axis=0)
     return np.asarray(
         value.take(nodes.of_face, axis=0) + np.einsum("ijk,ik->ij", slope.take(nodes.of_face, axis=0), step)
