@@ -17,6 +17,7 @@ from nmaptool.arrays import Float64
 from nmaptool.errors import InputError, LimitError, UsageError, reason_of
 from nmaptool.io import gltf, mesh_text, ply
 from nmaptool.io.mesh_headers import STL_FACE, STL_HEADER, MeshFile, look
+from nmaptool.io.polygons import recut
 from nmaptool.mesh import Mesh
 
 MAX_FACES = 20_000_000
@@ -24,6 +25,10 @@ _MM = {"mm": 1.0, "cm": 10.0, "in": 25.4, "m": 1000.0}
 _LARGEST_INDEX = 2**31 - 1
 Integers = NDArray[np.int64]
 Surface = tuple[Float64, Integers]
+
+
+# of files that hold triangles only
+_NO_POLYGONS: Integers = np.zeros(0, np.int64)
 
 
 def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX_FACES) -> Mesh:
@@ -63,8 +68,9 @@ def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX
         raise UsageError(f"--max-faces {max_faces}: must be at least 1")
     file = look(Path(path))
     try:
-        vertices, faces = _surface(file, max_faces)
+        vertices, faces, made = _surface(file, max_faces)
         _check(file, vertices, faces, max_faces)
+        faces = recut(vertices, faces, made)
         vertices = np.ascontiguousarray(vertices, np.float64)
         small_faces = np.ascontiguousarray(faces, np.int32)
     except MemoryError:
@@ -77,17 +83,18 @@ def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX
     return Mesh(vertices, small_faces, mm_per_unit, unit_from, str(path))
 
 
-def _surface(file: MeshFile, max_faces: int) -> Surface:
-    """Vertices (N, 3) and triangles (M, 3) of any file, after its own checks."""
+def _surface(file: MeshFile, max_faces: int) -> tuple[Float64, Integers, Integers]:
+    """Vertices (N, 3), triangles (M, 3) and how many each polygon became, of any file, after its own checks."""
     if file.kind == "ply":
         header = ply.read_header(file)
         ply.check_claim(file, header, max_faces)
         return ply.read_ply(file, header, file.path.read_bytes())
     if file.kind in ("glb", "gltf"):
-        return _scene(file, gltf.plain_glb(file, file.path.read_bytes(), max_faces))
+        return *_scene(file, gltf.plain_glb(file, file.path.read_bytes(), max_faces)), _NO_POLYGONS
     if file.kind == "stl" and not (file.is_text and file.head.lstrip()[:5].lower() == b"solid"):
         claimed = file.check_stl_claim(max_faces)
-        return _scene(file, file.path.read_bytes()[: STL_HEADER + STL_FACE * claimed]) if claimed else _nothing()
+        data = file.path.read_bytes()[: STL_HEADER + STL_FACE * claimed]
+        return *(_scene(file, data) if claimed else _nothing()), _NO_POLYGONS
     if file.kind == "obj":
         file.check_obj_count(max_faces)
     elif file.kind == "off" and b"\n" in file.head:
@@ -100,11 +107,11 @@ def _nothing() -> Surface:
     return np.zeros((0, 3)), np.zeros((0, 3), np.int64)
 
 
-def _text(file: MeshFile, data: bytes, max_faces: int) -> Surface:
+def _text(file: MeshFile, data: bytes, max_faces: int) -> tuple[Float64, Integers, Integers]:
     plain = {"obj": mesh_text.plain_obj, "off": mesh_text.plain_off, "stl": mesh_text.plain_stl}[file.kind](file, data)
     file.check_limit(len(plain.triangles), max_faces)
     if not plain.triangles:
-        return np.zeros((len(plain.vertices), 3)), np.zeros((0, 3), np.int64)
+        return np.zeros((len(plain.vertices), 3)), np.zeros((0, 3), np.int64), _NO_POLYGONS
     try:
         vertices, faces = _scene(file, plain.encoded(file.kind))
     except InputError:
@@ -114,7 +121,7 @@ def _text(file: MeshFile, data: bytes, max_faces: int) -> Surface:
         raise file.names_missing_vertex(missing, len(plain.vertices)) from None
     if len(vertices) != len(plain.vertices) or len(faces) != len(plain.triangles):
         raise file.damaged
-    return vertices, faces
+    return vertices, faces, np.array(plain.made, np.int64)
 
 
 @contextlib.contextmanager

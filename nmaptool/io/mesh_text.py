@@ -36,11 +36,14 @@ class PlainMesh:
         ``a b c`` of each, counted from ``base``.
     base : int
         Number of the first vertex.
+    made : list of int
+        How many triangles each polygon was cut into, in order.
     """
 
     vertices: list[bytes]
     triangles: list[bytes]
     base: int
+    made: list[int]
 
     def encoded(self, kind: str) -> bytes:
         """The same as a file of its kind."""
@@ -95,6 +98,7 @@ def plain_obj(file: MeshFile, data: bytes) -> PlainMesh:
     if _ZERO.search(joined):
         raise InputError(f"{file.path}: a face names vertex 0, but OBJ files count from 1; export it again")
     triangles: list[bytes] = []
+    made: list[int] = []
     corners: list[bytes] = [b""] * 3
     for line in joined.split(b"\n") if faces else ():
         corners = line.split()
@@ -102,10 +106,11 @@ def plain_obj(file: MeshFile, data: bytes) -> PlainMesh:
             triangles.append(line)
         else:
             triangles += _fan(corners)
+        made.append(max(len(corners) - 2, 0))
     last = text[text.rfind(b"\n") + 1 :]
     if len(corners) < 3 and last.lstrip().startswith(b"f"):
         raise file.damaged
-    return PlainMesh(vertices, triangles, 1)
+    return PlainMesh(vertices, triangles, 1, made)
 
 
 def _absolute(file: MeshFile, text: bytes) -> list[bytes]:
@@ -171,6 +176,7 @@ def plain_off(file: MeshFile, data: bytes) -> PlainMesh:
         raise file.damaged
     positions = [b" ".join(line.split(None, 3)[:3]) for line in lines[:vertices]]
     triangles: list[bytes] = []
+    made: list[int] = []
     for line in lines[vertices : vertices + faces]:
         corners = line.split()
         if not corners[0].isdigit():
@@ -179,7 +185,8 @@ def plain_off(file: MeshFile, data: bytes) -> PlainMesh:
         if len(corners) <= size:
             raise file.damaged
         triangles += _fan(corners[1 : size + 1])
-    return PlainMesh(positions, triangles, 0)
+        made.append(max(size - 2, 0))
+    return PlainMesh(positions, triangles, 0, made)
 
 
 def plain_stl(file: MeshFile, data: bytes) -> PlainMesh:
@@ -198,4 +205,4 @@ def plain_stl(file: MeshFile, data: bytes) -> PlainMesh:
     counted = {word: len(pattern.findall(text)) for word, pattern in _STL_WORD.items()}
     if not counted[b"facet"] == counted[b"endfacet"] == counted[b"vertex"] / 3 == len(corners) / 3:
         raise file.damaged
-    return PlainMesh(corners, [b""] * (len(corners) // 3), 0)
+    return PlainMesh(corners, [b""] * (len(corners) // 3), 0, [])

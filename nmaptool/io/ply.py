@@ -138,8 +138,8 @@ def check_claim(file: MeshFile, header: PlyHeader, max_faces: int) -> None:
         raise file.damaged
 
 
-def read_ply(file: MeshFile, header: PlyHeader, data: bytes) -> tuple[Float64, Integers]:
-    """Vertices (N, 3) float64 and triangles (M, 3) int64, polygons and strips cut up; indices are not checked.
+def read_ply(file: MeshFile, header: PlyHeader, data: bytes) -> tuple[Float64, Integers, Integers]:
+    """Vertices (N, 3) float64, triangles (M, 3) int64, and how many each polygon became; indices are not checked.
 
     Raises
     ------
@@ -168,9 +168,10 @@ def _numbers(text: bytes) -> Float64:
             raise ValueError from None
 
 
-def _read_elements(file: MeshFile, header: PlyHeader, body: bytes) -> tuple[Float64, Integers]:
+def _read_elements(file: MeshFile, header: PlyHeader, body: bytes) -> tuple[Float64, Integers, Integers]:
     vertices: Float64 = np.zeros((0, 3))
     pieces: list[Integers] = []
+    made: list[Integers] = []
     offset = 0
     last = max((i for i, e in enumerate(header.elements) if e.name in _WANTED), default=-1)
     for element in header.elements[: last + 1]:
@@ -183,11 +184,15 @@ def _read_elements(file: MeshFile, header: PlyHeader, body: bytes) -> tuple[Floa
             if not lists[0].all():  # a face without corners: bytes moved out of place
                 raise file.damaged
             pieces.append((fans if element.name == "face" else strips)(*lists))
+            polygons = element.name == "face"
+            made.append(np.maximum(lists[0] - 2, 0) if polygons else np.ones(len(pieces[-1]), np.int64))
     left = len(body) - offset
     # more than was announced is lost faces, or bytes moved out of place
     if last == len(header.elements) - 1 and left > (0 if header.is_ascii else _PADDING):
         raise file.damaged
-    return vertices, np.concatenate(pieces) if pieces else np.zeros((0, 3), np.int64)
+    if not pieces:
+        return vertices, np.zeros((0, 3), np.int64), np.zeros(0, np.int64)
+    return vertices, np.concatenate(pieces), np.concatenate(made)
 
 
 def _rows(
