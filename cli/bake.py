@@ -134,7 +134,8 @@ def say_written(session: Session, written: list[Path]) -> None:
     for path in written:
         by_folder.setdefault(path.parent, []).append(path.name)
     for folder, names in by_folder.items():
-        session.say(f"  wrote {folder / names[0] if len(names) == 1 else f'{folder}: ' + ' '.join(names)}")
+        place = "" if folder == Path() else f"{folder}: "
+        session.say(f"  wrote {folder / names[0] if len(names) == 1 else place + ' '.join(names)}")
 
 
 def _tell(session: Session, source: nm.Mesh, layer_sets: tuple[nm.LayerSet, ...]) -> None:
@@ -145,6 +146,6 @@ def _tell(session: Session, source: nm.Mesh, layer_sets: tuple[nm.LayerSet, ...]
         session.say(line)
     for layers in layer_sets:
         session.say(describe_view(layers))
-        for warning in layers.report.warnings:
-            session.warn(f"{source.name}: {warning}")
+    for warning in dict.fromkeys(warning for layers in layer_sets for warning in layers.report.warnings):
+        session.warn(f"{source.name}: {warning}")
     session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in first.seconds.items())}")

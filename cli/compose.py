@@ -39,7 +39,8 @@ def split(
 
     session = Session(run)
     output, report, to_stdout = destination(outputs)
-    LayerFiles(output, outputs.format, plot=outputs.plot, report=report, overwrite=outputs.overwrite).check()
+    files = LayerFiles(output, outputs.format, plot=outputs.plot, report=report, overwrite=outputs.overwrite)
+    files.check()
     import nmaptool as nm
     from nmaptool_cli.wording import describe_decoding, describe_split
 
@@ -51,6 +52,7 @@ def split(
         "version": nm.__version__,
         "files": {"map": map},
         "reading": asdict(reading),
+        "outputs": [str(path) for path in files.targets],
         "layers": [layers.report.to_dict()],
     }
     written = nm.write_layers(

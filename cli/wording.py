@@ -101,12 +101,13 @@ def describe_split(report: LayerReport) -> Iterator[str]:
         f"{o['iterations']} passes"
     )
     if m.form == "none":
-        yield "  nothing is finer than that: the detail map is flat"
+        yield "  nothing to speak of is finer than that: the filter turns no normal by half a degree"
         return
+    whole = "the surface" if report.faces else "the picture"
     threshold = f"theta {m.theta:.4f} ({m.form}{'' if m.form == 'midpoint' else ' crossing'})"
     yield (
         f"  residuals: base {m.low.mean:.4f} +- {m.low.sigma:.4f} ({m.low.weight:.0%}), detail {m.high.mean:.4f} +- "
-        f"{m.high.sigma:.4f} ({m.high.weight:.0%}); {threshold}; {report.detail_share:.0%} of the surface beyond it"
+        f"{m.high.sigma:.4f} ({m.high.weight:.0%}); {threshold}; {report.detail_share:.0%} of {whole} beyond it"
     )
 
 
@@ -116,7 +117,10 @@ def describe_view(layers: LayerSet) -> str:
     pitch = frame.pitch_mm or 0.0
     size = f"{frame.cols * pitch:.4g} x {frame.rows * pitch:.4g} mm"
     unit = {"assumed": "units taken as mm", "file": "units of the file", "given": "as given"}[report.pitch_from]
+    angles = {name: report.options[name] for name in ("azimuth", "elevation", "roll")}
+    turned = [f" {name} {value:g}" for name, value in angles.items() if value is not None and (value or name != "roll")]
+    covered = float((layers.coverage > 0).mean())
     return (
-        f"  {report.view}: {frame}, {size} ({unit}), mesh on {(layers.coverage > 0).mean():.0%} of it, drawn by "
+        f"  {report.view}{''.join(turned)}: {frame}, {size} ({unit}), mesh on {covered:.0%} of it, drawn by "
         f"{report.renderer}"
     )

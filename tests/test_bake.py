@@ -202,6 +202,24 @@ def test_pitch_follows_units_and_width():
     assert baked(mesh, pitch="0.2mm").frame.pitch_mm == pytest.approx(0.2)
 
 
+def test_millimetres_are_those_of_the_width():
+    """sigma_s in mm is measured on what the picture's width makes of the mesh."""
+    tiny = nm.Mesh(knobbly(16).vertices * 0.01, knobbly(16).faces)
+    by_width = baked(tiny, {"sigma_s": "5mm"}, width="120mm")
+    assert by_width.report.sigma_s_px == pytest.approx(5)
+    by_share = baked(tiny, {"sigma_s": nm.length(f"{5 / (100 - 9.6) * 100}%")}, width="120mm")
+    assert angles(by_width.base.normals, by_share.base.normals).max() < 0.2
+    long = joined(sphere(6), sheet(lambda x, y: 0 * x, 8, 1))
+    with pytest.raises(nm.UsageError, match="--sigma-s 5mm: these views have different scales at --width 60mm"):
+        nm.bake_views(long, nm.BakeOptions(**NUMPY, view="front,top", width="60mm"), nm.FilterOptions(sigma_s="5mm"))
+
+
+def test_edges_so_long_that_forms_become_detail_are_warned_of():
+    assert any("its edges are long: sigma_s comes to" in w for w in baked(sphere(8), {}).report.warnings)
+    assert not any("edges are long" in w for w in baked(sphere(8), {"sigma_s": "2%"}).report.warnings)
+    assert not any("edges are long" in w for w in baked(sphere(60), {}).report.warnings)
+
+
 def test_what_is_dropped_is_said_and_faces_keep_their_numbers():
     mesh = sphere(8)
     bad = np.array([[0, 0, 1], [3, 3, 3], [5, 6, len(mesh.vertices)]], np.int32)

@@ -108,7 +108,7 @@ def test_words_that_cannot_be_meant(refused, place, words, pattern):
 
 
 BAD_TARGETS = [
-    (USAGE, "x.png", r"x\.png: layers are written into a folder, such as -o maps --format png, or into one file \.exr"),
+    (USAGE, "x.png", r"x\.png: layers are written into a folder, such as -o maps --format png .*, or into one .exr"),
     (USAGE, "plate.obj", r"plate\.obj: layers are written into a folder"),
     (USAGE, "-", r"-: layers and plots are written to files, such as -o maps"),
     (OUTPUT, "file", r"file: is a file; layers need a folder of that name"),
@@ -147,9 +147,10 @@ def test_words_that_are_missing(refused, place):
 @pytest.mark.parametrize(
     ("words", "pattern"),
     [
-        ("--size 9999x9999", r"9999x9999: is 399\.92 megapixels with 2 samples .*limit of 270; .*--max-megapixels"),
-        ("--size 9999999x9999999", r"--size 9999999x9999999: is 4e\+08 megapixels"),
-        ("--size 60x50 --max-megapixels 0.01", r"is 0\.012 megapixels .* the limit of 0\.01"),
+        ("--size 19999x9999", r"19999x9999: comes to 200 megapixels of layers .*limit of 100; .*--max-megapixels"),
+        ("--size 9999999x9999999", r"--size 9999999x9999999: comes to 1e\+08 megapixels"),
+        ("--size 60x50 --view front,left --max-megapixels 0.005", r"comes to 0\.006 megapixels .* the limit of 0\.005"),
+        ("--size 60x50 --supersample 4 --max-megapixels 0.004", r"comes to 0\.0048 megapixels .* limit of 0\.004"),
         ("--max-faces 1151", r"plate\.obj: 1152 faces, more than the limit of 1151; .*raise --max-faces"),
     ],
 )

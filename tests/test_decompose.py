@@ -211,3 +211,39 @@ def test_sigma_s_in_edges_in_mm_and_in_percent():
 def test_cross_is_the_cross_product():
     u, v = np.random.default_rng(5).normal(size=(2, 50, 3))
     assert np.allclose(cross(u, v), np.cross(u, v))
+
+
+BOX = np.array([[x, y, z] for x in (0.0, 10) for y in (0.0, 10) for z in (0.0, 10)])
+BOX_FACES = [
+    [0, 1, 3],
+    [0, 3, 2],
+    [4, 6, 7],
+    [4, 7, 5],
+    [0, 4, 5],
+    [0, 5, 1],
+    [2, 3, 7],
+    [2, 7, 6],
+    [0, 2, 6],
+    [0, 6, 4],
+]
+BOX_FACES += [[1, 5, 7], [1, 7, 3]]
+
+
+@pytest.mark.parametrize("neighborhood", ["ring", "surface"])
+@pytest.mark.parametrize("sigma", [1.0, 3.0, 8.0])
+def test_a_box_smaller_than_the_neighborhood_keeps_its_sides(neighborhood, sigma):
+    """Its normals cancel out: what is left of their sum is rounding, and no direction."""
+    box = nm.Mesh(BOX, np.array(BOX_FACES, np.int32))
+    found = nm.decompose_normals(box, nm.FilterOptions(neighborhood=neighborhood, sigma_s=sigma))
+    assert angles(found.base, found.normals).max() < 5
+
+
+def test_a_thin_tube_stays_round():
+    turn = sheet(lambda x, y: 0 * x, 80, 16)
+    x, y, _ = turn.vertices.T
+    around = 2 * np.pi * x / 16
+    tube = clean_mesh(nm.Mesh(np.stack([np.cos(around), y / 4, -np.sin(around)], -1).round(12), turn.faces))[0]
+    found = nm.decompose_normals(tube, nm.FilterOptions(sigma_s=nm.length("4mm")))
+    middle = np.abs(tube.geometry.centroids[:, 1]) < 5
+    outward = (found.base * found.normals).sum(axis=1)[middle]
+    assert outward.min() > 0.9

@@ -11,8 +11,8 @@ _BINS = 2000
 _LONGEST = 2.0  # of a difference of unit vectors
 _STEPS = 2000
 _SETTLED = 1e-9
-# residuals shorter than this share of the longest possible are rounding
-_NOTHING = 1e-6
+# residuals that differ by less (half a degree) are the facets of a smooth surface, or rounding
+_NOTHING = 0.009
 
 
 def fit_mixture(lengths: Float64, weights: Float64) -> Mixture:
@@ -37,7 +37,9 @@ def fit_mixture(lengths: Float64, weights: Float64) -> Mixture:
     inner, _ = np.histogram(lengths.clip(0, _LONGEST), edges, weights=weights * lengths)
     x = np.where(mass > 0, inner / np.where(mass > 0, mass * total, 1), (edges[:-1] + edges[1:]) / 2)
     density = mass / np.diff(edges)
-    spread = float(lengths[weights > 0].max() - lengths[weights > 0].min())
+    among = np.cumsum(mass)
+    longest, shortest = (float(x[np.searchsorted(among, share)]) for share in (0.999, 0.001))
+    spread = longest - shortest
     if spread < _NOTHING:
         only = Gaussian(1.0, float((mass * x).sum()), 0.0)
         return Mixture(edges, density, only, Gaussian(0.0, only.mean, 0.0), _LONGEST, "none", 0)

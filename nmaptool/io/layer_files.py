@@ -112,7 +112,8 @@ class LayerFiles:
             raise UsageError(f"{self.output}: --format {self.format} is for a folder; one file for all layers is EXR")
         if ending and not self.is_one_file and not self.output.is_dir():
             raise UsageError(
-                f"{self.output}: layers are written into a folder, such as -o maps --format png, or into one file .exr"
+                f"{self.output}: layers are written into a folder, such as -o maps --format png (make it first if its "
+                "name has a dot), or into one .exr"
             )
         for path, kind, what in ((self.plot, ".png", "a plot"), (self.report, ".json", "a report")):
             if path is not None and path.suffix.lower() != kind:

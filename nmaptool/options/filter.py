@@ -57,7 +57,11 @@ class FilterOptions:
         _check(self.filter, self.sigma_r, self.iterations)
         require_choices(("neighborhood", self.neighborhood, ("surface", "ring")))
         if isinstance(self.sigma_s, str):
-            object.__setattr__(self, "sigma_s", length(self.sigma_s))
+            try:
+                size: float | Length = float(self.sigma_s)
+            except ValueError:
+                size = length(self.sigma_s)
+            object.__setattr__(self, "sigma_s", size)
         if isinstance(self.sigma_s, Length):
             if self.sigma_s.unit == "px":
                 raise UsageError(

@@ -26,11 +26,14 @@ from nmaptool.mesh import Mesh
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import BakeOptions, FilterOptions
 from nmaptool.progress import Progress
+from nmaptool.units import Length
 from nmaptool.vectors import mean_angle_deg
 from nmaptool.verbs.decompose import decompose_clean, sigma_s_of
 
 # sizes in mm beyond which a mesh's units are hardly millimetres
 _SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
+# share of the mesh beyond which sigma_s takes forms for detail
+_LARGEST_DETAIL = 0.06
 
 
 def bake(
@@ -86,11 +89,11 @@ def bake_views(
     with work.timed("clean"):
         clean, source_faces, findings = clean_mesh(mesh)
         cameras = [frame_camera(clean, options, *direction) for direction in options.directions]
+        clean = _sized(clean, cameras, work)
     made = []
-    with _drawing(options.renderer) as (
-        draw,
-        platform,
-    ):  # first: where nothing can be drawn, nobody waits for the filter
+    # the renderer first: where nothing can be drawn, nobody waits for the filter
+    with _drawing(options.renderer) as renderer:
+        draw, platform = renderer
         with work.timed("filter"):
             split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share))
             fields = _fields(clean, split, options)
@@ -143,6 +146,20 @@ def _drawing(renderer: str) -> Iterator[tuple[Draw, str]]:
         yield drawn
 
 
+def _sized(mesh: Mesh, cameras: list[Camera], work: _Work) -> Mesh:
+    """The mesh in the millimetres that the picture's width gives it, so that lengths in mm mean those."""
+    width = work.options.width
+    if width is None:
+        return mesh
+    sizes = [width.to_mm(1.0, 1) / camera.cols / camera.unit_per_px for camera in cameras]
+    sigma_s = work.filter.sigma_s
+    if isinstance(sigma_s, Length) and sigma_s.is_absolute and not np.allclose(sizes, sizes[0], rtol=1e-6):
+        raise UsageError(
+            f"--sigma-s {sigma_s}: these views have different scales at --width {width}; give it in %, or one view"
+        )
+    return dataclasses.replace(mesh, mm_per_unit=sizes[0], unit_from="given")
+
+
 def _fields(mesh: Mesh, split: Decomposition, options: BakeOptions) -> tuple[Float64, Float64]:
     """Original and base directions, one a face or one a corner."""
     if options.shading == "flat":
@@ -182,7 +199,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         sigma_s_px=sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
         renderer=drawn.platform,
         camera=_account(camera),
-        warnings=_warnings(drawn, options, coverage),
+        warnings=_warnings(drawn, work, coverage),
     )
     maps = {
         name: NormalMap(normals, coverage, frame, name=f"{drawn.mesh.name}: {name}")
@@ -212,17 +229,23 @@ def _share(split: Decomposition, mesh: Mesh) -> float:
     return float(areas[split.is_detail].sum() / areas.sum())
 
 
-def _warnings(drawn: _Drawn, options: BakeOptions, coverage: Float32) -> tuple[str, ...]:
-    f = drawn.findings
+def _warnings(drawn: _Drawn, work: _Work, coverage: Float32) -> tuple[str, ...]:
+    f, options, mesh = drawn.findings, work.options, drawn.mesh
     counted = (
         (f.degenerate_faces, "faces have no area and were dropped"),
         (f.nonfinite_faces, "faces have a vertex that is NaN or infinite and were dropped"),
     )
     found = [f"{count} {words}" for count, words in counted if count]
-    size_mm = float(np.ptp(drawn.mesh.vertices, axis=0).max()) * drawn.mesh.mm_per_unit
-    sized = drawn.mesh.unit_from != "assumed" or options.width is not None or options.pitch is not None
-    if not sized and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
+    longest = float(np.ptp(mesh.vertices, axis=0).max())
+    size_mm = longest * mesh.mm_per_unit
+    if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
         found.append(f"is {size_mm:.3g} mm large if its units are mm; say --width 100mm, or its --unit")
+    share = sigma_s_of(mesh, work.filter) / longest
+    if share > _LARGEST_DETAIL and not isinstance(work.filter.sigma_s, Length):
+        found.append(
+            f"its edges are long: sigma_s comes to {share:.0%} of it, and forms of that size go into the detail; "
+            "say --sigma-s 2%"
+        )
     if float((coverage > 0).mean()) < 0.001:
         found.append("less than a thousandth of the picture sees the mesh")
     return tuple(found)
