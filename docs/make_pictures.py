@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import nmaptool as nm
+from nmaptool.vectors import mean_angle_deg
 
 ROOT = Path(__file__).parents[1]
 SAMPLES = ROOT / "samples"
@@ -112,7 +113,7 @@ def refinement(side: int = 360) -> Picture:
     for neighborhood in ("ring", "surface"):
         filter = nm.FilterOptions(neighborhood=neighborhood, sigma_s=nm.length("3mm"))  # noqa: A001
         coarse, fine = (nm.bake(m, camera, filter) for m in meshes)
-        moved = nm.vectors.mean_angle_deg(*(x.base.normals[coarse.coverage == 1] for x in (coarse, fine)))
+        moved = mean_angle_deg(*(x.base.normals[coarse.coverage == 1] for x in (coarse, fine)))
         print(f"{neighborhood}: divided twice, the base turns by {moved:.1f} degrees on average")
         out.append(row([lit(coarse.original), lit(coarse.base), lit(fine.base)]))
     return rows(out)

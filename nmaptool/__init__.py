@@ -16,7 +16,9 @@ from typing import TYPE_CHECKING, Any
 from nmaptool._version import __version__
 
 if TYPE_CHECKING:
+    from nmaptool.cleaning import MeshFindings, clean_mesh
     from nmaptool.decoding import decode_normal_map
+    from nmaptool.decompose.rolling import Decomposition
     from nmaptool.errors import (
         ConvergenceError,
         InputError,
@@ -49,6 +51,9 @@ if TYPE_CHECKING:
     from nmaptool.verbs.split import split
 
 _HOME = {
+    "Decomposition": "decompose.rolling",
+    "clean_mesh": "cleaning",
+    "MeshFindings": "cleaning",
     "split": "verbs.split",
     "read_mesh": "io.mesh_reader",
     "decompose_normals": "verbs.decompose",
@@ -104,6 +109,7 @@ __all__ = [
     "BakeOptions",
     "ConvergenceError",
     "Decoding",
+    "Decomposition",
     "FilterOptions",
     "Finding",
     "Frame",
@@ -115,6 +121,7 @@ __all__ = [
     "Length",
     "LimitError",
     "Mesh",
+    "MeshFindings",
     "MeshReadOptions",
     "Mixture",
     "NmaptoolError",
@@ -131,6 +138,7 @@ __all__ = [
     "__version__",
     "bake",
     "bake_views",
+    "clean_mesh",
     "decode_normal_map",
     "decompose_normals",
     "doubts",

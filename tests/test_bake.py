@@ -10,7 +10,7 @@ import nmaptool as nm
 from nmaptool.cleaning import clean_mesh
 from nmaptool.detail import encode_detail
 from nmaptool.mesh import face_geometry
-from nmaptool.vectors import slopes, unit
+from nmaptool.vectors import mean_abs_curl, slopes, unit
 
 NUMPY = {"renderer": "numpy", "size": "120x100"}
 
@@ -164,7 +164,7 @@ def test_perspective_maps_are_those_of_a_height_field():
     assert np.abs(p[1:-1, 1:-1] - dx)[inside].mean() < 0.02
     assert np.abs(q[1:-1, 1:-1] - dy)[inside].mean() < 0.02
     assert layers.original.normals[..., 2].min() >= 0  # nothing that is seen faces away
-    assert nm.vectors.mean_abs_curl(layers.original.normals, seen) < 0.005
+    assert mean_abs_curl(layers.original.normals, seen) < 0.005
 
 
 def test_smooth_shading_keeps_creases():

@@ -35,7 +35,7 @@ class Decomposition:
     base : (M, 3) float64
         N_B.
     residual : (M, 3) float64
-        N_D = N - N_B; zero where nothing is detail.
+        N_D = N - N_B; zero where the base is the original.
     is_detail : (M,) bool
         Where the filter changed the normal by more than the threshold.
     mixture : Mixture
