@@ -13,7 +13,7 @@ from nmaptool._version import __version__
 from nmaptool.errors import UsageError
 from nmaptool_cli.session import STREAM, guarded
 
-HELP = """Normal maps in, carved bas-reliefs in exact millimetres out.
+HELP = """Meshes and normal maps in, carved bas-reliefs in exact millimetres out.
 
 From a mesh: nmap bake MESH -o maps, then nmap relief maps/original.exr --detail maps/detail.exr -o relief.stl
 

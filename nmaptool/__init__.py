@@ -1,9 +1,10 @@
-"""Normal maps in, carved bas-reliefs in exact millimetres out.
+"""Meshes and normal maps in, carved bas-reliefs in exact millimetres out.
 
     import nmaptool as nm
 
-    relief = nm.relief(nm.read_normal_map("a.png"), options=nm.ReliefOptions(height=nm.length("3mm")))
-    nm.write_relief(relief, "a.stl", preview="a.png")
+    layers = nm.bake(nm.read_mesh("head.ply"))
+    relief = nm.relief(layers.original, layers.detail, options=nm.ReliefOptions(height=nm.length("3mm")))
+    nm.write_relief(relief, "head.stl", preview="head.png")
 
 Names load when they are first used: importing the package alone loads no heavy library.
 """
@@ -51,19 +52,10 @@ if TYPE_CHECKING:
     from nmaptool.verbs.split import split
 
 _HOME = {
-    "Decomposition": "decompose.rolling",
-    "clean_mesh": "cleaning",
     "MeshFindings": "cleaning",
-    "split": "verbs.split",
-    "read_mesh": "io.mesh_reader",
-    "decompose_normals": "verbs.decompose",
-    "bake_views": "verbs.bake",
-    "bake": "verbs.bake",
-    "Mixture": "layer_set",
-    "LayerSet": "layer_set",
-    "LayerReport": "layer_set",
-    "write_layers": "io.layer_files",
+    "clean_mesh": "cleaning",
     "decode_normal_map": "decoding",
+    "Decomposition": "decompose.rolling",
     "ConvergenceError": "errors",
     "InputError": "errors",
     "LimitError": "errors",
@@ -73,11 +65,16 @@ _HOME = {
     "UsageError": "errors",
     "read_height": "io.heights",
     "read_surface": "io.heights",
+    "write_layers": "io.layer_files",
+    "read_mesh": "io.mesh_reader",
     "read_grey": "io.normal_maps",
     "read_normal_map": "io.normal_maps",
     "read_raster": "io.normal_maps",
     "write_normal_map": "io.normal_maps",
     "write_relief": "io.outputs",
+    "LayerReport": "layer_set",
+    "LayerSet": "layer_set",
+    "Mixture": "layer_set",
     "Mesh": "mesh",
     "Decoding": "model",
     "Frame": "model",
@@ -97,12 +94,16 @@ _HOME = {
     "surface_mesh": "tessellate",
     "Length": "units",
     "length": "units",
+    "bake": "verbs.bake",
+    "bake_views": "verbs.bake",
+    "decompose_normals": "verbs.decompose",
     "Finding": "verbs.inspect",
     "Inspection": "verbs.inspect",
     "inspect_map": "verbs.inspect",
     "integrate": "verbs.integrate",
     "relief": "verbs.relief",
     "pitch_of": "verbs.relief_inputs",
+    "split": "verbs.split",
 }
 
 __all__ = [

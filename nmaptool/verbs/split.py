@@ -22,7 +22,7 @@ _SMALLEST_PX = 0.3
 
 
 def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progress: Progress | None = None) -> LayerSet:
-    """Split a normal map into base and detail: rolling guidance on its vectors (paper, Sec. 3.1, with pixels for faces).
+    """Split a normal map into base and detail: the filter of the paper (Sec. 3.1) with pixels for faces.
 
     Parameters
     ----------
