@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,11 +119,25 @@ def face_geometry(mesh: Mesh) -> FaceGeometry:
     return FaceGeometry(normals, length / 2, (a + b + c) / 3)
 
 
+def directed_edges(faces: Faces) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """First and second vertex of each face's edges, (3 M,) each: all first edges, all second ones, all third ones."""
+    first, second = (np.concatenate([faces[:, k] for k in order]).astype(np.int64) for order in ((0, 1, 2), (1, 2, 0)))
+    return first, second
+
+
+def edge_keys(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.int64]:
+    """One number for each edge, the same in both directions: the lower vertex in the high half."""
+    return np.minimum(first, second) << 32 | np.maximum(first, second)
+
+
+def sum_by(group: NDArray[Any], values: Float64, count: int) -> Float64:
+    """(count, K) float64: sums of the rows of (N, K) values that have the same group, 0 to count - 1."""
+    return np.column_stack([np.bincount(group, column, count) for column in values.T])
+
+
 def unique_edges(mesh: Mesh) -> NDArray[np.int32]:
     """(E, 2) int32: vertices of each edge, the lower number first."""
-    f = mesh.faces
-    first, second = (np.concatenate([f[:, k] for k in order]) for order in ((0, 1, 2), (1, 2, 0)))
-    keys = np.minimum(first, second).astype(np.int64) << 32 | np.maximum(first, second)
+    keys = edge_keys(*directed_edges(mesh.faces))
     keys.sort()
     keys = keys[np.concatenate([[True], keys[1:] != keys[:-1]])] if len(keys) else keys
     return np.column_stack([keys >> 32, keys & 0xFFFFFFFF]).astype(np.int32)

@@ -10,6 +10,7 @@ from typing import Any
 from nmaptool.arrays import Float64, Mask
 from nmaptool.model import Height
 from nmaptool.options import ReliefOptions
+from nmaptool.options.account import plain_values
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,10 +75,7 @@ class SolveReport:
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON; an infinite reach becomes None."""
         out = dataclasses.asdict(self)
-        out["options"] = {
-            f.name: str(v) if dataclasses.is_dataclass(v := getattr(self.options, f.name)) else v
-            for f in dataclasses.fields(self.options)
-        }
+        out["options"] = plain_values(self.options)
         for key in ("reach_px", "reach_mm"):
             out[key] = out[key] if math.isfinite(out[key]) else None
         return out

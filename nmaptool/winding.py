@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64, Mask
-from nmaptool.mesh import Faces
+from nmaptool.mesh import Faces, directed_edges, edge_keys
 
 
 def is_wound_alike(faces: Faces) -> bool:
     """Whether no two faces run along an edge in the same direction; faces that lie twice do."""
-    first, second = (np.concatenate([faces[:, k] for k in order]).astype(np.int64) for order in ((0, 1, 2), (1, 2, 0)))
+    first, second = directed_edges(faces)
     keys = first << 32 | second
     keys.sort()
     return not (keys[1:] == keys[:-1]).any()
@@ -58,8 +58,8 @@ def to_turn(faces: Faces, areas: Float64) -> Mask:
 
 def _pairs(faces: Faces) -> tuple[NDArray[np.int64], NDArray[np.int64], Mask]:
     """Faces that share an edge with no third, and whether they run along it in opposite directions."""
-    first, second = (np.concatenate([faces[:, k] for k in order]).astype(np.int64) for order in ((0, 1, 2), (1, 2, 0)))
-    keys = np.minimum(first, second) << 32 | np.maximum(first, second)
+    first, second = directed_edges(faces)
+    keys = edge_keys(first, second)
     order = np.argsort(keys, kind="stable")
     keys = keys[order]
     starts = np.flatnonzero(np.concatenate([[True], keys[1:] != keys[:-1]]))

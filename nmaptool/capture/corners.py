@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64
-from nmaptool.mesh import Mesh
+from nmaptool.mesh import Mesh, sum_by
 
 
 def corner_normals(mesh: Mesh, directions: Float64, crease: float) -> Float64:
@@ -30,7 +30,7 @@ def corner_normals(mesh: Mesh, directions: Float64, crease: float) -> Float64:
     vertex = mesh.faces.ravel()
     face = np.repeat(np.arange(len(mesh.faces)), 3)
     weighted = directions.take(face, axis=0) * weights.ravel()[:, None]
-    total = _sum_by(vertex, weighted, len(mesh.vertices))
+    total = sum_by(vertex, weighted, len(mesh.vertices))
     length = np.sqrt(np.einsum("ij,ij->i", total, total))
     mean = total / np.where(length > 1e-12, length, 1)[:, None]
     out = mean.take(vertex, axis=0)
@@ -44,10 +44,6 @@ def corner_normals(mesh: Mesh, directions: Float64, crease: float) -> Float64:
     return np.asarray(out.reshape(-1, 3, 3))
 
 
-def _sum_by(group: NDArray[np.integer], values: Float64, count: int) -> Float64:
-    return np.column_stack([np.bincount(group, values[:, k], count) for k in range(3)])
-
-
 def _within_crease(vertex: NDArray[np.integer], own: Float64, weighted: Float64, crease: float) -> Float64:
     """For each corner, the sum over the corners at its vertex whose faces lie within the crease."""
     order = np.argsort(vertex, kind="stable")
@@ -59,7 +55,7 @@ def _within_crease(vertex: NDArray[np.integer], own: Float64, weighted: Float64,
     within = np.arange(len(first)) - np.repeat(np.cumsum(size) - size, size)
     one, other = order[first], order[begin + within]
     alike = np.einsum("ij,ij->i", own[one], own[other]) >= np.cos(np.radians(crease)) - 1e-9
-    total = _sum_by(one[alike], weighted[other[alike]], len(vertex))
+    total = sum_by(one[alike], weighted[other[alike]], len(vertex))
     length = np.sqrt(np.einsum("ij,ij->i", total, total))
     lost = length < 1e-12
     return np.where(lost[:, None], own, total / np.where(lost, 1, length)[:, None])

@@ -6,7 +6,7 @@ import contextlib
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64
+from nmaptool.capture.numpy_raster import Draw
 from nmaptool.errors import LimitError, RendererError
 from nmaptool.mesh import Faces
 
@@ -27,8 +28,6 @@ _REMEDY = (
     "Fedora: sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers libXrender), or draw without them, slower: "
     "--renderer numpy"
 )
-
-Draw = Callable[[Float64, Faces, int, int], NDArray[np.int32]]
 
 
 @contextlib.contextmanager
@@ -201,7 +200,7 @@ def _draw_tile(context: _Context, clip: NDArray[np.float32], faces: Faces, rows:
     node = Node(mesh=Mesh([Primitive(positions=clip, indices=faces.astype(np.uint32))]))
     scene.add_node(node)
     offscreen = context.sized(rows, cols)
-    flags = RenderFlags.SEG | RenderFlags.RGBA | RenderFlags.SKIP_CULL_FACES
+    flags = RenderFlags.SEG | RenderFlags.RGBA
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         bytes_, _ = offscreen.render(scene, flags=flags, seg_node_map={node: (0, 0, 0)})

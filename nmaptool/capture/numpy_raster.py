@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +11,9 @@ from nmaptool.arrays import Float64
 from nmaptool.mesh import Faces
 
 _PAIRS_AT_ONCE = 2_000_000
+
+# (points, faces, rows, cols) -> face at each pixel: `visible_faces`, or what `nmaptool.capture.gl.drawing` gives
+Draw = Callable[[Float64, Faces, int, int], NDArray[np.int32]]
 
 
 def visible_faces(points: Float64, faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:

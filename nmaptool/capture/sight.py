@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Float64
 from nmaptool.capture.camera import Camera
+from nmaptool.capture.numpy_raster import Draw
 from nmaptool.mesh import Faces, Mesh
 from nmaptool.vectors import unit
 
@@ -17,8 +17,6 @@ from nmaptool.vectors import unit
 _PIXELS_AT_ONCE = 2_000_000
 # slope up to which the depth of a pixel may lie outside its face
 _STEEPEST = 3.0
-
-Draw = Callable[[Float64, Faces, int, int], NDArray[np.int32]]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,15 +11,14 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from nmaptool.arrays import Float64
-from nmaptool.mesh import Faces
+from nmaptool.mesh import Faces, directed_edges, edge_keys, sum_by
 
 Labels = NDArray[np.int64]
 
 
 def face_neighbors(faces: Faces) -> tuple[Labels, Labels]:
     """Pairs of faces that share an edge; where more than two share one, a chain of them."""
-    first, second = (np.concatenate([faces[:, k] for k in order]).astype(np.int64) for order in ((0, 1, 2), (1, 2, 0)))
-    keys = np.minimum(first, second) << 32 | np.maximum(first, second)
+    keys = edge_keys(*directed_edges(faces))
     order = np.argsort(keys, kind="stable")
     same = keys[order[1:]] == keys[order[:-1]]
     return order[:-1][same] % len(faces), order[1:][same] % len(faces)
@@ -80,7 +79,7 @@ def reach(centroids: Float64, neighbors: tuple[Labels, Labels], radius: float) -
     patch = patches(centroids, neighbors, side)
     count = int(patch.max()) + 1
     size = np.bincount(patch)
-    middle = np.column_stack([np.bincount(patch, centroids[:, k]) for k in range(3)]) / size[:, None]
+    middle = sum_by(patch, centroids, count) / size[:, None]
     one, other = (patch[side_] for side_ in neighbors)
     apart = one != other
     one, other = one[apart], other[apart]

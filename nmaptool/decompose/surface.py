@@ -16,7 +16,7 @@ import numpy as np
 from nmaptool.arrays import Float32, Float64
 from nmaptool.decompose.cells import Labels, Reach, face_neighbors, patches, reach
 from nmaptool.decompose.rolling import Gather, summands
-from nmaptool.mesh import FaceGeometry, Mesh
+from nmaptool.mesh import FaceGeometry, Mesh, sum_by
 
 RADIUS = 2.5  # sigma_s
 _PATCH = 0.5  # sigma_s
@@ -111,11 +111,8 @@ def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, parts: F
     parent = np.empty(count, np.int64)
     parent[of_face] = large
 
-    def total(values: Float64) -> Float64:
-        return np.column_stack([np.bincount(of_face, column, count) for column in values.T])
-
-    sums = total(parts)
-    places = total(np.hstack([where, lead]) * parts[:, 3:]) / sums[:, 3:]
+    sums = sum_by(of_face, parts, count)
+    places = sum_by(of_face, np.hstack([where, lead]) * parts[:, 3:], count) / sums[:, 3:]
     return _Nodes(of_face, parent, places.astype(np.float32), sums.astype(np.float32))
 
 

@@ -11,8 +11,9 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
 from numpy.typing import NDArray
 
-from nmaptool.errors import InputError, LimitError, reason_of
+from nmaptool.errors import InputError, LimitError
 from nmaptool.io import layers, png
+from nmaptool.io.opening import read_head
 from nmaptool.model import RasterImage
 
 PREFIX = "nmaptool:"
@@ -55,19 +56,7 @@ def sniff(path: Path) -> str:
     InputError
         If the file is missing, a folder, empty, none of the formats read here, or has another format's ending.
     """
-    try:
-        if path.exists() and not (path.is_file() or path.is_dir()):
-            raise InputError(f"{path}: is not a file but a stream or device; read a stream with -")
-        with path.open("rb") as stream:
-            head = stream.read(8)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; give a picture file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({reason_of(error)})") from None
-    if not head:
-        raise InputError(f"{path}: is empty; export or download it again")
+    head, _ = read_head(path, 8, "a picture file", "read a stream with -")
     for magic, kind in _MAGIC.items():
         if head.startswith(magic):
             if path.suffix and path.suffix.lower() not in _ENDINGS[kind]:

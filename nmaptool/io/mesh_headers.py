@@ -6,7 +6,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from nmaptool.errors import InputError, LimitError, reason_of
+from nmaptool.errors import InputError, LimitError
+from nmaptool.io.opening import read_head
 
 NAMES = {"obj": "OBJ", "ply": "PLY", "stl": "STL", "off": "OFF", "glb": "GLB", "gltf": "glTF"}
 ACCEPTED = "OBJ, PLY, STL, OFF, GLB and glTF"
@@ -156,7 +157,7 @@ def look(path: Path) -> MeshFile:
     InputError
         If the file is missing, a folder, a device, empty, none of the formats read here, or has another's ending.
     """
-    head, size = _head_of(path)
+    head, size = read_head(path, _HEAD, "a mesh file", "save the mesh as a file")
     ending = path.suffix.lower()[1:]
     kind = _content(head, size)
     if kind is not None and kind != ending:
@@ -171,25 +172,3 @@ def look(path: Path) -> MeshFile:
     if kind is None and not _is_possible(ending, head, size):
         raise InputError(f"{path}: holds no {NAMES[ending]} data; accepted are {ACCEPTED}: export it again")
     return MeshFile(path, ending, head, size)
-
-
-def _head_of(path: Path) -> tuple[bytes, int]:
-    try:
-        if path.exists() and not (path.is_file() or path.is_dir()):
-            raise InputError(f"{path}: is not a file but a stream or device; save the mesh as a file")
-        with path.open("rb") as stream:
-            head = stream.read(_HEAD)
-            size = stream.seek(0, 2)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; give a mesh file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({reason_of(error)})") from None
-    except InputError:  # which is a ValueError
-        raise
-    except ValueError:  # a zero in the name
-        raise InputError(f"{str(path)!r}: is no name that a file can have") from None
-    if not head:
-        raise InputError(f"{path}: is empty; export or download it again")
-    return head, size

@@ -16,7 +16,8 @@ from nmaptool.arrays import Float32, Float64
 from nmaptool.capture import numpy_raster
 from nmaptool.capture.camera import Camera, frame_camera
 from nmaptool.capture.corners import corner_normals
-from nmaptool.capture.sight import Draw, Sight, look
+from nmaptool.capture.numpy_raster import Draw
+from nmaptool.capture.sight import Sight, look
 from nmaptool.cleaning import MeshFindings, clean_mesh
 from nmaptool.decompose.rolling import Decomposition
 from nmaptool.detail import encode_detail
@@ -25,6 +26,7 @@ from nmaptool.layer_set import LayerReport, LayerSet
 from nmaptool.mesh import Mesh
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import BakeOptions, FilterOptions
+from nmaptool.options.account import plain_values
 from nmaptool.progress import Progress
 from nmaptool.units import Length
 from nmaptool.vectors import mean_angle_deg
@@ -177,8 +179,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         )
     base, _ = sight.normal_layer(fields[1])
     seen = coverage > 0
-    detail = original.copy()
-    detail[seen] = encode_detail(original[seen], base[seen], options.detail_encoding)
+    detail = encode_detail(original, base, options.detail_encoding)
     pitch_mm, pitch_from = camera.unit_per_px * drawn.mesh.mm_per_unit, drawn.mesh.unit_from
     if options.pitch is not None:
         pitch_from = "given"
@@ -187,7 +188,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
     frame = Frame(camera.rows, camera.cols, pitch_mm)
     pixel_faces = sight.pixel_faces()
     report = LayerReport(
-        options=_plain(options) | _plain(work.filter),
+        options=plain_values(options) | plain_values(work.filter),
         mixture=split.mixture,
         detail_share=_share(split, drawn.mesh),
         detail_angle_deg=mean_angle_deg(original[seen], base[seen]),
@@ -217,11 +218,6 @@ def _account(camera: Camera) -> dict[str, Any]:
         "unit_per_px": camera.unit_per_px,
         "distance": camera.distance,
     }
-
-
-def _plain(options: Any) -> dict[str, Any]:
-    values = {f.name: getattr(options, f.name) for f in dataclasses.fields(options)}
-    return {k: str(v) if dataclasses.is_dataclass(v) else v for k, v in values.items()}
 
 
 def _share(split: Decomposition, mesh: Mesh) -> float:

@@ -14,9 +14,10 @@ from nmaptool.errors import InputError, UsageError
 from nmaptool.layer_set import LayerReport, LayerSet
 from nmaptool.model import NormalMap
 from nmaptool.options import SplitOptions
+from nmaptool.options.account import plain_values
 from nmaptool.progress import Progress
 from nmaptool.units import Length
-from nmaptool.vectors import FLAT, mean_angle_deg
+from nmaptool.vectors import mean_angle_deg
 
 _SMALLEST_PX = 0.3
 
@@ -68,11 +69,9 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
     is_detail = seen & (length > mixture.theta)
     replaced = is_detail if options.filter == "grnf" else seen
     base = np.where(replaced[..., None], filtered, original)
-    detail = np.zeros_like(original) + np.array(FLAT, np.float32)
-    detail[seen] = encode_detail(original[seen], base[seen], options.detail_encoding)
+    detail = encode_detail(original, base, options.detail_encoding)
     report = LayerReport(
-        options={f.name: getattr(options, f.name) for f in dataclasses.fields(options)}
-        | {"sigma_s": str(options.sigma_s)},
+        options=plain_values(options),
         mixture=mixture,
         detail_share=float(coverage[is_detail].sum() / coverage.sum()),
         detail_angle_deg=mean_angle_deg(original[seen], base[seen]),

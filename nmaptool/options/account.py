@@ -1,0 +1,12 @@
+"""Options as they stand in reports and in the metadata of files."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+
+def plain_values(options: Any) -> dict[str, Any]:
+    """The fields of an options dataclass as values for JSON; lengths become text such as ``3mm``."""
+    values = {f.name: getattr(options, f.name) for f in dataclasses.fields(options)}
+    return {name: str(value) if dataclasses.is_dataclass(value) else value for name, value in values.items()}
