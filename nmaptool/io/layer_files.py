@@ -215,20 +215,18 @@ def write_layers(
     files = LayerFiles(Path(output), format, depth, faces, plot, report, views, overwrite)
     files.check()
     values = account or {"version": __version__, "layers": [layers.report.to_dict() for layers in sets]}
-    jobs: list[Callable[[Path], None]] = []
-    floating = files.is_one_file or format == "exr"
-    pictures = [[_picture(layers, name, floating) for name in files.layers] for layers in sets]
+    jobs: list[Callable[[Path], object]] = []
+    # pictures are made as they are written: all at once would cost twice the memory
     if files.is_one_file:
-        prefix = [f"{view}." if len(views) > 1 else "" for view in views]
-        parts = [replace(p, name=pre + p.name) for pre, row in zip(prefix, pictures, strict=True) for p in row]
-        jobs.append(partial(write_pictures, pictures=parts))
+        jobs.append(partial(_write_parts, sets=sets, names=files.layers, floating=True))
     else:
-        jobs += [partial(write_pictures, pictures=[picture]) for row in pictures for picture in row]
+        each = [([layers], [name]) for layers in sets for name in files.layers]
+        jobs += [partial(_write_parts, sets=one, names=name, floating=format == "exr") for one, name in each]
     jobs.append(partial(_write_look, pixels=lambda: contact_sheet(sets), kind="contact sheet"))
     if files.plot is not None:
         jobs.append(partial(_write_look, pixels=lambda: mixture_plot(sets[0].report.mixture), kind="plot"))
     if files.report is not None:
-        jobs.append(lambda path: _write_text(path, json.dumps(values, indent=2) + "\n"))
+        jobs.append(lambda path: path.write_text(json.dumps(values, indent=2) + "\n"))
     with files.folders(), written_beside(files.targets, overwrite) as beside:
         for job, target, temporary in zip(jobs, files.targets, beside, strict=True):
             try:
@@ -240,8 +238,14 @@ def write_layers(
     return files.targets
 
 
-def _write_text(path: Path, text: str) -> None:
-    path.write_text(text)
+def _write_parts(path: Path, sets: Sequence[LayerSet], names: Sequence[str], floating: bool) -> None:
+    """Layers as parts of one file, ``front.original`` where there are several views, or one layer."""
+    parts = []
+    for layers in sets:
+        prefix = f"{layers.report.view}." if len(sets) > 1 else ""
+        pictures = (_picture(layers, name, floating) for name in names)
+        parts += [replace(picture, name=prefix + picture.name) for picture in pictures]
+    write_pictures(path, parts)
 
 
 def _write_look(path: Path, pixels: Callable[[], Any], kind: str) -> None:

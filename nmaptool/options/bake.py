@@ -97,7 +97,7 @@ class BakeOptions:
         What the detail map holds: "rotation" (undone by blending with mode rnm), "slope" (by mode pd), or
         "difference".
     max_megapixels:
-        Refuse larger pictures, all views together, before any memory is taken; 100 take some 12 GB.
+        Refuse larger pictures, all views together, before any memory is taken; 36 take some 5 GB.
     """
 
     view: str = "front"
