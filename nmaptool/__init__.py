@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         ReadOptions,
         ReliefOptions,
         SplitOptions,
+        TransformOptions,
         WriteOptions,
     )
     from nmaptool.orientation import doubts
@@ -67,6 +68,7 @@ if TYPE_CHECKING:
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
     from nmaptool.verbs.split import split
+    from nmaptool.verbs.transform import transform
 
 _HOME = {
     "MeshFindings": "cleaning",
@@ -112,6 +114,7 @@ _HOME = {
     "ReadOptions": "options",
     "ReliefOptions": "options",
     "SplitOptions": "options",
+    "TransformOptions": "options",
     "WriteOptions": "options",
     "doubts": "orientation",
     "ComposeReport": "results",
@@ -135,6 +138,7 @@ _HOME = {
     "relief": "verbs.relief",
     "pitch_of": "verbs.relief_inputs",
     "split": "verbs.split",
+    "transform": "verbs.transform",
 }
 
 __all__ = [
@@ -174,6 +178,7 @@ __all__ = [
     "RendererError",
     "SolveReport",
     "SplitOptions",
+    "TransformOptions",
     "UsageError",
     "WriteOptions",
     "__version__",
@@ -201,6 +206,7 @@ __all__ = [
     "relief",
     "split",
     "surface_mesh",
+    "transform",
     "write_composition",
     "write_layers",
     "write_normal_map",

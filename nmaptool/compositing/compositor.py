@@ -197,7 +197,7 @@ def _lay(canvas: Canvas, piece: Piece, name: str, mode: str, strength: float, cl
         outcome = below if clip else 1 - (1 - below) * (1 - shown)
         with np.errstate(invalid="ignore", divide="ignore"):
             share = np.where(outcome > 0, shown / outcome, 0).astype(np.float32).clip(0, 1)
-        canvas.normals[window] = _mixed(canvas.normals[window], piece.normals, share)
+        canvas.normals[window] = mixed(canvas.normals[window], piece.normals, share)
         motif = np.where(share >= 0.5, piece.foreground, canvas.foreground[window])
     else:
         # where nothing lies below, the layer alone decides, with its own coverage
@@ -217,7 +217,7 @@ def _lay(canvas: Canvas, piece: Piece, name: str, mode: str, strength: float, cl
     return float(shown.sum(dtype=np.float64) / canvas.coverage.size)
 
 
-def _mixed(below: Float32, above: Float32, share: Float32) -> Float32:
+def mixed(below: Float32, above: Float32, share: Float32) -> Float32:
     """Unit normals on the way from ``below`` to ``above``; the ends in every bit."""
     out = np.where((share >= 1)[..., None], above, below)
     soft = (share > 0) & (share < 1)

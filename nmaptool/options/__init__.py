@@ -18,6 +18,7 @@ from nmaptool.options.compose import (
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.reading import Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
+from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.write import Bits, WriteOptions, WrittenGreen, WrittenZeroCode
 
 __all__ = [
@@ -40,12 +41,14 @@ __all__ = [
     "LayerMode",
     "LayerOptions",
     "MeshReadOptions",
+    "NewGround",
     "ReadOptions",
     "ReliefOptions",
     "Renderer",
     "Shading",
     "SolverName",
     "SplitOptions",
+    "TransformOptions",
     "WriteOptions",
     "WrittenGreen",
     "WrittenZeroCode",
