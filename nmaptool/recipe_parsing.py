@@ -101,8 +101,8 @@ def _entry(found: Any, name: str, number: str, depth: int) -> Entry:
     known = _known(table, _ALL_KEYS, where)
     holds = [key for key in _CONTENTS if key in known]
     if len(holds) != 1 or (holds == ["layer"] and not known["layer"]):
-        what = " and ".join(holds) if len(holds) > 1 else "neither"
-        remedy = "give one of file (a normal map), recipe (another recipe) or [[layer.layer]] (a group)"
+        what = " and ".join(holds) if len(holds) > 1 else "neither file, recipe nor layers"
+        remedy = "give one of them: file (a normal map), recipe (another recipe) or [[layer.layer]] (a group)"
         raise InputError(f"{where}: holds {what}; {remedy}")
     (kind,) = holds
     own = LAYER_KEYS if kind == "file" else GROUP_KEYS
