@@ -76,6 +76,8 @@ def test_files_that_are_no_recipes(folder):
     ):
         with pytest.raises(nm.InputError, match=message):
             nm.read_recipe(path)
+    with pytest.raises(nm.LimitError, match=r"plate.exr: 80 x 60 is .*more than the limit of 0.001"):
+        nm.read_recipe(folder / "plate.exr", max_megapixels=0.001)
     with pytest.raises(nm.LimitError, match=r"is 1.2 MB, more than the limit of 1 MB for a recipe"):
         nm.read_recipe(write(folder, "large.toml", ONE + "#" * 1_200_000))
 

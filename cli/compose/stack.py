@@ -60,7 +60,7 @@ def stack(
         folder = Path()
     with input_files(recipe) as (source,):
         assert source is not None
-        read = nm.read_recipe(source, folder=folder, name=recipe)
+        read = nm.read_recipe(source, folder=folder, name=recipe, max_megapixels=reading.max_megapixels)
     canvas = CanvasOptions(given.size or read.canvas.size, given.width or read.canvas.width, read.canvas.ground)
     read = dataclasses.replace(read, canvas=canvas)
     place = Path(read.folder)

@@ -20,7 +20,13 @@ _LONGEST_SHOWN = 60
 _PLACE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
-def read_recipe(path: str | Path, *, folder: str | Path | None = None, name: str | None = None) -> Recipe:
+def read_recipe(
+    path: str | Path,
+    *,
+    folder: str | Path | None = None,
+    name: str | None = None,
+    max_megapixels: float = 270.0,
+) -> Recipe:
     """Read a recipe and the recipes that it names, whose layers become groups.
 
     Parameters
@@ -31,6 +37,8 @@ def read_recipe(path: str | Path, *, folder: str | Path | None = None, name: str
         What its files are relative to. Default: the folder that it is in.
     name : str, optional
         What to call it in messages. Default: ``path``.
+    max_megapixels : float
+        Refuse a larger map, where the recipe is in one.
 
     Returns
     -------
@@ -42,13 +50,14 @@ def read_recipe(path: str | Path, *, folder: str | Path | None = None, name: str
     InputError
         If a recipe cannot be read, holds what is no recipe, or recipes hold each other.
     LimitError
-        If one is larger than 1 MB, they lie more than 16 deep in each other, or hold more than 1000 layers in all.
+        If one is larger than 1 MB or in a map larger than ``max_megapixels``, or they lie more than 16 deep in each
+        other, or hold more than 1000 layers in all.
     """
     path = Path(path)
     name = str(path) if name is None else name
     folder = path.parent if folder is None else Path(folder)
-    recipe = parse_recipe(_values(path, name), name, "" if folder == Path() else str(folder))
-    return _Linking(folder, {}).linked(recipe, _Chain(((identity(path), name),)))
+    recipe = parse_recipe(_values(path, name, max_megapixels), name, "" if folder == Path() else str(folder))
+    return _Linking(folder, max_megapixels).linked(recipe, _Chain(((identity(path), name),)))
 
 
 @dataclass(frozen=True)
@@ -78,7 +87,8 @@ class _Linking:
     """Layers of other recipes in the place of their names."""
 
     folder: Path
-    parsed: dict[Path, Recipe]
+    max_megapixels: float
+    parsed: dict[Path, Recipe] = field(default_factory=dict)
     sources: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     layers: int = 0
@@ -114,7 +124,7 @@ class _Linking:
         own = identity(path)
         if own not in self.parsed:
             try:
-                values = _values(path, str(path))
+                values = _values(path, str(path), self.max_megapixels)
             except (InputError, LimitError) as error:
                 raise type(error)(f"{link.origin}: {error}") from None
             self.parsed[own] = parse_recipe(values, str(path))
@@ -139,14 +149,14 @@ def identity(path: Path) -> Path:
         return path
 
 
-def _values(path: Path, name: str) -> dict[str, Any]:
+def _values(path: Path, name: str, max_megapixels: float) -> dict[str, Any]:
     """What TOML makes of a file."""
     try:
         head, size = read_head(path, _LARGEST_BYTES + 1, "a recipe, such as scene.toml", "read a stream with -")
     except InputError as error:
         raise InputError(str(error).replace(str(path), name)) from None
     if is_picture(head):
-        return _parsed(_recipe_of(path, name), name)
+        return _parsed(_recipe_of(path, name, max_megapixels), name)
     if size > _LARGEST_BYTES:
         raise LimitError(f"{name}: is {size / 1e6:.1f} MB, more than the limit of 1 MB for a recipe; is it one?")
     try:
@@ -157,9 +167,9 @@ def _values(path: Path, name: str) -> dict[str, Any]:
     return _parsed(text, name)
 
 
-def _recipe_of(path: Path, name: str) -> str:
+def _recipe_of(path: Path, name: str, max_megapixels: float) -> str:
     """The recipe in a map's metadata."""
-    text = read_image(path).attributes.get("recipe")
+    text = read_image(path, max_megapixels=max_megapixels).attributes.get("recipe")
     if text is None:
         raise InputError(f"{name}: is a picture without a recipe in its metadata; give a recipe, such as scene.toml")
     if text.startswith("{"):

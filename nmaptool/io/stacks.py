@@ -72,7 +72,7 @@ def read_stack(
     """
     reading = reading or ReadOptions()
     if not isinstance(recipe, Recipe):
-        recipe = read_recipe(recipe, folder=folder)
+        recipe = read_recipe(recipe, folder=folder, max_megapixels=reading.max_megapixels)
     place = Path(recipe.folder if folder is None else folder)
     given = {key: getattr(reading, key) for key in READ_KEYS if getattr(reading, key) != _default(key)}
     recipe = replace(recipe, layers=tuple(_with_reading(layer, given) for layer in recipe.layers))
