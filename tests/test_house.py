@@ -53,7 +53,7 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
 
 
-COMMANDS = ("bake", "compose", "compose split", "inspect", "relief")
+COMMANDS = ("bake", "compose", "compose split", "compose stack", "inspect", "relief")
 
 
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])
