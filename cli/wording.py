@@ -9,11 +9,16 @@ if TYPE_CHECKING:
     from nmaptool import Composition, Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport
 
 
+_COMPONENTS = {"xyz": "x, y and z", "xy": "x and y, z made from them", "octahedral": "octahedral codes"}
+
+
 def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
     """How a map was read, in one line."""
     parts = [f"background {decoding.background} ({decoding.background_from})", f"motif {foreground_share:.0%}"]
     if decoding.swizzle != "r,g,b":
         parts.append(f"channels {decoding.swizzle}")
+    if decoding.components != "xyz":
+        parts.append(f"{_COMPONENTS[decoding.components]} ({decoding.components_from})")
     parts.append(f"green {decoding.green} ({decoding.green_from})")
     parts.append(f"zero at {decoding.zero_code} ({decoding.zero_code_from})")
     return ", ".join(parts)
@@ -27,6 +32,8 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
     sure = "too little curl to tell" if d.curl_ratio is None else f"the other way has {_ratio(d)} times the curl"
     yield f"  green        {d.green} ({d.green_from}; {sure})"
     yield f"  channels     x,y,z = {d.swizzle}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
+    if d.components != "xyz":
+        yield f"  components   {_COMPONENTS[d.components]} ({d.components_from})"
     yield f"  background   {d.background} ({d.background_from}); motif {seen.foreground_share:.1%} of the picture"
     yield f"  coverage     {seen.coverage_mean:.1%} of the picture is defined"
     if d.rim_pixels:
