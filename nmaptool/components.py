@@ -131,16 +131,22 @@ def _blue_is_idle(image: RasterImage, order: tuple[int, ...]) -> bool:
 
 
 def is_unsigned_pair(codes: NDArray[Any]) -> bool:
-    """Whether two floats a pixel hold (n + 1)/2: none is negative and 2v - 1 is nearer to flat than v."""
+    """Whether two floats a pixel hold (n + 1)/2.
+
+    None is negative, and 2v - 1 is less often too long for x and y than v, or as often and nearer to flat.
+    """
     pairs = codes.reshape(-1, 2)
     pairs = pairs[np.isfinite(pairs).all(axis=1)].astype(np.float64)
     if not len(pairs) or pairs.min() < -1e-3:
         return False
     telling = pairs[np.ptp(pairs, axis=1) > 1e-3]  # white, grey and black backgrounds say nothing
+    telling = telling if len(telling) else pairs
     sample = telling[:: max(1, len(telling) // 100_000)]
-    if not len(sample):
-        return bool(np.median(pairs) > 0.25)
-    return bool(np.median(np.linalg.norm(2 * sample - 1, axis=1)) < np.median(np.linalg.norm(sample, axis=1)))
+    signed, unsigned = np.linalg.norm(sample, axis=1), np.linalg.norm(2 * sample - 1, axis=1)
+    too_long = float((unsigned > 1.01).mean()), float((signed > 1.01).mean())
+    if too_long[0] != too_long[1]:
+        return too_long[0] < too_long[1]
+    return bool(np.median(unsigned) < np.median(signed))
 
 
 def pair_of_channels(image: RasterImage, order: tuple[int, ...]) -> NDArray[Any]:

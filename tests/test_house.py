@@ -72,7 +72,8 @@ def test_help_loads_nothing_heavy(arguments):
 
 
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c != "compose"])
-def test_a_commands_own_help_has_its_example_and_lists_have_one_line(command, run):
+def test_a_commands_own_help_has_its_example_and_lists_have_one_line(command, run, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "600")
     assert f"Example: nmap {command} " in run(*command.split(), "--help").out
     for words in (["--help"], [*command.split()[:-1], "--help"]):
         shown = run(*words).out

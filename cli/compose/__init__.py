@@ -12,5 +12,6 @@ for _name, _help in (
     ("blend", "Blend a detail map with a base map."),
     ("paste", "Paste layers on a background."),
     ("transform", "Crop, mirror, resize, turn or pad a map."),
+    ("convert", "Write a map as another kind of file."),
 ):
     app.command(f"nmaptool_cli.compose.{_name}:{_name}", name=_name, help=_help)
