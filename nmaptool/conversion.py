@@ -18,13 +18,15 @@ from nmaptool.options.account import plain_values
 from nmaptool.results import ComposeReport, Composition
 from nmaptool.vectors import mean_abs_curl, unit
 
-# a vector of which every component is rounded by half a step is at most this many steps off unit length
-_ROUNDED = 0.87
-_FLOAT_ROUNDED, _HALF_ROUNDED = 1e-5, 6e-4
-# what is written stays so many codes from where it was rounded to, so that rounding it again changes nothing
-_CODE_BOX = 0.48
-_BOX_PASSES = 12
-_NEARLY_UNIT = 5e-4
+# lengths of unit vectors stored in 16 bits (floats may have been that) and as half floats are off by less
+_ROUNDED, _HALF_ROUNDED = 3e-5, 6e-4
+# what is written stays so many codes from where it was rounded to, so that rounding it again changes nothing; the
+# narrower, the less it minds being stored as half floats on the way
+_CODE_BOXES = (0.44, 0.49, 0.498)
+_NEARLY_UNIT = 3e-6
+# the middle is zero after all where it makes the mean length so much better
+_BETTER_LENGTH = 0.8
+_SAMPLE = 100_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +40,7 @@ class ConvertReport(ComposeReport):
     vectors : int
         Pixels where the map is defined.
     off_length : int
-        Vectors that were off unit length by more than rounding; they are normalised.
+        Vectors that were off unit length by more than rounding: no unit vector has their codes. They are normalised.
     off_length_largest : float
         By how much at most.
     rim_pixels : int
@@ -84,7 +86,7 @@ def convert_image(
     """
     reading, writing = reading or ReadOptions(), writing or WriteOptions()
     start = time.perf_counter()
-    read = decode_normal_map(image, reading)
+    read = _read(image, reading)
     own = read.decoding.zero_code
     zero = writing.write_zero_code
     if zero == "auto":
@@ -120,6 +122,27 @@ def convert_image(
     return Composition(result, np.zeros(read.frame.shape, np.float32), report), writing
 
 
+def _read(image: RasterImage, reading: ReadOptions) -> NormalMap:
+    """A picture read; where only its flat code told its zero, the lengths of all the others are heard, too.
+
+    Writers that round store flat as 128 although their zero is the middle, 127.5.
+    """
+    read = decode_normal_map(image, reading)
+    if read.decoding.zero_code_from != "found":
+        return read
+    middle = replace(read.decoding, zero_code="127.5")
+    own, other = (_mean_length_error(raw_vectors(image, each)[read.foreground]) for each in (read.decoding, middle))
+    if other >= _BETTER_LENGTH * own:
+        return read
+    read = decode_normal_map(image, replace(reading, zero_code="127.5"))
+    return replace(read, decoding=replace(read.decoding, zero_code_from="found"))
+
+
+def _mean_length_error(vectors: Float32) -> float:
+    sample = vectors[:: max(1, len(vectors) // _SAMPLE)].astype(np.float64)
+    return float(np.abs(np.linalg.norm(sample, axis=1) - 1).mean()) if len(sample) else 0.0
+
+
 def _source(image: RasterImage, decoding: Decoding) -> dict[str, Any]:
     bits = {16: "half", 32: "float"}[image.bits] if image.is_float else str(image.bits)
     names = ("green", "swizzle", "zero_code", "encoding", "components", "background")
@@ -145,37 +168,42 @@ def _kept_where_sound(
     """Normals that write the codes they were read from, where these are those of a unit vector; where they are not."""
     if read.decoding.encoding != "signed":
         image = codec.narrowed(image)
-    if image.is_float:
-        step, tolerance = 0.0, _HALF_ROUNDED if image.bits == 16 else _FLOAT_ROUNDED
-    else:
-        zero_code = read.decoding.zero_code
-        step = 1 / codec.zero_and_scale(zero_code, image.max_code)[1]
-        tolerance = _ROUNDED * step + 1e-6
     error = np.abs(np.sqrt(np.einsum("ijk,ijk->ij", stored, stored, dtype=np.float64)) - 1)
-    sound = untouched & (error <= tolerance)
-    off = untouched & ~sound & (read.coverage > 0)
     normals = read.normals.copy()
     if image.max_code == 255:
-        normals[sound] = _unit_within(stored[sound], step)
+        sound = untouched.copy()
+        step = 1 / codec.zero_and_scale(read.decoding.zero_code, image.max_code)[1]
+        normals[untouched], sound[untouched] = _unit_within(stored[untouched], step)
     else:
+        tolerance = _HALF_ROUNDED if image.is_float and image.bits == 16 else _ROUNDED
+        sound = untouched & (error <= tolerance)
         normals[sound] = stored[sound]
+    off = untouched & ~sound & (read.coverage > 0)
     return normals, off, float(error[off].max(initial=0))
 
 
-def _unit_within(vectors: Float32, step: float) -> Float32:
-    """Unit vectors that round to the same codes as (N, 3) ``vectors``, which are codes themselves."""
+def _unit_within(vectors: Float32, step: float) -> tuple[Float32, Mask]:
+    """Unit vectors that round to the same codes as (N, 3) ``vectors``, which are codes themselves; and where.
+
+    Elsewhere the vectors are normalised.
+    """
     out = unit(vectors)
-    box = np.float32(_CODE_BOX * step)
-    left = np.flatnonzero((np.abs(out - vectors) > box).any(axis=1))
-    if not left.size:
-        return out
-    near, here = vectors[left], out[left]
-    for _ in range(_BOX_PASSES):  # to and fro between the box of the code and the sphere
-        clipped = here.clip(near - box, near + box)
-        here = unit(clipped)
-    length = np.linalg.norm(clipped, axis=1)
-    out[left] = np.where(np.abs(length - 1)[:, None] <= _NEARLY_UNIT, clipped, here)
-    return out
+    found = np.ones(len(out), bool)
+    left = np.flatnonzero((np.abs(out - vectors) > _CODE_BOXES[0] * step).any(axis=1))
+    for size in _CODE_BOXES:
+        # from the middle of the code's box to its corner on the sphere's side, as far as the sphere
+        middle = vectors[left].astype(np.float64)
+        square = np.einsum("ij,ij->i", middle, middle)
+        move = -np.sign(square - 1)[:, None] * np.sign(middle) * size * step
+        a, b = np.einsum("ij,ij->i", move, move), 2 * np.einsum("ij,ij->i", middle, move)
+        root = np.sqrt(np.maximum(b * b - 4 * a * (square - 1), 0))
+        share = 2 * (1 - square) / np.where(b < 0, b - root, b + root + 1e-30)
+        corner = middle + share.clip(0, 1)[:, None] * move
+        near = np.abs(np.linalg.norm(corner, axis=1) - 1) <= _NEARLY_UNIT
+        out[left[near]] = corner[near]
+        left = left[~near]
+    found[left] = False
+    return out, found
 
 
 def _as_written(normals: Float32, writing: WriteOptions) -> Float32:
