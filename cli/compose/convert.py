@@ -26,7 +26,8 @@ def convert(
 ) -> None:
     """Write a normal map as another kind of file: format, bits, green up or down, zero code, all three components.
 
-    Codes that are sound stay as they are; vectors off unit length are normalised, backgrounds become alpha.
+    Codes that are sound stay as they are; vectors off unit length are normalised; a background that is white, grey,
+    black or no normal at all becomes alpha.
 
     Example: nmap compose convert bricks-dx.png bricks.exr --green down
 

@@ -32,7 +32,7 @@ def convert(
 
     Vectors off unit length are normalised, anti-aliased rims un-mixed and a background's coverage goes into alpha, as
     on every reading. Vectors that are sound keep their codes: to the same bits and zero code, or to more bits and back,
-    nothing is lost. The pitch, the layer's name and the recipe stay in the file.
+    nothing is lost. What lies under alpha 0 becomes flat. The pitch, the layer's name and the recipe stay in the file.
 
     Parameters
     ----------
@@ -91,9 +91,9 @@ def conversion_recipe(image: RasterImage, report: ComposeReport) -> str:
     """The conversion as JSON, and under ``before`` the recipe that came with the file."""
     recipe: dict[str, Any] = {"command": report.command, "options": dict(report.options)}
     before = image.attributes.get("recipe")
-    if before is not None:
-        try:
-            recipe["before"] = json.loads(before)
-        except (ValueError, RecursionError):
-            recipe["before"] = before
-    return json.dumps(recipe)
+    if before is None:
+        return json.dumps(recipe)
+    try:
+        return json.dumps({**recipe, "before": json.loads(before)})
+    except (ValueError, RecursionError):  # not JSON, or nested without end: it is kept as text
+        return json.dumps({**recipe, "before": before})
