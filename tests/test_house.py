@@ -60,6 +60,7 @@ COMMANDS = (
     "compose convert",
     "compose paste",
     "compose split",
+    "compose stack",
     "compose transform",
     "inspect",
     "relief",
