@@ -13,5 +13,6 @@ for _name, _help in (
     ("paste", "Paste layers on a background."),
     ("stack", "Compose the layers of a recipe."),
     ("transform", "Crop, mirror, resize, turn or pad a map."),
+    ("convert", "Write a map as another kind of file."),
 ):
     app.command(f"nmaptool_cli.compose.{_name}:{_name}", name=_name, help=_help)
