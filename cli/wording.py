@@ -107,6 +107,8 @@ def describe_split(report: LayerReport) -> Iterator[str]:
         f"  {o['filter']}{where}: sigma_s {size} = {report.sigma_s_px:.1f} px, sigma_r {o['sigma_r']:g}, "
         f"{o['iterations']} passes"
     )
+    if report.curl:
+        yield f"  mean |curl| {', '.join(f'{name} {size:.4f}' for name, size in report.curl.items())} slope per px"
     if m.form == "none":
         yield "  nothing to speak of is finer than that: the filter turns no normal by half a degree"
         return

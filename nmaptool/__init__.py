@@ -19,7 +19,7 @@ from nmaptool._version import __version__
 if TYPE_CHECKING:
     from nmaptool.cleaning import MeshFindings, clean_mesh
     from nmaptool.conversion import ConvertReport
-    from nmaptool.curl_picture import curl_picture
+    from nmaptool.curl_shading import curl_picture
     from nmaptool.decoding import decode_normal_map
     from nmaptool.decompose.rolling import Decomposition
     from nmaptool.errors import (
@@ -81,7 +81,7 @@ _HOME = {
     "MeshFindings": "cleaning",
     "clean_mesh": "cleaning",
     "ConvertReport": "conversion",
-    "curl_picture": "curl_picture",
+    "curl_picture": "curl_shading",
     "decode_normal_map": "decoding",
     "Decomposition": "decompose.rolling",
     "ConvergenceError": "errors",

@@ -90,6 +90,8 @@ def test_every_public_name_loads_and_has_a_docstring():
         if name != "__version__":
             assert inspect.getdoc(value), name
     assert set(nm.__all__) - {"__version__"} == set(nm._HOME)
+    # a module of the same name would take the name's place once it is imported
+    assert not set(nm.__all__) & {path.stem for path in (ROOT / "nmaptool").iterdir()}
     with pytest.raises(AttributeError, match="no attribute 'carve'"):
         _ = nm.carve
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool._version import __version__
-from nmaptool.curl_picture import BRIGHTEST, DARKEST, curl_picture
+from nmaptool.curl_shading import BRIGHTEST, DARKEST, curl_picture
 from nmaptool.errors import UsageError
 from nmaptool.io.image_writer import Picture, write_pictures
 from nmaptool.io.normal_maps import check_ending, grey_codes, map_picture
@@ -101,7 +101,7 @@ def write_map_files(
         As `MapFiles.check`, or if writing fails.
     """
     files.check()
-    known: dict[str, Callable[[], Picture]] = {"curl": partial(_curl, normal_map), **pictures}
+    known: dict[str, Callable[[], Picture]] = {"curl": partial(curl_shot, normal_map), **pictures}
     with written_beside(files.targets, files.overwrite) as beside:
         for target, temporary in zip(files.targets, beside, strict=True):
             with named(target, temporary):
@@ -116,7 +116,8 @@ def write_map_files(
                     write_pictures(temporary, [known[kind]()])
 
 
-def _curl(normal_map: NormalMap) -> Picture:
+def curl_shot(normal_map: NormalMap) -> Picture:
+    """`nmaptool.curl_picture` as a file holds it, its scale in the metadata."""
     scale = {"black": repr(DARKEST), "white": repr(BRIGHTEST), "unit": "slope per px"}
     facts = {"kind": "curl", "version": __version__, **scale}
     return Picture(curl_picture(normal_map), ("R", "G", "B"), facts)
