@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from nmaptool.layer_set import LayerReport, LayerSet, Mixture
     from nmaptool.mesh import Mesh
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
-    from nmaptool.options import BakeOptions, FilterOptions, MeshReadOptions, ReadOptions, ReliefOptions, SplitOptions
+    from nmaptool.depth.report import DepthNormals, DepthReport
+    from nmaptool.options import BakeOptions, DepthOptions, FilterOptions, MeshReadOptions, ReadOptions, ReliefOptions, SplitOptions
     from nmaptool.orientation import doubts
     from nmaptool.results import Relief, SolveReport
     from nmaptool.shading import preview
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from nmaptool.units import Length, length
     from nmaptool.verbs.bake import bake, bake_views
     from nmaptool.verbs.decompose import decompose_normals
+    from nmaptool.verbs.depth import depth_to_normals
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
     from nmaptool.verbs.integrate import integrate
     from nmaptool.verbs.relief import relief
@@ -81,7 +83,10 @@ _HOME = {
     "Height": "model",
     "NormalMap": "model",
     "RasterImage": "model",
+    "DepthNormals": "depth.report",
+    "DepthReport": "depth.report",
     "BakeOptions": "options",
+    "DepthOptions": "options",
     "FilterOptions": "options",
     "MeshReadOptions": "options",
     "ReadOptions": "options",
@@ -97,6 +102,7 @@ _HOME = {
     "bake": "verbs.bake",
     "bake_views": "verbs.bake",
     "decompose_normals": "verbs.decompose",
+    "depth_to_normals": "verbs.depth",
     "Finding": "verbs.inspect",
     "Inspection": "verbs.inspect",
     "inspect_map": "verbs.inspect",
@@ -111,6 +117,9 @@ __all__ = [
     "ConvergenceError",
     "Decoding",
     "Decomposition",
+    "DepthNormals",
+    "DepthOptions",
+    "DepthReport",
     "FilterOptions",
     "Finding",
     "Frame",
@@ -142,6 +151,7 @@ __all__ = [
     "clean_mesh",
     "decode_normal_map",
     "decompose_normals",
+    "depth_to_normals",
     "doubts",
     "inspect_map",
     "integrate",

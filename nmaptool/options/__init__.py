@@ -4,6 +4,7 @@ Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
 from nmaptool.options.bake import BakeOptions, DetailEncoding, MeshReadOptions, Renderer, Shading
+from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.reading import Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
@@ -11,6 +12,8 @@ from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, 
 __all__ = [
     "BackgroundMode",
     "BakeOptions",
+    "DepthBackground",
+    "DepthOptions",
     "DetailEncoding",
     "Encoding",
     "Energy",
