@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from nmaptool.arrays import Float32, Mask
-from nmaptool.depth.tiles import Tile, for_tiles
+from nmaptool.depth.tiles import Tile, along, for_tiles
 
 _ITERATIONS = 10
 _LEAST_CELLS = 6
@@ -18,20 +18,14 @@ _LEAST_CELLS = 6
 _DESCENT = np.float32(1 / 32)
 
 
-def along(axis: int, start: int | None, stop: int | None) -> tuple[slice, slice]:
-    """A window of a picture that is cut along one axis only."""
-    part = slice(start, stop)
-    return (part, slice(None)) if axis == 0 else (slice(None), part)
-
-
-def fit_surface(values: Float32, tolerance: float, across: Mask, down: Mask) -> Float32:
+def fit_surface(values: Float32, tolerance: Float32, across: Mask, down: Mask) -> Float32:
     """The least bent surface within a tolerance of the values, bending counted within whole links only.
 
     Parameters
     ----------
     values : (H, W) float32
         Heights.
-    tolerance : float
+    tolerance : (H, W) float32
         How far the surface may leave them.
     across, down : (H, W) bool
         Whether a pixel is joined to the next one to the right, or below.
@@ -48,30 +42,27 @@ def fit_surface(values: Float32, tolerance: float, across: Mask, down: Mask) -> 
     def work(tile: Tile) -> None:
         window = tile.outer
         surface = (values if start is None else start)[window].copy()
-        fitted = _descend(surface, values[window], np.float32(tolerance), across[window], down[window])
+        fitted = _descend(surface, values[window], tolerance[window], across[window], down[window])
         out[tile.core] = fitted[tile.inner]
 
     for_tiles(values.shape, 2 * _ITERATIONS, work)
     return out
 
 
-def _from_coarse(values: Float32, tolerance: float, across: Mask, down: Mask) -> Float32:
+def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) -> Float32:
     """The fit on cells of 2 x 2 pixels, continued straight to the pixels; cells that hold a jump keep their values."""
     rows, cols = (side // 2 * 2 for side in values.shape)
     x0, x1 = slice(0, cols, 2), slice(1, cols, 2)
     y0, y1 = slice(0, rows, 2), slice(1, rows, 2)
     whole = across[y0, x0] & across[y1, x0] & down[y0, x0] & down[y0, x1]
-    mean = values[y0, x0] + values[y0, x1]
-    mean += values[y1, x0]
-    mean += values[y1, x1]
-    mean *= np.float32(0.25)
+    mean, slack = (_mean_of_four(field, (y0, y1), (x0, x1)) for field in (values, tolerance))
     right = across[y0, x1] & across[y1, x1] & whole
     right[:, :-1] &= whole[:, 1:]
     right[:, -1] = False
     below = down[y1, x0] & down[y1, x1] & whole
     below[:-1] &= whole[1:]
     below[-1] = False
-    coarse = fit_surface(mean, tolerance, right, below)
+    coarse = fit_surface(mean, slack, right, below)
     quarter = np.float32(0.25)
     tilt_x, tilt_y = (linked_slope(coarse, links, axis) * quarter for axis, links in ((1, right), (0, below)))
     fine = values.copy()
@@ -80,6 +71,14 @@ def _from_coarse(values: Float32, tolerance: float, across: Mask, down: Mask) ->
         child = child + tilt_y if up > 0 else child - tilt_y
         np.copyto(fine[row, col], child, where=whole)
     return fine
+
+
+def _mean_of_four(field: Float32, rows: tuple[slice, slice], cols: tuple[slice, slice]) -> Float32:
+    mean: Float32 = field[rows[0], cols[0]] + field[rows[0], cols[1]]
+    mean += field[rows[1], cols[0]]
+    mean += field[rows[1], cols[1]]
+    mean *= np.float32(0.25)
+    return mean
 
 
 def linked_slope(values: Float32, links: Mask, axis: int) -> Float32:
@@ -97,7 +96,7 @@ def linked_slope(values: Float32, links: Mask, axis: int) -> Float32:
     return total
 
 
-def _descend(surface: Float32, values: Float32, tolerance: np.float32, across: Mask, down: Mask) -> Float32:
+def _descend(surface: Float32, values: Float32, tolerance: Float32, across: Mask, down: Mask) -> Float32:
     """Accelerated projected descent of the bending energy, ``surface`` being where it starts."""
     low, high = values - tolerance, values + tolerance
     np.clip(surface, low, high, out=surface)

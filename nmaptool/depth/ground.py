@@ -13,19 +13,20 @@ _PATCH_PIXELS, _PATCH_SHARE, _LEAST_SHARE = 16, 2e-4, 0.02
 _MOST_SHARE = 0.9995
 
 
-def find_ground(heights: Float32, known: Mask, slack: float) -> Mask:
-    """(H, W) bool: large patches within ``slack`` above the lowest height; nowhere if they are a small part.
+def find_ground(heights: Float32, lowest: float, known: Mask, slack: Float32 | None) -> Mask:
+    """(H, W) bool: large patches no more than ``slack`` above the lowest height; nowhere if they are a small part.
 
     Parameters
     ----------
     heights : (H, W) float32
+    lowest : float
+        Of the stored heights.
     known : (H, W) bool
         Pixels that have a height.
-    slack : float
+    slack : (H, W) float32 or None
         Noise, in the unit of the heights.
     """
-    lowest = heights.min(where=known, initial=np.float32(np.inf))
-    low = heights <= lowest + np.float32(slack)
+    low = heights <= (np.float32(lowest) if slack is None else slack + np.float32(lowest))
     low &= known
     nowhere = np.zeros_like(low)
     if np.count_nonzero(low) < _LEAST_SHARE * low.size:

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
-from nmaptool.depth.fit import along, linked_slope
-from nmaptool.depth.tiles import Tile, for_tiles
+from nmaptool.depth.fit import linked_slope
+from nmaptool.depth.tiles import Tile, along, for_tiles
 from nmaptool.vectors import unit
 
 _HALO = 4

@@ -62,3 +62,9 @@ def for_tiles(shape: tuple[int, int], halo: int, work: Callable[[Tile], object])
     with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
         for _ in pool.map(work, tiles):
             pass
+
+
+def along(axis: int, start: int | None, stop: int | None) -> Window:
+    """A window of a picture that is cut along one axis only."""
+    part = slice(start, stop)
+    return (part, slice(None)) if axis == 0 else (slice(None), part)

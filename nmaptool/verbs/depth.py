@@ -13,10 +13,12 @@ import numpy as np
 from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.fit import fit_surface
 from nmaptool.depth.ground import find_ground
-from nmaptool.depth.jumps import JumpRule, cut_links, join_all, unmix
+from nmaptool.depth.jumps import Surfaces, join_all, part_surfaces
 from nmaptool.depth.report import DepthNormals, DepthReport
+from nmaptool.depth.rim import widen_tolerance
 from nmaptool.depth.scale import Scale, in_px, magnification, settle_scale, without_empty
 from nmaptool.depth.slopes import continue_to_jumps, jump_sizes, normals_of
+from nmaptool.depth.steps import JumpRule
 from nmaptool.depth.values import GreyValues, grey_values, noise_of, step_of
 from nmaptool.errors import InputError, UsageError
 from nmaptool.model import Decoding, Frame, NormalMap, RasterImage
@@ -26,15 +28,16 @@ from nmaptool.vectors import FLAT, mean_abs_curl
 from nmaptool.verbs.relief_inputs import check_mask
 
 # a jump is this high at least: in px, in steps of the codes, and in deviations of the noise
-_JUMP_PX, _JUMP_STEPS, _JUMP_NOISE = 1.0, 4.0, 6.0
+_JUMP_PX, _JUMP_STEPS, _JUMP_NOISE = 1.0, 4.0, 7.0
 _MIXED_SHARE = 0.25
 # how far the surface may leave the stored heights: half a step, and the noise; lossy files are off by more than that
-_NOISE_REACH, _LOSSY_STEPS = 2.0, 0.75
+_NOISE_REACH, _LOSSY_STEPS = 2.5, 1.5
+# pixels beside a line of jumps: a motif of one pixel has five, noise often more
+_LEAST_LINE, _NOISY_LINE = 5, 12
+# noise that a lossy file has near its edges at least, in steps
+_LOSSY_NOISE = 1.25
 # slopes that are less wrong than this need no fit
 _FINE_SLOPE = 0.004
-# pixels darker than so many steps above the lowest are still the background's noise in a lossy file
-_LOSSY_GROUND, _NOISY_GROUND = 2.0, 3.0
-_MOST_JUMPS = 0.2
 
 
 @dataclass
@@ -94,21 +97,26 @@ def depth_to_normals(
         step, noise = step_of(grey), 0.0
         noise = noise_of(grey.values, grey.known, step)
         heights = grey.values * np.float32(scale.px_per_value)
+        lowest = float(heights.min(where=grey.known, initial=np.inf))
     size = abs(scale.px_per_value)
     step_px, noise_px = step * size, noise * size
     rule = _rule(image, options, scale, step_px, noise_px)
-    ground, word = _ground(image, options, grey, heights, step_px, noise_px)
     with stages.stage("jumps", 0.2):
-        mixed = 0
-        across, down = join_all(grey.known)
         if rule is not None:
-            heights, mixed = unmix(heights, grey.known, rule)
-            across, down = cut_links(heights, grey.known, rule)
+            parts = part_surfaces(heights, grey.known, rule)
+        else:
+            parts = Surfaces(heights, *join_all(grey.known))
+        heights, across, down, mixed = parts.heights, parts.across, parts.down, parts.mixed
         jumps = jump_sizes(heights, grey.known, across, down)
     tolerance = _tolerance(image, options, scale, step_px, noise_px)
     with stages.stage("surface", 0.4):
+        slack = np.full(heights.shape, tolerance, np.float32)
+        if noise_px or image.lossy:
+            widen_tolerance(slack, jumps)
+        ground, word = _ground(options, grey, heights, lowest, slack if noise_px or image.lossy else None)
         if tolerance:
-            heights = fit_surface(heights, tolerance, across, down)
+            heights = fit_surface(heights, slack, across, down)
+        del slack
     with stages.stage("normals", 0.8):
         normals = normals_of(heights, across, down, fine=not tolerance, factor=magnification(heights, scale))
         continue_to_jumps(normals, across, down)
@@ -175,8 +183,10 @@ def _rule(
     if options.jump != "auto":
         least = in_px(options.jump, image.frame.cols, scale.pitch_mm, "jump", image.name)
         return JumpRule(least, _MIXED_SHARE * least, by_hand=True)
-    least = max(_JUMP_PX, _JUMP_STEPS * step_px, _JUMP_NOISE * noise_px)
-    return JumpRule(least, max(_MIXED_SHARE * _JUMP_PX, _JUMP_STEPS / 2 * step_px, _JUMP_NOISE / 2 * noise_px))
+    unsure = max((_LOSSY_NOISE if image.lossy else 0.0) * step_px, noise_px)
+    least = max(_JUMP_PX, _JUMP_STEPS * step_px, _JUMP_NOISE * unsure)
+    mixed = max(_MIXED_SHARE * _JUMP_PX, _JUMP_STEPS / 2 * step_px, _JUMP_NOISE / 2 * unsure)
+    return JumpRule(least, mixed, 2 * unsure, _NOISY_LINE if unsure else _LEAST_LINE)
 
 
 def _tolerance(
@@ -192,18 +202,16 @@ def _tolerance(
 
 
 def _ground(
-    image: RasterImage, options: DepthOptions, grey: GreyValues, heights: Float32, step_px: float, noise_px: float
+    options: DepthOptions, grey: GreyValues, heights: Float32, lowest: float, slack: Float32 | None
 ) -> tuple[Mask | None, str]:
     """The flat background, and what kind of backgrounds there are."""
     words = ["empty"] if grey.nothing else []
-    if options.background == "none":
-        return None, ", ".join(words) or "none"
-    slack = (_LOSSY_GROUND * step_px if image.lossy else 0.0) + _NOISY_GROUND * noise_px
-    ground = find_ground(heights, grey.known, slack)
-    if not ground.any():
-        return None, ", ".join(words) or "none"
-    words.append("cut" if options.background == "cut" else "flat")
-    return ground, ", ".join(words)
+    if options.background != "none":
+        ground = find_ground(heights, lowest, grey.known, slack)
+        if ground.any():
+            words.append("cut" if options.background == "cut" else "flat")
+            return ground, ", ".join(words)
+    return None, ", ".join(words) or "none"
 
 
 def _map(
