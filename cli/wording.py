@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from nmaptool import Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport
+    from nmaptool import Composition, Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport
 
 
 def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
@@ -124,3 +124,18 @@ def describe_view(layers: LayerSet) -> str:
         f"  {report.view}{''.join(turned)}: {frame}, {size} ({unit}), mesh on {covered:.0%} of it, drawn by "
         f"{report.renderer}"
     )
+
+
+def describe_composition(composition: Composition) -> Iterator[str]:
+    """An edit, a line each layer."""
+    report, frame = composition.report, composition.normal_map.frame
+    for layer in report.layers:
+        where = ""
+        if "box_px" in layer:
+            left, top, cols, rows = layer["box_px"]
+            where = f" at {left},{top} px, {cols} x {rows}"
+        strength = "" if layer["strength"] == 1 else f", strength {layer['strength']:g}"
+        yield f"  {layer['name']}: {layer['mode']}{strength}{where}, on {layer['share']:.0%} of the canvas"
+    before = "" if report.curl_before is None else f" (before {report.curl_before:.4f})"
+    pitch = "" if frame.pitch_mm is None else f", pitch {frame.pitch_mm:.4g} mm"
+    yield f"  {report.command}: {frame}{pitch}, mean |curl| {report.curl_after:.4f} slope per px{before}"

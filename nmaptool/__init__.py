@@ -18,8 +18,10 @@ from nmaptool._version import __version__
 
 if TYPE_CHECKING:
     from nmaptool.cleaning import MeshFindings, clean_mesh
+    from nmaptool.curl_picture import curl_picture
     from nmaptool.decoding import decode_normal_map
     from nmaptool.decompose.rolling import Decomposition
+    from nmaptool.depth.report import DepthNormals, DepthReport
     from nmaptool.errors import (
         ConvergenceError,
         InputError,
@@ -31,20 +33,36 @@ if TYPE_CHECKING:
     )
     from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.layer_files import write_layers
+    from nmaptool.io.map_files import write_composition
     from nmaptool.io.mesh_reader import read_mesh
     from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
     from nmaptool.io.outputs import write_relief
     from nmaptool.layer_set import LayerReport, LayerSet, Mixture
+    from nmaptool.layer_stack import Layer, LayerGroup
     from nmaptool.mesh import Mesh
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
-    from nmaptool.depth.report import DepthNormals, DepthReport
-    from nmaptool.options import BakeOptions, DepthOptions, FilterOptions, MeshReadOptions, ReadOptions, ReliefOptions, SplitOptions
+    from nmaptool.options import (
+        BakeOptions,
+        BlendOptions,
+        CanvasOptions,
+        DepthOptions,
+        FilterOptions,
+        GroupOptions,
+        LayerOptions,
+        MeshReadOptions,
+        ReadOptions,
+        ReliefOptions,
+        SplitOptions,
+        WriteOptions,
+    )
     from nmaptool.orientation import doubts
-    from nmaptool.results import Relief, SolveReport
+    from nmaptool.results import ComposeReport, Composition, Relief, SolveReport
     from nmaptool.shading import preview
     from nmaptool.tessellate import surface_mesh
     from nmaptool.units import Length, length
     from nmaptool.verbs.bake import bake, bake_views
+    from nmaptool.verbs.blend import blend
+    from nmaptool.verbs.compose import compose, paste
     from nmaptool.verbs.decompose import decompose_normals
     from nmaptool.verbs.depth import depth_to_normals
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
@@ -56,8 +74,11 @@ if TYPE_CHECKING:
 _HOME = {
     "MeshFindings": "cleaning",
     "clean_mesh": "cleaning",
+    "curl_picture": "curl_picture",
     "decode_normal_map": "decoding",
     "Decomposition": "decompose.rolling",
+    "DepthNormals": "depth.report",
+    "DepthReport": "depth.report",
     "ConvergenceError": "errors",
     "InputError": "errors",
     "LimitError": "errors",
@@ -68,6 +89,7 @@ _HOME = {
     "read_height": "io.heights",
     "read_surface": "io.heights",
     "write_layers": "io.layer_files",
+    "write_composition": "io.map_files",
     "read_mesh": "io.mesh_reader",
     "read_grey": "io.normal_maps",
     "read_normal_map": "io.normal_maps",
@@ -77,22 +99,29 @@ _HOME = {
     "LayerReport": "layer_set",
     "LayerSet": "layer_set",
     "Mixture": "layer_set",
+    "Layer": "layer_stack",
+    "LayerGroup": "layer_stack",
     "Mesh": "mesh",
     "Decoding": "model",
     "Frame": "model",
     "Height": "model",
     "NormalMap": "model",
     "RasterImage": "model",
-    "DepthNormals": "depth.report",
-    "DepthReport": "depth.report",
     "BakeOptions": "options",
+    "BlendOptions": "options",
+    "CanvasOptions": "options",
     "DepthOptions": "options",
     "FilterOptions": "options",
+    "GroupOptions": "options",
+    "LayerOptions": "options",
     "MeshReadOptions": "options",
     "ReadOptions": "options",
     "ReliefOptions": "options",
     "SplitOptions": "options",
+    "WriteOptions": "options",
     "doubts": "orientation",
+    "ComposeReport": "results",
+    "Composition": "results",
     "Relief": "results",
     "SolveReport": "results",
     "preview": "shading",
@@ -101,6 +130,9 @@ _HOME = {
     "length": "units",
     "bake": "verbs.bake",
     "bake_views": "verbs.bake",
+    "blend": "verbs.blend",
+    "compose": "verbs.compose",
+    "paste": "verbs.compose",
     "decompose_normals": "verbs.decompose",
     "depth_to_normals": "verbs.depth",
     "Finding": "verbs.inspect",
@@ -114,6 +146,10 @@ _HOME = {
 
 __all__ = [
     "BakeOptions",
+    "BlendOptions",
+    "CanvasOptions",
+    "ComposeReport",
+    "Composition",
     "ConvergenceError",
     "Decoding",
     "Decomposition",
@@ -123,9 +159,13 @@ __all__ = [
     "FilterOptions",
     "Finding",
     "Frame",
+    "GroupOptions",
     "Height",
     "InputError",
     "Inspection",
+    "Layer",
+    "LayerGroup",
+    "LayerOptions",
     "LayerReport",
     "LayerSet",
     "Length",
@@ -145,10 +185,14 @@ __all__ = [
     "SolveReport",
     "SplitOptions",
     "UsageError",
+    "WriteOptions",
     "__version__",
     "bake",
     "bake_views",
+    "blend",
     "clean_mesh",
+    "compose",
+    "curl_picture",
     "decode_normal_map",
     "decompose_normals",
     "depth_to_normals",
@@ -156,6 +200,7 @@ __all__ = [
     "inspect_map",
     "integrate",
     "length",
+    "paste",
     "pitch_of",
     "preview",
     "read_grey",
@@ -167,6 +212,7 @@ __all__ = [
     "relief",
     "split",
     "surface_mesh",
+    "write_composition",
     "write_layers",
     "write_normal_map",
     "write_relief",

@@ -12,13 +12,16 @@ import numpy as np
 from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.tiles import Tile, along, for_tiles
 
-_ITERATIONS = 10
+# steps of descent on the pixels, and on every coarser grid
+_ITERATIONS, _COARSE_ITERATIONS = 10, 24
 _LEAST_CELLS = 6
 # 1 / (largest eigenvalue of the bending energy: 16 along each axis)
 _DESCENT = np.float32(1 / 32)
 
 
-def fit_surface(values: Float32, tolerance: Float32, across: Mask, down: Mask) -> Float32:
+def fit_surface(
+    values: Float32, tolerance: Float32, across: Mask, down: Mask, iterations: int = _ITERATIONS
+) -> Float32:
     """The least bent surface within a tolerance of the values, bending counted within whole links only.
 
     Parameters
@@ -29,6 +32,8 @@ def fit_surface(values: Float32, tolerance: Float32, across: Mask, down: Mask) -
         How far the surface may leave them.
     across, down : (H, W) bool
         Whether a pixel is joined to the next one to the right, or below.
+    iterations : int
+        Steps of descent on the pixels themselves; a tolerance of several steps of the stored values takes more.
 
     Returns
     -------
@@ -42,10 +47,10 @@ def fit_surface(values: Float32, tolerance: Float32, across: Mask, down: Mask) -
     def work(tile: Tile) -> None:
         window = tile.outer
         surface = (values if start is None else start)[window].copy()
-        fitted = _descend(surface, values[window], tolerance[window], across[window], down[window])
+        fitted = _descend(surface, values[window], tolerance[window], across[window], down[window], iterations)
         out[tile.core] = fitted[tile.inner]
 
-    for_tiles(values.shape, 2 * _ITERATIONS, work)
+    for_tiles(values.shape, 2 * iterations, work)
     return out
 
 
@@ -62,7 +67,7 @@ def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) 
     below = down[y1, x0] & down[y1, x1] & whole
     below[:-1] &= whole[1:]
     below[-1] = False
-    coarse = fit_surface(mean, slack, right, below)
+    coarse = fit_surface(mean, slack, right, below, _COARSE_ITERATIONS)
     quarter = np.float32(0.25)
     tilt_x, tilt_y = (linked_slope(coarse, links, axis) * quarter for axis, links in ((1, right), (0, below)))
     fine = values.copy()
@@ -96,14 +101,16 @@ def linked_slope(values: Float32, links: Mask, axis: int) -> Float32:
     return total
 
 
-def _descend(surface: Float32, values: Float32, tolerance: Float32, across: Mask, down: Mask) -> Float32:
+def _descend(
+    surface: Float32, values: Float32, tolerance: Float32, across: Mask, down: Mask, iterations: int
+) -> Float32:
     """Accelerated projected descent of the bending energy, ``surface`` being where it starts."""
     low, high = values - tolerance, values + tolerance
     np.clip(surface, low, high, out=surface)
     bends = [_Bend(surface, links, axis) for axis, links in ((0, down), (1, across))]
     moved, gradient = surface.copy(), np.empty_like(surface)
     pace = 1.0
-    for _ in range(_ITERATIONS):
+    for _ in range(iterations):
         gradient.fill(0)
         for bend in bends:
             bend.add_gradient(moved, gradient)

@@ -35,5 +35,5 @@ def find_ground(heights: Float32, lowest: float, known: Mask, slack: Float32 | N
     keep = stats[:, cv2.CC_STAT_AREA] >= max(_PATCH_PIXELS, _PATCH_SHARE * low.size)
     keep[0] = False
     ground: Mask = keep[labels]
-    share = np.count_nonzero(ground) / max(np.count_nonzero(known), 1)
+    share = int(np.count_nonzero(ground)) / max(int(np.count_nonzero(known)), 1)
     return ground if _LEAST_SHARE <= share <= _MOST_SHARE else nowhere

@@ -130,9 +130,7 @@ def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) ->
             )
         eye = (white if inverted else black) + focal / per_value
     inverted_from = "file" if kind != "grey" else "given" if options.invert else "assumed"
-    return Scale(
-        per_value, scale_px, source, inverted, inverted_from, kind, pitch, fov, fov_from, focal, eye or 0.0
-    )
+    return Scale(per_value, scale_px, source, inverted, inverted_from, kind, pitch, fov, fov_from, focal, eye or 0.0)
 
 
 def _fov(image: RasterImage, options: DepthOptions, kind: str) -> tuple[float, str]:

@@ -60,9 +60,7 @@ def slope_along(heights: Float32, links: Mask, axis: int, fine: bool) -> Float32
     return out
 
 
-def normals_of(
-    heights: Float32, across: Mask, down: Mask, *, fine: bool, factor: Float32 | None = None
-) -> Float32:
+def normals_of(heights: Float32, across: Mask, down: Mask, *, fine: bool, factor: Float32 | None = None) -> Float32:
     """Unit normals of heights, y up.
 
     Parameters

@@ -68,7 +68,8 @@ def grey_values(image: RasterImage) -> GreyValues:
     InputError
         If it is coloured, has channels that are not known, or no value at all.
     """
-    image = codec.narrowed(image)
+    if not image.is_float or _may_be_codes(image.pixels):
+        image = codec.narrowed(image)
     values, averaged = _one_channel(image)
     known = np.ones(values.shape, bool)
     if image.is_float:
@@ -84,6 +85,12 @@ def grey_values(image: RasterImage) -> GreyValues:
         values[unknown] = 0
     bits = 8 if image.pixels.dtype == np.uint8 else image.bits
     return GreyValues(values, known, float(image.max_code), image.is_float, bits, averaged, nothing)
+
+
+def _may_be_codes(pixels: NDArray[Any]) -> bool:
+    """Whether a sample of floats lies near multiples of 1/255: to look at all of them takes a while."""
+    sample = pixels.ravel()[:: max(1, pixels.size // _SAMPLE)] * np.float32(255)
+    return bool(np.all(np.abs(sample - np.rint(sample)) < 0.1))
 
 
 def _one_channel(image: RasterImage) -> tuple[Float32, bool]:
@@ -126,7 +133,7 @@ def empty_depths(values: Float32, known: Mask) -> Mask:
 
 
 def step_of(grey: GreyValues) -> float:
-    """Size of a step between the values that a picture holds, in its own unit; 0 where they are as good as continuous."""
+    """Size of a step between the values that a picture holds, in its own unit; 0 where there are no steps to speak of."""
     sample = grey.values[grey.known]
     sample = sample[:: max(1, sample.size // _SAMPLE)]
     levels, counts = np.unique(sample, return_counts=True)

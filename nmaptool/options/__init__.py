@@ -4,14 +4,32 @@ Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
 from nmaptool.options.bake import BakeOptions, DetailEncoding, MeshReadOptions, Renderer, Shading
+from nmaptool.options.compose import (
+    Anchor,
+    BlendMode,
+    BlendOptions,
+    CanvasOptions,
+    Clip,
+    Ground,
+    GroupOptions,
+    LayerMode,
+    LayerOptions,
+)
 from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.reading import Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
+from nmaptool.options.write import Bits, WriteOptions, WrittenGreen, WrittenZeroCode
 
 __all__ = [
+    "Anchor",
     "BackgroundMode",
     "BakeOptions",
+    "Bits",
+    "BlendMode",
+    "BlendOptions",
+    "CanvasOptions",
+    "Clip",
     "DepthBackground",
     "DepthOptions",
     "DetailEncoding",
@@ -20,6 +38,10 @@ __all__ = [
     "FilterOptions",
     "Fit",
     "Green",
+    "Ground",
+    "GroupOptions",
+    "LayerMode",
+    "LayerOptions",
     "MeshReadOptions",
     "ReadOptions",
     "ReliefOptions",
@@ -27,5 +49,8 @@ __all__ = [
     "Shading",
     "SolverName",
     "SplitOptions",
+    "WriteOptions",
+    "WrittenGreen",
+    "WrittenZeroCode",
     "ZeroCode",
 ]

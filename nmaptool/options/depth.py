@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.errors import UsageError
-from nmaptool.options.checks import require_choices, require_number
+from nmaptool.options.checks import require_absolute, require_choices, require_number
 from nmaptool.units import Length, length
 
 DepthBackground = Literal["auto", "none", "cut"]
@@ -70,5 +70,4 @@ class DepthOptions:
         require_choices(("background", self.background, ("auto", "none", "cut")))
         if self.fov is not None and self.fov != 0:
             require_number("fov", self.fov, NARROWEST_FOV, WIDEST_FOV, "35 (0 is orthographic)")
-        if self.width is not None and not self.width.is_absolute:
-            raise UsageError(f"--width {self.width}: the size of a pixel follows from it, so give it in mm, cm or in")
+        require_absolute(width=self.width)

@@ -31,7 +31,9 @@ from nmaptool.verbs.relief_inputs import check_mask
 _JUMP_PX, _JUMP_STEPS, _JUMP_NOISE = 1.0, 4.0, 7.0
 _MIXED_SHARE = 0.25
 # how far the surface may leave the stored heights: half a step, and the noise; lossy files are off by more than that
-_NOISE_REACH, _LOSSY_STEPS = 2.5, 1.5
+_NOISE_REACH, _LOSSY_STEPS = 3.0, 1.5
+# steps of descent, more where the surface may leave the heights by more than so many of the steps they hold
+_QUICK, _THOROUGH, _THOROUGH_STEPS = 10, 24, 0.6
 # pixels beside a line of jumps: a motif of one pixel has five, noise often more
 _LEAST_LINE, _NOISY_LINE = 5, 12
 # noise that a lossy file has near its edges at least, in steps
@@ -92,61 +94,41 @@ def depth_to_normals(
     options = options or DepthOptions()
     stages = _Stages(progress)
     with stages.stage("reading", 0.0):
-        grey, cover = _surface(image, options, mask)
-        scale = settle_scale(image, grey, options)
-        step, noise = step_of(grey), 0.0
-        noise = noise_of(grey.values, grey.known, step)
-        heights = grey.values * np.float32(scale.px_per_value)
-        lowest = float(heights.min(where=grey.known, initial=np.inf))
-    size = abs(scale.px_per_value)
-    step_px, noise_px = step * size, noise * size
-    rule = _rule(image, options, scale, step_px, noise_px)
+        source = _read(image, options, mask)
+        heights, known, scale = source.heights, source.grey.known, source.scale
+        rule = _rule(options, source)
     with stages.stage("jumps", 0.2):
-        if rule is not None:
-            parts = part_surfaces(heights, grey.known, rule)
-        else:
-            parts = Surfaces(heights, *join_all(grey.known))
-        heights, across, down, mixed = parts.heights, parts.across, parts.down, parts.mixed
-        jumps = jump_sizes(heights, grey.known, across, down)
-    tolerance = _tolerance(image, options, scale, step_px, noise_px)
+        parts = part_surfaces(heights, known, rule) if rule is not None else Surfaces(heights, *join_all(known))
+        heights, across, down = parts.heights, parts.across, parts.down
+        jumps = jump_sizes(heights, known, across, down)
     with stages.stage("surface", 0.4):
+        tolerance = _tolerance(options, source)
         slack = np.full(heights.shape, tolerance, np.float32)
-        if noise_px or image.lossy:
+        if source.unsure:
             widen_tolerance(slack, jumps)
-        ground, word = _ground(options, grey, heights, lowest, slack if noise_px or image.lossy else None)
+        ground, word = _ground(options, source, heights, slack)
         if tolerance:
-            heights = fit_surface(heights, slack, across, down)
+            thorough = _THOROUGH if tolerance > _THOROUGH_STEPS * source.step_px else _QUICK
+            heights = fit_surface(heights, slack, across, down, thorough)
         del slack
     with stages.stage("normals", 0.8):
         normals = normals_of(heights, across, down, fine=not tolerance, factor=magnification(heights, scale))
         continue_to_jumps(normals, across, down)
-    top = heights.max(where=grey.known, initial=-np.inf)
-    height_range = float(top - heights.min(where=grey.known, initial=np.inf))
-    del heights, across, down
-    normal_map = _map(image, scale, grey, normals, cover, ground, word)
-    beside = np.count_nonzero(jumps)
-    share = beside / max(np.count_nonzero(grey.known), 1)
+        ends = [float(pick(heights[known])) for pick in (np.min, np.max)]
+        del heights, across, down
+        normal_map = _map(source, normals, ground, word)
+    beside = int(np.count_nonzero(jumps))
     with stages.stage("curl", 0.9):
         turn = mean_abs_curl(normal_map.normals, normal_map.foreground)
     report = DepthReport(
         options=options,
-        kind=scale.kind,
-        bits=grey.bits,
-        scale_px=scale.scale_px,
-        scale_from=scale.scale_from,
-        range_px=height_range,
-        pitch_mm=scale.pitch_mm,
-        inverted=scale.inverted,
-        inverted_from=scale.inverted_from,
-        fov=scale.fov,
-        fov_from=scale.fov_from,
-        step_px=step_px,
-        noise_px=noise_px,
+        **source.facts(),
+        range_px=ends[1] - ends[0],
         tolerance_px=tolerance,
         jump_px=rule.least if rule is not None else None,
-        jumps=int(beside),
-        jump_share=float(share),
-        mixed_pixels=mixed,
+        jumps=beside,
+        jump_share=beside / int(np.count_nonzero(known)),
+        mixed_pixels=parts.mixed,
         background=word,
         background_share=float(1 - normal_map.foreground.mean()),
         curl=turn,
@@ -154,6 +136,43 @@ def depth_to_normals(
         warnings=normal_map.decoding.warnings,
     )
     return DepthNormals(normal_map, jumps, report)
+
+
+@dataclass(frozen=True, eq=False)
+class _Source:
+    """A picture's heights in px, and what is known of them."""
+
+    image: RasterImage
+    grey: GreyValues
+    cover: Float32 | None
+    scale: Scale
+    heights: Float32
+    lowest: float
+    step_px: float
+    noise_px: float
+
+    @property
+    def unsure(self) -> float:
+        """Noise in px that heights near edges have at least; 0 in clean pictures."""
+        return max(_LOSSY_NOISE * self.step_px if self.image.lossy else 0.0, self.noise_px)
+
+    def facts(self) -> dict[str, Any]:
+        """What the report says of it."""
+        names = ("kind", "scale_px", "scale_from", "pitch_mm", "inverted", "inverted_from", "fov", "fov_from")
+        facts = {name: getattr(self.scale, name) for name in names}
+        return {**facts, "bits": self.grey.bits, "step_px": self.step_px, "noise_px": self.noise_px}
+
+
+def _read(image: RasterImage, options: DepthOptions, mask: Any) -> _Source:
+    grey, cover = _surface(image, options, mask)
+    scale = settle_scale(image, grey, options)
+    step = step_of(grey)
+    noise = noise_of(grey.values, grey.known, step)
+    heights = grey.values
+    heights *= np.float32(scale.px_per_value)  # they are a copy of the picture's
+    size = abs(scale.px_per_value)
+    lowest = float(heights.min(where=grey.known, initial=np.inf))
+    return _Source(image, grey, cover, scale, heights, lowest, step * size, noise * size)
 
 
 def _surface(image: RasterImage, options: DepthOptions, mask: Any) -> tuple[GreyValues, Float32 | None]:
@@ -175,72 +194,58 @@ def _surface(image: RasterImage, options: DepthOptions, mask: Any) -> tuple[Grey
     return grey, cover
 
 
-def _rule(
-    image: RasterImage, options: DepthOptions, scale: Scale, step_px: float, noise_px: float
-) -> JumpRule | None:
+def _rule(options: DepthOptions, source: _Source) -> JumpRule | None:
     if options.jump == "none":
         return None
+    unsure, image = source.unsure, source.image
     if options.jump != "auto":
-        least = in_px(options.jump, image.frame.cols, scale.pitch_mm, "jump", image.name)
+        least = in_px(options.jump, image.frame.cols, source.scale.pitch_mm, "jump", image.name)
         return JumpRule(least, _MIXED_SHARE * least, by_hand=True)
-    unsure = max((_LOSSY_NOISE if image.lossy else 0.0) * step_px, noise_px)
-    least = max(_JUMP_PX, _JUMP_STEPS * step_px, _JUMP_NOISE * unsure)
-    mixed = max(_MIXED_SHARE * _JUMP_PX, _JUMP_STEPS / 2 * step_px, _JUMP_NOISE / 2 * unsure)
+    least = max(_JUMP_PX, _JUMP_STEPS * source.step_px, _JUMP_NOISE * unsure)
+    mixed = max(_MIXED_SHARE * _JUMP_PX, _JUMP_STEPS / 2 * source.step_px, _JUMP_NOISE / 2 * unsure)
     return JumpRule(least, mixed, 2 * unsure, _NOISY_LINE if unsure else _LEAST_LINE)
 
 
-def _tolerance(
-    image: RasterImage, options: DepthOptions, scale: Scale, step_px: float, noise_px: float
-) -> float:
+def _tolerance(options: DepthOptions, source: _Source) -> float:
+    image = source.image
     if options.smooth == "none":
         return 0.0
     if options.smooth != "auto":
-        return in_px(options.smooth, image.frame.cols, scale.pitch_mm, "smooth", image.name)
-    if max(step_px, noise_px) < _FINE_SLOPE:
+        return in_px(options.smooth, image.frame.cols, source.scale.pitch_mm, "smooth", image.name)
+    if max(source.step_px, source.noise_px) < _FINE_SLOPE:
         return 0.0
-    return step_px * (_LOSSY_STEPS if image.lossy else 0.5) + _NOISE_REACH * noise_px
+    return source.step_px * (_LOSSY_STEPS if image.lossy else 0.5) + _NOISE_REACH * source.noise_px
 
 
-def _ground(
-    options: DepthOptions, grey: GreyValues, heights: Float32, lowest: float, slack: Float32 | None
-) -> tuple[Mask | None, str]:
-    """The flat background, and what kind of backgrounds there are."""
-    words = ["empty"] if grey.nothing else []
+def _ground(options: DepthOptions, source: _Source, heights: Float32, slack: Float32) -> tuple[Mask | None, str]:
+    """The flat background, and what kinds of background there are."""
+    words = ["empty"] if source.grey.nothing else []
     if options.background != "none":
-        ground = find_ground(heights, lowest, grey.known, slack)
+        ground = find_ground(heights, source.lowest, source.grey.known, slack if source.unsure else None)
         if ground.any():
             words.append("cut" if options.background == "cut" else "flat")
             return ground, ", ".join(words)
     return None, ", ".join(words) or "none"
 
 
-def _map(
-    image: RasterImage,
-    scale: Scale,
-    grey: GreyValues,
-    normals: Float32,
-    cover: Float32 | None,
-    ground: Mask | None,
-    word: str,
-) -> NormalMap:
+def _map(source: _Source, normals: Float32, ground: Mask | None, word: str) -> NormalMap:
     """The map, its background flat; a background that is cut has no coverage."""
-    coverage = grey.known.astype(np.float32)
-    if cover is not None:
-        coverage *= cover
+    image, known = source.image, source.grey.known
+    coverage = known.astype(np.float32)
+    if source.cover is not None:
+        coverage *= source.cover
     foreground = coverage >= 0.5
     if ground is not None:
         foreground &= ~ground
         normals[ground] = FLAT
         if word.endswith("cut"):
             coverage[ground] = 0
-    normals[~grey.known] = FLAT
-    warnings: tuple[str, ...] = ()
-    if grey.noisy_grey:
-        warnings += ("its colours differ a little; their mean was taken for grey",)
-    rows, cols = image.frame.shape
-    kind = "flat" if word.endswith("flat") else "none" if word == "none" else "alpha"
+    normals[~known] = FLAT
     decoding = Decoding(
-        encoding="signed", zero_code="0", background=kind, background_from="given" if kind == "none" else "found",
-        warnings=warnings,
+        encoding="signed",
+        zero_code="0",
+        background="flat" if word.endswith("flat") else "none" if word == "none" else "alpha",
+        warnings=("its colours differ a little; their mean was taken for grey",) if source.grey.noisy_grey else (),
     )
-    return NormalMap(normals, coverage, Frame(rows, cols, scale.pitch_mm), foreground, image.name, decoding)
+    frame = Frame(*image.frame.shape, source.scale.pitch_mm)
+    return NormalMap(normals, coverage, frame, foreground, image.name, decoding)
