@@ -7,16 +7,24 @@ never cross a jump. Coarse grids first: a terrace of a hundred pixels is a matte
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.tiles import Tile, along, for_tiles
 
 # steps of descent on the pixels, and on every coarser grid
-_ITERATIONS, _COARSE_ITERATIONS = 10, 24
+_ITERATIONS, _COARSE_ITERATIONS = 14, 32
 _LEAST_CELLS = 6
 # 1 / (largest eigenvalue of the bending energy: 16 along each axis)
-_DESCENT = np.float32(1 / 32)
+_PACE = np.float32(1 / 32)
+# one step of descent where all pixels are joined
+_DESCENT = np.zeros((5, 5), np.float32)
+_DESCENT[2] -= np.array([1, -4, 6, -4, 1]) * _PACE
+_DESCENT[:, 2] -= np.array([1, -4, 6, -4, 1]) * _PACE
+_DESCENT[2, 2] += 1
+_EDGE = 2
 
 
 def fit_surface(
@@ -46,16 +54,32 @@ def fit_surface(
 
     def work(tile: Tile) -> None:
         window = tile.outer
-        surface = (values if start is None else start)[window].copy()
-        fitted = _descend(surface, values[window], tolerance[window], across[window], down[window], iterations)
-        out[tile.core] = fitted[tile.inner]
+        if np.ptp(values[tile.core]) == 0 and np.ptp(values[window]) == 0:
+            out[tile.core] = values[tile.core]
+            return
+        begin = values if start is None else start
+        # no bending is counted across the picture's edge: beyond it, pixels are joined to nothing
+        around = [
+            (_EDGE * (part.start == 0), _EDGE * (part.stop == side))
+            for part, side in zip(window, values.shape, strict=True)
+        ]
+        middle = values[tile.core][0, 0]  # small numbers keep more digits
+        fields = [np.pad(field[window], around, mode="edge") for field in (begin, values, tolerance)]
+        fields[0] -= middle
+        fields[1] -= middle
+        right, below = (np.pad(link[window], around) for link in (across, down))
+        fitted = _descend(fields[0], fields[1], fields[2], right, below, iterations)
+        rows, cols = (
+            slice(part.start + before, part.stop + before) for part, (before, _) in zip(tile.inner, around, strict=True)
+        )
+        np.add(fitted[rows, cols], middle, out=out[tile.core])
 
     for_tiles(values.shape, 2 * iterations, work)
     return out
 
 
 def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) -> Float32:
-    """The fit on cells of 2 x 2 pixels, continued straight to the pixels; cells that hold a jump keep their values."""
+    """The fit on cells of 2 x 2 pixels, continued straight to the pixels, and on into cells that hold a jump."""
     rows, cols = (side // 2 * 2 for side in values.shape)
     x0, x1 = slice(0, cols, 2), slice(1, cols, 2)
     y0, y1 = slice(0, rows, 2), slice(1, rows, 2)
@@ -75,7 +99,30 @@ def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) 
         child = coarse + tilt_x if left > 0 else coarse - tilt_x
         child = child + tilt_y if up > 0 else child - tilt_y
         np.copyto(fine[row, col], child, where=whole)
+    missing = np.ones(values.shape, bool)
+    missing[:rows, :cols] = np.repeat(np.repeat(~whole, 2, axis=0), 2, axis=1)
+    for _ in range(2):
+        _continue_straight(fine, missing, across, down)
     return fine
+
+
+def _continue_straight(surface: Float32, missing: Mask, across: Mask, down: Mask) -> None:
+    """Give missing pixels the straight continuation of two linked ones that are there, in place."""
+    row, col = np.nonzero(missing)
+    total, count = np.zeros(len(row), np.float32), np.zeros(len(row), np.float32)
+    for axis, links in ((0, down), (1, across)):
+        for toward in (-1, 1):
+            place, limit = (row, col)[axis], surface.shape[axis]
+            near, far = (np.clip(place + toward * by, 0, limit - 1) for by in (1, 2))
+            inside = (place + 2 * toward >= 0) & (place + 2 * toward < limit)
+            first, second = ((near, col), (far, col)) if axis == 0 else ((row, near), (row, far))
+            joined = (links[row, col] & links[first]) if toward > 0 else (links[first] & links[second])
+            sound = inside & joined & ~missing[first] & ~missing[second]
+            total += np.where(sound, 2 * surface[first] - surface[second], np.float32(0))
+            count += sound
+    found = count > 0
+    surface[row[found], col[found]] = total[found] / count[found]
+    missing[row[found], col[found]] = False
 
 
 def _mean_of_four(field: Float32, rows: tuple[slice, slice], cols: tuple[slice, slice]) -> Float32:
@@ -106,46 +153,51 @@ def _descend(
 ) -> Float32:
     """Accelerated projected descent of the bending energy, ``surface`` being where it starts."""
     low, high = values - tolerance, values + tolerance
-    np.clip(surface, low, high, out=surface)
-    bends = [_Bend(surface, links, axis) for axis, links in ((0, down), (1, across))]
-    moved, gradient = surface.copy(), np.empty_like(surface)
+    cuts = [cut for cut in (_cut_bends(down, 0), _cut_bends(across, 1)) if cut is not None]
+    surface = np.minimum(np.maximum(surface, low), high)
+    moved, next_surface = surface.copy(), np.empty_like(surface)
     pace = 1.0
     for _ in range(iterations):
-        gradient.fill(0)
-        for bend in bends:
-            bend.add_gradient(moved, gradient)
-        gradient *= _DESCENT
-        np.subtract(moved, gradient, out=gradient)
-        np.maximum(gradient, low, out=gradient)
-        np.minimum(gradient, high, out=gradient)
+        bends = [_bend_at(moved, cut) for cut in cuts]
+        cv2.filter2D(moved, -1, _DESCENT, next_surface, borderType=cv2.BORDER_REPLICATE)
+        for cut, bend in zip(cuts, bends, strict=True):
+            _give_back(next_surface, cut, bend)
+        np.maximum(next_surface, low, out=next_surface)
+        np.minimum(next_surface, high, out=next_surface)
         faster = (1 + (1 + 4 * pace * pace) ** 0.5) / 2
-        np.subtract(gradient, surface, out=moved)
-        moved *= np.float32((pace - 1) / faster)
-        moved += gradient
-        surface, gradient, pace = gradient, surface, faster
+        push = (pace - 1) / faster
+        cv2.addWeighted(next_surface, 1 + push, surface, -push, 0, moved)
+        surface, next_surface, pace = next_surface, surface, faster
     return surface
 
 
-class _Bend:
-    """Second differences along one axis, where both links are whole, and their adjoint."""
+def _cut_bends(links: Mask, axis: int) -> tuple[NDArray[np.intp], int] | None:
+    """Pixels whose second difference along an axis crosses a broken link, and how far apart their neighbours lie."""
+    before, middle, after = along(axis, None, -2), along(axis, 1, -1), along(axis, 2, None)
+    broken = np.zeros(links.shape, bool)
+    broken[middle] = ~(links[before] & links[middle])
+    alone = ~links
+    alone[along(axis, 1, None)] &= ~links[along(axis, None, -1)]
+    # between pixels that are joined to nothing it does not matter
+    broken[middle] &= ~(alone[before] & alone[middle] & alone[after])
+    found = np.flatnonzero(broken)
+    return (found, links.shape[1] if axis == 0 else 1) if len(found) else None
 
-    def __init__(self, like: Float32, links: Mask, axis: int) -> None:
-        self.axis = axis
-        self.inside = along(axis, 1, -1)
-        self.before, self.after = along(axis, None, -2), along(axis, 2, None)
-        both = links[along(axis, None, -1)]
-        self.weight = (both[along(axis, None, -1)] & both[along(axis, 1, None)]).astype(np.float32)
-        self.bend = np.empty_like(self.weight)
-        self.double = np.empty_like(self.weight)
 
-    def add_gradient(self, surface: Float32, gradient: Float32) -> None:
-        """Add half the energy's gradient."""
-        bend, double = self.bend, self.double
-        np.add(surface[self.before], surface[self.after], out=bend)
-        np.add(surface[self.inside], surface[self.inside], out=double)
-        bend -= double
-        bend *= self.weight
-        gradient[self.before] += bend
-        gradient[self.after] += bend
-        np.add(bend, bend, out=bend)
-        gradient[self.inside] -= bend
+def _bend_at(surface: Float32, cut: tuple[NDArray[np.intp], int]) -> Float32:
+    """What the descent takes away for the bending at some pixels."""
+    place, stride = cut
+    flat = surface.reshape(-1)
+    bend: Float32 = flat[place - stride] + flat[place + stride]
+    bend -= 2 * flat[place]
+    bend *= _PACE
+    return bend
+
+
+def _give_back(surface: Float32, cut: tuple[NDArray[np.intp], int], bend: Float32) -> None:
+    """Undo the descent for the bending at some pixels, in place."""
+    place, stride = cut
+    flat = surface.reshape(-1)
+    flat[place - stride] += bend
+    flat[place + stride] += bend
+    flat[place] -= 2 * bend

@@ -14,13 +14,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
-from nmaptool.depth.mixed import LEAST_SIDE, count_ends, moved_ends
-from nmaptool.depth.steps import JumpRule, crisp_steps, jump_heights, steps_along
+from nmaptool.depth.mixed import unmixed
+from nmaptool.depth.steps import (
+    JumpRule,
+    all_steps,
+    crisp_steps,
+    jump_heights,
+    moved,
+    some_steps,
+    steps_along,
+    steps_at,
+)
 from nmaptool.depth.tiles import Tile, along, for_tiles
 
-# outlines are smoothed where so many ends of jumps are plainly mixed
-_SMOOTHED_SHARE = 0.15
 _HALO = 6
+_SIDE = 192  # many tiles hold no jump
+# a jump's largest step is such a share of the least jump at least
+_SMALLEST_PART = 0.2
+# fewer candidates than this share are looked at one by one
+_FEW = 0.1
 _CROSS = np.ones((3, 3), np.uint8)
 
 
@@ -68,21 +80,16 @@ def part_surfaces(heights: Float32, known: Mask, rule: JumpRule) -> Surfaces:
     lines = _lines(heights, known, rule)
     if lines is None:
         return Surfaces(heights, across, down)
-    heights, mixed = _unmixed(heights, known, rule, lines)
+    heights, mixed = unmixed(heights, known, rule, lines)
     lines = cv2.dilate(lines, _CROSS)
-
-    def work(tile: Tile) -> None:
-        near = lines[tile.outer].view(bool)
-        if not near.any():
-            return
-        for links, axis in ((down, 0), (across, 1)):
-            steps = steps_along(heights[tile.outer], known[tile.outer], axis)
-            _, weak = crisp_steps(steps, rule, axis)
-            jump = np.zeros(near.shape, bool)
-            jump[along(axis, None, -1)] = weak & near[along(axis, None, -1)] & near[along(axis, 1, None)]
-            links[tile.core] &= ~jump[tile.inner]
-
-    for_tiles(heights.shape, _HALO, work)
+    rows, cols = np.nonzero(lines)
+    for links, axis in ((down, 0), (across, 1)):
+        _, nearly = crisp_steps(some_steps(steps_at(heights, known, axis, (rows, cols))), rule)
+        first = (rows[nearly], cols[nearly])
+        joined = links[first]
+        first = (first[0][joined], first[1][joined])
+        both = lines[moved(first, axis, 1)] > 0
+        links[first[0][both], first[1][both]] = False
     return Surfaces(heights, across, down, mixed)
 
 
@@ -95,56 +102,42 @@ def _lines(heights: Float32, known: Mask, rule: JumpRule) -> NDArray[np.uint8] |
         for axis in (0, 1):
             if marks.shape[axis] < 2:
                 continue
-            steps = steps_along(heights[tile.outer], known[tile.outer], axis)
-            strong, weak = jump_heights(steps, rule, axis)
-            mark = (weak > 0).view(np.uint8) + np.uint8(2) * (strong > 0).view(np.uint8)
-            marks[along(axis, None, -1)] |= mark
-            marks[along(axis, 1, None)] |= mark
+            _mark(marks, heights[tile.outer], known[tile.outer], rule, axis)
         found[tile.core] = marks[tile.inner]
 
-    for_tiles(heights.shape, _HALO, work)
+    for_tiles(heights.shape, _HALO, work, _SIDE)
     if not (found > 1).any():
         return None
+    return _long_lines(found, rule)
+
+
+def _mark(marks: NDArray[np.uint8], heights: Float32, known: Mask, rule: JumpRule, axis: int) -> None:
+    """Mark the two pixels of each jump along an axis: 1 nearly, 3 surely; in place."""
+    steps = steps_along(heights, known, axis)
+    large = np.abs(steps) >= np.float32(_SMALLEST_PART * rule.least)
+    count = int(np.count_nonzero(large))
+    if not count:
+        return
+    if count > _FEW * large.size:
+        strong, weak = jump_heights(all_steps(steps, axis), rule)
+        mark = (weak > 0).view(np.uint8) + np.uint8(2) * (strong > 0).view(np.uint8)
+        marks[along(axis, None, -1)] |= mark
+        marks[along(axis, 1, None)] |= mark
+        return
+    rows, cols = np.nonzero(large)
+    strong, weak = jump_heights(some_steps(steps_at(heights, known, axis, (rows, cols))), rule)
+    at = weak > 0
+    mark = np.uint8(1) + np.uint8(2) * (strong[at] > 0).view(np.uint8)
+    first = (rows[at], cols[at])
+    for place in (first, moved(first, axis, 1)):
+        marks[place] |= mark
+
+
+def _long_lines(found: NDArray[np.uint8], rule: JumpRule) -> NDArray[np.uint8] | None:
+    """The lines of marks that hold enough sure ones."""
     count, labels = cv2.connectedComponents(found, connectivity=8, ltype=cv2.CV_32S)
     strong = np.bincount(labels[found > 1], minlength=count)
     keep = (strong >= (1 if rule.by_hand else rule.least_line)).astype(np.uint8)
     keep[0] = 0
     lines: NDArray[np.uint8] = keep[labels]
     return lines if lines.any() else None
-
-
-def _unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uint8]) -> tuple[Float32, int]:
-    """Heights with the mixed pixels of smoothed outlines moved to one side, and how many there were."""
-    plain, ends = [], []
-
-    def survey(tile: Tile) -> None:
-        near = lines[tile.outer].view(bool)
-        if near.any():
-            for axis in (0, 1):
-                some, all_ends = count_ends(heights[tile.outer], known[tile.outer], near, rule, axis)
-                plain.append(some)
-                ends.append(all_ends)
-
-    for_tiles(heights.shape, _HALO, survey)
-    if sum(plain) == 0 or min(heights.shape) < LEAST_SIDE:
-        return heights, 0
-    smoothed = sum(plain) >= _SMOOTHED_SHARE * sum(ends)
-    out = heights.copy()
-    counts = []
-
-    def move(tile: Tile) -> None:
-        near = lines[tile.outer].view(bool)
-        if not near.any():
-            return
-        part = heights[tile.outer]
-        found = [moved_ends(part, known[tile.outer], near, rule, axis, smoothed) for axis in (0, 1)]
-        (value, weight), (other, other_weight) = found
-        value = np.where(other_weight > weight, other, value)
-        equal = (other_weight == weight) & (weight > 0)
-        value = np.where(equal, (value + other) * np.float32(0.5), value)
-        moved = np.maximum(weight, other_weight) > 0
-        np.copyto(out[tile.core], value[tile.inner], where=moved[tile.inner])
-        counts.append(int(np.count_nonzero(moved[tile.inner])))
-
-    for_tiles(heights.shape, _HALO, move)
-    return out, sum(counts)

@@ -8,7 +8,7 @@ import numpy as np
 from nmaptool.arrays import Float32
 
 # of the jump's height, by distance from it in px: half mixed, then ringing
-_SPOILT = (0.6, 0.12, 0.06, 0.03)
+_SPOILT = (0.6, 0.06, 0.03, 0.015)
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 
 

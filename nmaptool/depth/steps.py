@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.tiles import along
@@ -14,7 +15,8 @@ from nmaptool.depth.tiles import along
 _BOTH, _FLAT, _STEEP = (3.0, 2.0), (8.0, 5.0), (1.4, 1.15)
 # a jump may take three steps, of which the largest holds this share
 _PEAK = np.float32(0.42)
-_SOFT = np.float32(2.6)
+_SOFT = 2.6
+Places = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,23 @@ class JumpRule:
     by_hand: bool = False
 
 
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Steps from pixels to the next along an axis, and the two steps before and after each; 0 where there is none.
+
+    Attributes
+    ----------
+    here : float32
+        Of any shape; so are ``before``, ``after`` (one further) and ``before2``, ``after2`` (two further).
+    """
+
+    here: Float32
+    before: Float32
+    after: Float32
+    before2: Float32
+    after2: Float32
+
+
 def steps_along(heights: Float32, known: Mask, axis: int) -> Float32:
     """Steps to the next pixel along an axis, one less than there are pixels; 0 to or from an unknown one."""
     first, last = along(axis, None, -1), along(axis, 1, None)
@@ -50,49 +69,78 @@ def steps_along(heights: Float32, known: Mask, axis: int) -> Float32:
     return steps
 
 
-def shifted(steps: Float32, axis: int, by: int) -> Float32:
-    """``steps[i + by]`` at i; 0 beyond the ends."""
-    out = np.zeros_like(steps)
-    if by > 0:
-        out[along(axis, None, -by)] = steps[along(axis, by, None)]
-    else:
-        out[along(axis, -by, None)] = steps[along(axis, None, by)]
-    return out
+def all_steps(steps: Float32, axis: int) -> Steps:
+    """Every step with those beside it."""
+
+    def shifted(by: int) -> Float32:
+        out = np.zeros_like(steps)
+        if by > 0:
+            out[along(axis, None, -by)] = steps[along(axis, by, None)]
+        else:
+            out[along(axis, -by, None)] = steps[along(axis, None, by)]
+        return out
+
+    return Steps(steps, shifted(-1), shifted(1), shifted(-2), shifted(2))
 
 
-def _outside(size: Float32, flat: Float32, steep: Float32, width: float) -> tuple[Mask, Mask]:
+def moved(place: Places, axis: int, by: int) -> Places:
+    """Places shifted along an axis."""
+    rows, cols = place
+    return (rows + by, cols) if axis == 0 else (rows, cols + by)
+
+
+def steps_at(heights: Float32, known: Mask, axis: int, place: Places) -> dict[int, Float32]:
+    """Steps three before to three after the one that starts at each of some places; 0 where there is none.
+
+    Returns
+    -------
+    dict of int to (K,) float32
+        By how many steps they are shifted.
+    """
+    limit = heights.shape[axis]
+    values, there = [], []
+    for by in range(-3, 5):
+        at = moved(place, axis, by)
+        inside = (at[axis] >= 0) & (at[axis] < limit)
+        at = (at[0].clip(0, heights.shape[0] - 1), at[1].clip(0, heights.shape[1] - 1))
+        values.append(heights[at])
+        there.append(inside & known[at])
+    return {by: (values[by + 4] - values[by + 3]) * (there[by + 4] & there[by + 3]) for by in range(-3, 4)}
+
+
+def some_steps(steps: dict[int, Float32]) -> Steps:
+    """What `steps_at` found, as `Steps`."""
+    return Steps(steps[0], steps[-1], steps[1], steps[-2], steps[2])
+
+
+def _outside(size: Float32, one: Float32, other: Float32, width: float, noise: float) -> tuple[Mask, Mask]:
     """Whether a step that is ``width`` pixels wide is far outside the slopes beside it: surely, and nearly."""
+    flat, steep = np.minimum(one, other), np.maximum(one, other)
+    flat += np.float32(noise)
+    steep += np.float32(noise)
     sure, nearly = (
         (size > np.float32(both * width) * steep)
-        | ((size > np.float32(one * width) * flat) & (size > np.float32(other * width) * steep))
-        for both, one, other in zip(_BOTH, _FLAT, _STEEP, strict=True)
+        | ((size > np.float32(low * width) * flat) & (size > np.float32(high * width) * steep))
+        for both, low, high in zip(_BOTH, _FLAT, _STEEP, strict=True)
     )
     return sure, nearly
 
 
-def crisp_steps(steps: Float32, rule: JumpRule, axis: int) -> tuple[Mask, Mask]:
-    """Jumps that take one step: bool like ``steps``, surely and nearly."""
-    size = np.abs(steps)
+def crisp_steps(steps: Steps, rule: JumpRule) -> tuple[Mask, Mask]:
+    """Jumps that take one step: surely, and nearly."""
+    size = np.abs(steps.here)
     big, half = size >= np.float32(rule.least), size >= np.float32(rule.least / 2)
     if rule.by_hand:
         return big, big
-    if not half.any():
-        return half, half
-    before, after = shifted(size, axis, -1), shifted(size, axis, 1)
-    before += np.float32(rule.noise)
-    after += np.float32(rule.noise)
-    sure, nearly = _outside(size, np.minimum(before, after), np.maximum(before, after), 1.0)
+    sure, nearly = _outside(size, np.abs(steps.before), np.abs(steps.after), 1.0, rule.noise)
     return big & sure, half & nearly
 
 
-def jump_heights(steps: Float32, rule: JumpRule, axis: int) -> tuple[Float32, Float32]:
+def jump_heights(steps: Steps, rule: JumpRule) -> tuple[Float32, Float32]:
     """The whole height of a jump at its largest step, 0 where there is none: sure ones, and those and near ones."""
     zero = np.float32(0)
-    size = np.abs(steps)
-    if not (size >= np.float32(rule.least / 4)).any():
-        return np.zeros_like(steps), np.zeros_like(steps)
-    sign = np.sign(steps)
-    before, after = (np.maximum(shifted(steps, axis, by) * sign, zero) for by in (-1, 1))
+    size, sign = np.abs(steps.here), np.sign(steps.here)
+    before, after = np.maximum(steps.before * sign, zero), np.maximum(steps.after * sign, zero)
     total = size + before
     total += after
     peak = (size >= before) & (size >= after) & (size >= _PEAK * total)
@@ -100,8 +148,7 @@ def jump_heights(steps: Float32, rule: JumpRule, axis: int) -> tuple[Float32, Fl
     if rule.by_hand:
         found = np.where(peak & big, total, zero)
         return found, found
-    outer = tuple(np.abs(shifted(steps, axis, by)) + np.float32(rule.noise) for by in (-2, 2))
-    sure, nearly = _outside(total, np.minimum(*outer), np.maximum(*outer), float(_SOFT))
-    crisp, crisp_nearly = crisp_steps(steps, rule, axis)
+    sure, nearly = _outside(total, np.abs(steps.before2), np.abs(steps.after2), _SOFT, rule.noise)
+    crisp, crisp_nearly = crisp_steps(steps, rule)
     strong = np.where(crisp | (peak & big & sure), total, zero)
     return strong, np.where(crisp_nearly | (peak & half & nearly), total, strong)

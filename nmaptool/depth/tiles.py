@@ -32,16 +32,16 @@ class Tile:
     inner: Window
 
 
-def _spans(length: int, halo: int) -> list[tuple[slice, slice, slice]]:
+def _spans(length: int, halo: int, side: int) -> list[tuple[slice, slice, slice]]:
     spans = []
-    for start in range(0, length, _SIDE):
-        stop = min(start + _SIDE, length)
+    for start in range(0, length, side):
+        stop = min(start + side, length)
         low, high = max(start - halo, 0), min(stop + halo, length)
         spans.append((slice(start, stop), slice(low, high), slice(start - low, stop - low)))
     return spans
 
 
-def for_tiles(shape: tuple[int, int], halo: int, work: Callable[[Tile], object]) -> None:
+def for_tiles(shape: tuple[int, int], halo: int, work: Callable[[Tile], object], side: int = _SIDE) -> None:
     """Call ``work`` once a tile, in several threads; tiles must not write outside their core.
 
     Parameters
@@ -51,10 +51,12 @@ def for_tiles(shape: tuple[int, int], halo: int, work: Callable[[Tile], object])
     halo : int
         Pixels around a tile's core that ``work`` reads.
     work : callable
+    side : int
+        Of a tile's core.
     """
     tiles = [
         Tile((rows[0], cols[0]), (rows[1], cols[1]), (rows[2], cols[2]))
-        for rows, cols in product(_spans(shape[0], halo), _spans(shape[1], halo))
+        for rows, cols in product(_spans(shape[0], halo, side), _spans(shape[1], halo, side))
     ]
     if len(tiles) == 1:
         work(tiles[0])

@@ -15,8 +15,8 @@ from nmaptool.model import RasterImage
 
 # a grey picture's channels differ by noise only: in 8-bit codes, on average and for all but a few pixels
 _GREY_MEAN, _GREY_MOST, _GREY_FEW = 2.0, 16.0, 1e-3
-# so many more pixels than values make values steps
-_PIXELS_A_LEVEL = 16
+# so many pixels of a sample to a value make values steps
+_PIXELS_A_LEVEL = 8
 _SAMPLE = 1 << 17
 # a depth so many times the middle one, or beyond all measure, stands for nothing
 _FAR, _INFINITE = 1e3, 1e30
@@ -26,6 +26,8 @@ _QUIET = 20
 # noise under this share of a step is the step itself
 _STEP_NOISE = 0.45
 _HIGH_PASS = 6.0
+# edges in a block are left out: the mean of the smaller 60% of |x| is so much of a normal x's deviation
+_TRIMMED, _TRIMMED_MEAN = 0.6, 0.3966
 # a block is flat unless so many of its pixels differ from what their neighbours say
 _LIVELY = 0.25
 
@@ -133,22 +135,20 @@ def empty_depths(values: Float32, known: Mask) -> Mask:
 
 
 def step_of(grey: GreyValues) -> float:
-    """Size of a step between the values that a picture holds, in its own unit; 0 where there are no steps to speak of."""
+    """Size of a step between the values that a picture holds, in its own unit; 0 where there are none to see."""
     sample = grey.values[grey.known]
     sample = sample[:: max(1, sample.size // _SAMPLE)]
     levels, counts = np.unique(sample, return_counts=True)
     if len(levels) < 2:
         return 0.0 if grey.is_float else 1.0
+    if np.median(counts) < _PIXELS_A_LEVEL:
+        return 0.0 if grey.is_float else 1.0
+    # the gap that most pixels see on both sides: a value far from the others says nothing, however common it is
     gaps = np.diff(levels.astype(np.float64))
-    if not grey.is_float and len(levels) * _PIXELS_A_LEVEL > sample.size:
-        return 1.0
-    if grey.is_float and len(levels) * _PIXELS_A_LEVEL > sample.size:
-        return 0.0
-    # the gap that most pixels see: rare values far apart say nothing
-    weight = counts[:-1] + counts[1:]
+    weight = np.minimum(counts[:-1], counts[1:])
     order = np.argsort(gaps)
-    middle = np.searchsorted(np.cumsum(weight[order]), weight.sum() / 2)
-    return float(gaps[order][min(int(middle), len(gaps) - 1)])
+    middle = int(np.searchsorted(np.cumsum(weight[order]), weight.sum() / 2))
+    return float(gaps[order][min(middle, len(gaps) - 1)])
 
 
 def noise_of(values: Float32, known: Mask, step: float) -> float:
@@ -185,7 +185,8 @@ def _block_noise(strip: Float32, known: Mask) -> NDArray[Any]:
     padded[1:-1, 1:-1] = high
     blocks = padded[1:-1, :whole].reshape(_BLOCK - 2, -1, _BLOCK)
     inside = blocks[:, :, 1:-1]
-    mean = inside.mean(axis=(0, 2)) * (np.sqrt(np.pi / 2) / _HIGH_PASS)
+    ordered = np.sort(inside.transpose(1, 0, 2).reshape(inside.shape[1], -1), axis=1)
+    mean = ordered[:, : int(_TRIMMED * ordered.shape[1])].mean(axis=1) / (_TRIMMED_MEAN * _HIGH_PASS)
     sound = known[:, :whole].reshape(_BLOCK, -1, _BLOCK).all(axis=(0, 2))
     sound &= (inside != 0).mean(axis=(0, 2)) > _LIVELY
     return np.asarray(np.where(sound, mean, 0))

@@ -17,29 +17,29 @@ from nmaptool.depth.jumps import Surfaces, join_all, part_surfaces
 from nmaptool.depth.report import DepthNormals, DepthReport
 from nmaptool.depth.rim import widen_tolerance
 from nmaptool.depth.scale import Scale, in_px, magnification, settle_scale, without_empty
-from nmaptool.depth.slopes import continue_to_jumps, jump_sizes, normals_of
+from nmaptool.depth.slopes import continue_to_jumps, jump_sizes, mean_curl, normals_of
 from nmaptool.depth.steps import JumpRule
 from nmaptool.depth.values import GreyValues, grey_values, noise_of, step_of
 from nmaptool.errors import InputError, UsageError
 from nmaptool.model import Decoding, Frame, NormalMap, RasterImage
 from nmaptool.options import DepthOptions
 from nmaptool.progress import Progress
-from nmaptool.vectors import FLAT, mean_abs_curl
 from nmaptool.verbs.relief_inputs import check_mask
 
 # a jump is this high at least: in px, in steps of the codes, and in deviations of the noise
 _JUMP_PX, _JUMP_STEPS, _JUMP_NOISE = 1.0, 4.0, 7.0
-_MIXED_SHARE = 0.25
+# a pixel of a smoothed outline is off its side by so much at least: in px, in steps
+_MIXED_PX, _MIXED_STEPS = 0.02, 2.0
 # how far the surface may leave the stored heights: half a step, and the noise; lossy files are off by more than that
 _NOISE_REACH, _LOSSY_STEPS = 3.0, 1.5
 # steps of descent, more where the surface may leave the heights by more than so many of the steps they hold
-_QUICK, _THOROUGH, _THOROUGH_STEPS = 10, 24, 0.6
+_QUICK, _THOROUGH, _THOROUGH_STEPS = 14, 32, 0.6
 # pixels beside a line of jumps: a motif of one pixel has five, noise often more
 _LEAST_LINE, _NOISY_LINE = 5, 12
 # noise that a lossy file has near its edges at least, in steps
 _LOSSY_NOISE = 1.25
 # slopes that are less wrong than this need no fit
-_FINE_SLOPE = 0.004
+_FINE_SLOPE = 0.012
 
 
 @dataclass
@@ -106,20 +106,24 @@ def depth_to_normals(
         slack = np.full(heights.shape, tolerance, np.float32)
         if source.unsure:
             widen_tolerance(slack, jumps)
+        elif rule is not None and parts.mixed and tolerance:
+            np.copyto(slack, rule.least_mixed, where=jumps > 0)
         ground, word = _ground(options, source, heights, slack)
         if tolerance:
             thorough = _THOROUGH if tolerance > _THOROUGH_STEPS * source.step_px else _QUICK
             heights = fit_surface(heights, slack, across, down, thorough)
         del slack
     with stages.stage("normals", 0.8):
-        normals = normals_of(heights, across, down, fine=not tolerance, factor=magnification(heights, scale))
-        continue_to_jumps(normals, across, down)
-        ends = [float(pick(heights[known])) for pick in (np.min, np.max)]
-        del heights, across, down
+        flat = ground if known.all() else ~known if ground is None else ground | ~known
+        factor = magnification(heights, scale)
+        normals = normals_of(heights, across, down, flat, fine=not tolerance, factor=factor)
+        continue_to_jumps(normals, across, down, flat)
+        ends = [float(heights.min(where=known, initial=np.inf)), float(heights.max(where=known, initial=-np.inf))]
+        del heights, across, down, factor, flat
         normal_map = _map(source, normals, ground, word)
     beside = int(np.count_nonzero(jumps))
     with stages.stage("curl", 0.9):
-        turn = mean_abs_curl(normal_map.normals, normal_map.foreground)
+        turn = mean_curl(normal_map.normals, normal_map.foreground)
     report = DepthReport(
         options=options,
         **source.facts(),
@@ -198,11 +202,11 @@ def _rule(options: DepthOptions, source: _Source) -> JumpRule | None:
     if options.jump == "none":
         return None
     unsure, image = source.unsure, source.image
+    mixed = max(_MIXED_PX, _MIXED_STEPS * source.step_px, _JUMP_NOISE / 2 * unsure)
     if options.jump != "auto":
         least = in_px(options.jump, image.frame.cols, source.scale.pitch_mm, "jump", image.name)
-        return JumpRule(least, _MIXED_SHARE * least, by_hand=True)
+        return JumpRule(least, mixed, by_hand=True)
     least = max(_JUMP_PX, _JUMP_STEPS * source.step_px, _JUMP_NOISE * unsure)
-    mixed = max(_MIXED_SHARE * _JUMP_PX, _JUMP_STEPS / 2 * source.step_px, _JUMP_NOISE / 2 * unsure)
     return JumpRule(least, mixed, 2 * unsure, _NOISY_LINE if unsure else _LEAST_LINE)
 
 
@@ -237,10 +241,8 @@ def _map(source: _Source, normals: Float32, ground: Mask | None, word: str) -> N
     foreground = coverage >= 0.5
     if ground is not None:
         foreground &= ~ground
-        normals[ground] = FLAT
         if word.endswith("cut"):
             coverage[ground] = 0
-    normals[~known] = FLAT
     decoding = Decoding(
         encoding="signed",
         zero_code="0",
