@@ -11,5 +11,6 @@ for _name, _help in (
     ("split", "Split a map that has no mesh into base and detail."),
     ("blend", "Blend a detail map with a base map."),
     ("paste", "Paste layers on a background."),
+    ("depth", "Turn a depth or height picture into a normal map."),
 ):
     app.command(f"nmaptool_cli.compose.{_name}:{_name}", name=_name, help=_help)

@@ -98,6 +98,8 @@ def _lines(heights: Float32, known: Mask, rule: JumpRule) -> NDArray[np.uint8] |
     found = np.zeros(heights.shape, np.uint8)  # 1 weak, 3 strong
 
     def work(tile: Tile) -> None:
+        if np.ptp(heights[tile.outer]) < _SMALLEST_PART * rule.least:
+            return
         marks = np.zeros(heights[tile.outer].shape, np.uint8)
         for axis in (0, 1):
             if marks.shape[axis] < 2:

@@ -171,10 +171,11 @@ def _read(image: RasterImage, options: DepthOptions, mask: Any) -> _Source:
     grey, cover = _surface(image, options, mask)
     scale = settle_scale(image, grey, options)
     step = step_of(grey)
+    size = abs(scale.px_per_value)
     noise = noise_of(grey.values, grey.known, step)
+    noise = noise if noise * size >= _FINE_SLOPE else 0.0
     heights = grey.values
     heights *= np.float32(scale.px_per_value)  # they are a copy of the picture's
-    size = abs(scale.px_per_value)
     lowest = float(heights.min(where=grey.known, initial=np.inf))
     return _Source(image, grey, cover, scale, heights, lowest, step * size, noise * size)
 
