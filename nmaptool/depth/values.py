@@ -18,6 +18,8 @@ _GREY_MEAN, _GREY_MOST, _GREY_FEW = 2.0, 16.0, 1e-3
 # so many pixels of a sample to a value make values steps
 _PIXELS_A_LEVEL = 8
 _SAMPLE = 1 << 17
+# floats that are steps: so many, so even, so few of them left out
+_LEAST_LEVELS, _UNEVEN, _FILLED = 48, 0.05, 0.5
 # a depth so many times the middle one, or beyond all measure, stands for nothing
 _FAR, _INFINITE = 1e3, 1e30
 _BLOCK = 16
@@ -148,7 +150,15 @@ def step_of(grey: GreyValues) -> float:
     weight = np.minimum(counts[:-1], counts[1:])
     order = np.argsort(gaps)
     middle = int(np.searchsorted(np.cumsum(weight[order]), weight.sum() / 2))
-    return float(gaps[order][min(middle, len(gaps) - 1)])
+    step = float(gaps[order][min(middle, len(gaps) - 1)])
+    return step if not grey.is_float or _even(gaps / step) else 0.0
+
+
+def _even(gaps: NDArray[np.float64]) -> bool:
+    """Whether floats are the even steps of some integers: enough of them, and hardly any left out."""
+    whole = np.rint(gaps)
+    near = np.abs(gaps - whole) < _UNEVEN
+    return len(gaps) >= _LEAST_LEVELS and bool(near.all()) and len(gaps) >= _FILLED * whole.sum()
 
 
 def noise_of(values: Float32, known: Mask, step: float) -> float:
