@@ -22,7 +22,7 @@ def coded(heights: Any, bits: int) -> tuple[nm.RasterImage, str]:
     """Heights in px from 0 up as codes that use their full range, and the depth scale that gives them back."""
     top = float(np.max(heights))
     if bits == 32:
-        return picture(heights), f"{top - min(float(np.min(heights)), 0 if top > 1 else 0)}px"
+        return picture(heights), f"{np.ptp(heights) if top > 1 else 1}px"
     return picture(np.asarray(heights) / top * (2**bits - 1), bits), f"{top}px"
 
 

@@ -16,6 +16,8 @@ _BOTH, _FLAT, _STEEP = (3.0, 2.0), (8.0, 5.0), (1.4, 1.15)
 # a jump may take three steps, of which the largest holds this share
 _PEAK = np.float32(0.42)
 _SOFT = 2.6
+# and it is so much higher than the least of one step, since fine texture is nearly as steep
+_SOFT_LEAST = 1.6
 Places = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
@@ -144,7 +146,8 @@ def jump_heights(steps: Steps, rule: JumpRule) -> tuple[Float32, Float32]:
     total = size + before
     total += after
     peak = (size >= before) & (size >= after) & (size >= _PEAK * total)
-    big, half = total >= np.float32(rule.least), total >= np.float32(rule.least / 2)
+    least = rule.least if rule.by_hand else _SOFT_LEAST * rule.least
+    big, half = total >= np.float32(least), total >= np.float32(least / 2)
     if rule.by_hand:
         found = np.where(peak & big, total, zero)
         return found, found

@@ -33,7 +33,9 @@ _MIXED_PX, _MIXED_STEPS = 0.02, 2.0
 # how far the surface may leave the stored heights: half a step, and the noise; lossy files are off by more than that
 _NOISE_REACH, _LOSSY_STEPS = 3.0, 1.5
 # steps of descent, more where the surface may leave the heights by more than so many of the steps they hold
-_QUICK, _THOROUGH, _THOROUGH_STEPS = 14, 32, 0.6
+_LEAST_DESCENT, _MOST_DESCENT, _THOROUGH_STEPS = 14, 40, 0.6
+# pictures of more pixels than this get fewer steps: their forms bend less from pixel to pixel
+_FULL_DESCENT_PIXELS = 2e6
 # pixels beside a line of jumps: a motif of one pixel has five, noise often more
 _LEAST_LINE, _NOISY_LINE = 5, 12
 # noise that a lossy file has near its edges at least, in steps
@@ -110,8 +112,7 @@ def depth_to_normals(
             np.copyto(slack, rule.least_mixed, where=jumps > 0)
         ground, word = _ground(options, source, heights, slack)
         if tolerance:
-            thorough = _THOROUGH if tolerance > _THOROUGH_STEPS * source.step_px else _QUICK
-            heights = fit_surface(heights, slack, across, down, thorough)
+            heights = fit_surface(heights, slack, across, down, _descent(tolerance, source))
         del slack
     with stages.stage("normals", 0.8):
         flat = ground if known.all() else ~known if ground is None else ground | ~known
@@ -220,6 +221,13 @@ def _tolerance(options: DepthOptions, source: _Source) -> float:
     if max(source.step_px, source.noise_px) < _FINE_SLOPE:
         return 0.0
     return source.step_px * (_LOSSY_STEPS if image.lossy else 0.5) + _NOISE_REACH * source.noise_px
+
+
+def _descent(tolerance: float, source: _Source) -> int:
+    """Steps of descent that fit a surface."""
+    share = (_FULL_DESCENT_PIXELS / source.heights.size) ** 0.5
+    most = _MOST_DESCENT if tolerance > _THOROUGH_STEPS * source.step_px else round(_MOST_DESCENT * share)
+    return min(max(most, _LEAST_DESCENT), _MOST_DESCENT)
 
 
 def _ground(options: DepthOptions, source: _Source, heights: Float32, slack: Float32) -> tuple[Mask | None, str]:
