@@ -15,7 +15,9 @@ from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.tiles import Tile, along, for_tiles
 
 # steps of descent on the pixels, and on every coarser grid
-_ITERATIONS, _COARSE_ITERATIONS = 14, 32
+_ITERATIONS, _COARSE_ITERATIONS = 12, 32
+# larger coarse grids get fewer steps: they only prepare the finer one
+_FULL_DESCENT_CELLS = 1e6
 _LEAST_CELLS = 6
 # 1 / (largest eigenvalue of the bending energy: 16 along each axis)
 _PACE = np.float32(1 / 32)
@@ -91,7 +93,8 @@ def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) 
     below = down[y1, x0] & down[y1, x1] & whole
     below[:-1] &= whole[1:]
     below[-1] = False
-    coarse = fit_surface(mean, slack, right, below, _COARSE_ITERATIONS)
+    often = round(_COARSE_ITERATIONS * min(1.0, (_FULL_DESCENT_CELLS / mean.size) ** 0.5))
+    coarse = fit_surface(mean, slack, right, below, max(often, _ITERATIONS))
     quarter = np.float32(0.25)
     tilt_x, tilt_y = (linked_slope(coarse, links, axis) * quarter for axis, links in ((1, right), (0, below)))
     fine = values.copy()

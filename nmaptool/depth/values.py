@@ -14,7 +14,7 @@ from nmaptool.errors import InputError
 from nmaptool.model import RasterImage
 
 # a grey picture's channels differ by noise only: in 8-bit codes, on average and for all but a few pixels
-_GREY_MEAN, _GREY_MOST, _GREY_FEW = 2.0, 16.0, 1e-3
+_GREY_MEAN, _GREY_MOST, _GREY_FEW = 4.0, 16.0, 1e-3
 # so many pixels of a sample to a value make values steps
 _PIXELS_A_LEVEL = 8
 _SAMPLE = 1 << 17
@@ -93,8 +93,11 @@ def grey_values(image: RasterImage) -> GreyValues:
 
 def _may_be_codes(pixels: NDArray[Any]) -> bool:
     """Whether a sample of floats lies near multiples of 1/255: to look at all of them takes a while."""
-    sample = pixels.ravel()[:: max(1, pixels.size // _SAMPLE)] * np.float32(255)
-    return bool(np.all(np.abs(sample - np.rint(sample)) < 0.1))
+    sample = pixels.ravel()[:: max(1, pixels.size // _SAMPLE)]
+    if not (np.abs(sample) <= 1).all():  # also for NaN
+        return False
+    codes = sample * np.float32(255)
+    return bool(np.all(np.abs(codes - np.rint(codes)) < 0.1))
 
 
 def _one_channel(image: RasterImage) -> tuple[Float32, bool]:

@@ -33,9 +33,9 @@ _MIXED_PX, _MIXED_STEPS = 0.02, 2.0
 # how far the surface may leave the stored heights: half a step, and the noise; lossy files are off by more than that
 _NOISE_REACH, _LOSSY_STEPS = 3.0, 1.5
 # steps of descent, more where the surface may leave the heights by more than so many of the steps they hold
-_LEAST_DESCENT, _MOST_DESCENT, _THOROUGH_STEPS = 14, 40, 0.6
+_LEAST_DESCENT, _MOST_DESCENT, _THOROUGH_STEPS = 10, 40, 0.6
 # pictures of more pixels than this get fewer steps: their forms bend less from pixel to pixel
-_FULL_DESCENT_PIXELS = 2e6
+_FULL_DESCENT_PIXELS = 1e6
 # pixels beside a line of jumps: a motif of one pixel has five, noise often more
 _LEAST_LINE, _NOISY_LINE = 5, 12
 # noise that a lossy file has near its edges at least, in steps
