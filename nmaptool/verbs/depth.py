@@ -119,7 +119,7 @@ def depth_to_normals(
         factor = magnification(heights, scale)
         normals = normals_of(heights, across, down, flat, fine=not tolerance, factor=factor)
         continue_to_jumps(normals, across, down, flat)
-        ends = [float(heights.min(where=known, initial=np.inf)), float(heights.max(where=known, initial=-np.inf))]
+        lowest, highest = _ends(heights, known)
         del heights, across, down, factor, flat
         normal_map = _map(source, normals, ground, word)
     beside = int(np.count_nonzero(jumps))
@@ -128,7 +128,7 @@ def depth_to_normals(
     report = DepthReport(
         options=options,
         **source.facts(),
-        range_px=ends[1] - ends[0],
+        range_px=highest - lowest,
         tolerance_px=tolerance,
         jump_px=rule.least if rule is not None else None,
         jumps=beside,
@@ -177,8 +177,14 @@ def _read(image: RasterImage, options: DepthOptions, mask: Any) -> _Source:
     noise = noise if noise * size >= _FINE_SLOPE else 0.0
     heights = grey.values
     heights *= np.float32(scale.px_per_value)  # they are a copy of the picture's
-    lowest = float(heights.min(where=grey.known, initial=np.inf))
-    return _Source(image, grey, cover, scale, heights, lowest, step * size, noise * size)
+    return _Source(image, grey, cover, scale, heights, _ends(heights, grey.known)[0], step * size, noise * size)
+
+
+def _ends(heights: Float32, known: Mask) -> tuple[float, float]:
+    """The lowest and the highest of the known heights."""
+    if known.all():  # several times faster
+        return float(heights.min()), float(heights.max())
+    return float(heights.min(where=known, initial=np.inf)), float(heights.max(where=known, initial=-np.inf))
 
 
 def _surface(image: RasterImage, options: DepthOptions, mask: Any) -> tuple[GreyValues, Float32 | None]:
