@@ -92,7 +92,7 @@ class MapWriter:
         self._account: Mapping[str, Any] = {}
         self.files.check()
         for path in self.files.targets:
-            if path.exists() and any(Path(name).exists() and path.samefile(name) for name in inputs if name):
+            if path.exists() and any(_is_same(path, name) for name in inputs if name):
                 raise UsageError(f"{path}: is also an input; give another name for the output")
 
     @property
@@ -106,12 +106,13 @@ class MapWriter:
         pictures: Mapping[str, Callable[[], Picture]],
         account: Mapping[str, Any],
         recipe: str,
+        attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write everything."""
         from nmaptool.io.map_files import write_map_files
 
         self._account = {**account, "outputs": self.named_targets}
-        write_map_files(self.files, normal_map, pictures, self._account, recipe)
+        write_map_files(self.files, normal_map, pictures, self._account, recipe, attributes)
         if self._folder is not None:
             with self.files.output.open("rb") as stream:
                 shutil.copyfileobj(stream, sys.stdout.buffer)
@@ -119,14 +120,19 @@ class MapWriter:
             self._folder.cleanup()
 
     def write_composition(
-        self, composition: nm.Composition, account: Mapping[str, Any], recipe: str | None = None
+        self,
+        composition: nm.Composition,
+        account: Mapping[str, Any],
+        recipe: str | None = None,
+        attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write a composition, with its picture of where layers lie."""
         from nmaptool.io.map_files import composition_recipe, placed_picture
 
         everything = {**account, **composition.report.to_dict()}
         recipe = composition_recipe(composition) if recipe is None else recipe
-        self.write(composition.normal_map, {"placed": lambda: placed_picture(composition)}, everything, recipe)
+        pictures = {"placed": lambda: placed_picture(composition)}
+        self.write(composition.normal_map, pictures, everything, recipe, attributes)
 
     def finish(self) -> None:
         """Say what was written; print the report where it goes to standard output."""
@@ -134,6 +140,16 @@ class MapWriter:
             self.session.say(f"  wrote {'the map to standard output' if name == STREAM else path}")
         if self.report_to_stdout:
             self.session.data(self._account)
+
+
+def _is_same(path: Path, name: str) -> bool:
+    """Whether an input, such as ``maps.exr:detail``, is in that file."""
+    from nmaptool.io.normal_maps import split_layer
+
+    try:
+        return path.samefile(split_layer(name)[0])
+    except (OSError, ValueError):  # there is no such input: reading it tells
+        return False
 
 
 def say_map(session: Session, normal_map: nm.NormalMap) -> None:

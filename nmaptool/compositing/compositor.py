@@ -11,7 +11,7 @@ import numpy as np
 from nmaptool.arrays import Float32, Mask
 from nmaptool.blending import blend
 from nmaptool.compositing.edges import feathered
-from nmaptool.compositing.placement import Piece, bounds, linear_part, map_piece, with_fixed_point
+from nmaptool.compositing.placement import Piece, bounds, is_exact, linear_part, map_piece, with_fixed_point
 from nmaptool.errors import InputError, UsageError
 from nmaptool.layer_stack import Layer, LayerGroup, check_mask
 from nmaptool.model import Frame, NormalMap
@@ -149,8 +149,9 @@ def place(layer: Layer, frame: Frame) -> Piece:
         )
     # a soft edge looks beyond the canvas: what goes on there has no edge
     beyond = int(np.ceil(feather)) + 1 if feather else 0
-    left, top = max(left - 1, -beyond), max(top - 1, -beyond)
-    right, bottom = min(right + 1, frame.cols + beyond), min(bottom + 1, frame.rows + beyond)
+    rim = 0 if is_exact(linear) else 1  # interpolation reaches half a pixel farther
+    left, top = max(left - rim, -beyond), max(top - rim, -beyond)
+    right, bottom = min(right + rim, frame.cols + beyond), min(bottom + rim, frame.rows + beyond)
     piece = Piece(source.normals, coverage, source.foreground)
     piece = map_piece(piece, matrix, (left, top, right - left, bottom - top), o.height_factor)
     if feather:
@@ -197,7 +198,7 @@ def _lay(canvas: Canvas, piece: Piece, name: str, mode: str, strength: float, cl
         outcome = below if clip else 1 - (1 - below) * (1 - shown)
         with np.errstate(invalid="ignore", divide="ignore"):
             share = np.where(outcome > 0, shown / outcome, 0).astype(np.float32).clip(0, 1)
-        canvas.normals[window] = _mixed(canvas.normals[window], piece.normals, share)
+        canvas.normals[window] = mixed(canvas.normals[window], piece.normals, share)
         motif = np.where(share >= 0.5, piece.foreground, canvas.foreground[window])
     else:
         # where nothing lies below, the layer alone decides, with its own coverage
@@ -217,7 +218,7 @@ def _lay(canvas: Canvas, piece: Piece, name: str, mode: str, strength: float, cl
     return float(shown.sum(dtype=np.float64) / canvas.coverage.size)
 
 
-def _mixed(below: Float32, above: Float32, share: Float32) -> Float32:
+def mixed(below: Float32, above: Float32, share: Float32) -> Float32:
     """Unit normals on the way from ``below`` to ``above``; the ends in every bit."""
     out = np.where((share >= 1)[..., None], above, below)
     soft = (share > 0) & (share < 1)

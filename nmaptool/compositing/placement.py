@@ -6,6 +6,7 @@ coordinates to the canvas's. Slopes follow as k A^-T g, A being the matrix with 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ from nmaptool.vectors import FLAT, unit
 _UNEVEN = 0.01
 _EXACT = 1e-7
 _LEAST_COVERAGE = 1 / 512
+_RINGING = 0.04
 _LONGEST_SIDE = 32_000  # what OpenCV can address
 
 
@@ -71,7 +73,13 @@ def is_exact(linear: Float64) -> bool:
 def default_height_factor(linear: Float64) -> float:
     """Factor on heights in px: the scale where it is the same in all directions, so that slopes stay; else 1."""
     stretch = np.linalg.svd(linear, compute_uv=False)
-    return float(np.sqrt(stretch.prod())) if stretch[0] <= stretch[1] * (1 + _UNEVEN) else 1.0
+    return 1.0 if is_uneven(stretch) else float(np.sqrt(stretch.prod()))
+
+
+def is_uneven(scales: Iterable[float]) -> bool:
+    """Whether two scales differ by more than the rounding of sizes in px."""
+    low, high = sorted(scales)
+    return high > low * (1 + _UNEVEN)
 
 
 def turn_vectors(normals: Float32, linear: Float64, height_factor: float) -> Float32:
@@ -122,8 +130,8 @@ def map_piece(
     Returns
     -------
     Piece
-        Exact, bit by bit, where pixels go to pixels; else resampled by bicubic interpolation inside the coverage,
-        bilinear along its edge, after averaging where it shrinks.
+        Exact, bit by bit, where pixels go to pixels; else resampled by Lanczos interpolation inside the coverage,
+        linear along its edge and next to jumps, after averaging where it shrinks.
 
     Raises
     ------
@@ -191,11 +199,15 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
         return out
 
     inside = (mixed[..., 3] >= 1 - 1e-6).astype(np.uint8)
-    inside = cv2.erode(inside, np.ones((5, 5), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    inside = cv2.erode(inside, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
     vectors = warp(mixed, cv2.INTER_LINEAR)
     coverage = np.ascontiguousarray(vectors[..., 3]).clip(0, 1)
+    sharp = warp(mixed, cv2.INTER_LANCZOS4)
+    # next to a jump within the map the sharper one would ring
     smooth = warp(inside, cv2.INTER_NEAREST).astype(bool)
-    vectors = np.where(smooth[..., None], warp(mixed, cv2.INTER_CUBIC), vectors)
+    for off in cv2.split(cv2.absdiff(sharp, vectors)):
+        smooth &= off < _RINGING
+    np.copyto(vectors, sharp, where=smooth[..., None])
     coverage[smooth] = 1
     coverage[coverage < _LEAST_COVERAGE] = 0
     normals = unit(vectors[..., :3])

@@ -17,8 +17,9 @@ from nmaptool.options.compose import (
 )
 from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
-from nmaptool.options.reading import Encoding, Green, ReadOptions, ZeroCode
+from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
+from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.write import Bits, WriteOptions, WrittenGreen, WrittenZeroCode
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "BlendOptions",
     "CanvasOptions",
     "Clip",
+    "Components",
     "DepthBackground",
     "DepthOptions",
     "DetailEncoding",
@@ -43,12 +45,14 @@ __all__ = [
     "LayerMode",
     "LayerOptions",
     "MeshReadOptions",
+    "NewGround",
     "ReadOptions",
     "ReliefOptions",
     "Renderer",
     "Shading",
     "SolverName",
     "SplitOptions",
+    "TransformOptions",
     "WriteOptions",
     "WrittenGreen",
     "WrittenZeroCode",
