@@ -6,7 +6,17 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from nmaptool import Composition, ConvertReport, Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport
+    from nmaptool import (
+        Composition,
+        ConvertReport,
+        Decoding,
+        DepthReport,
+        Inspection,
+        LayerReport,
+        LayerSet,
+        Mesh,
+        SolveReport,
+    )
 
 
 _COMPONENTS = {"xyz": "x, y and z", "xy": "x and y, z made from them", "octahedral": "octahedral codes"}
@@ -148,6 +158,27 @@ def describe_composition(composition: Composition) -> Iterator[str]:
     before = "" if report.curl_before is None else f" (before {report.curl_before:.4f})"
     pitch = "" if frame.pitch_mm is None else f", pitch {frame.pitch_mm:.4g} mm"
     yield f"  {report.command}: {frame}{pitch}, mean |curl| {report.curl_after:.4f} slope per px{before}"
+
+
+def describe_depth(report: DepthReport) -> Iterator[str]:
+    """How a depth picture was read, a line each."""
+    near = "near is dark or small" if report.inverted else "near is bright or large"
+    lens = f", {report.fov:g} degrees across ({report.fov_from})" if report.fov else ""
+    kind = f"{report.bits} bit {report.kind}"
+    yield f"  {kind}, {near} ({report.inverted_from}), scale {report.scale_px:.4g} px ({report.scale_from}){lens}"
+    steps = f"steps of {report.step_px:.3g} px" if report.step_px else "no steps"
+    noise = f"noise {report.noise_px:.3g} px" if report.noise_px else "no noise"
+    fitted = f"fitted within {report.tolerance_px:.3g} px" if report.tolerance_px else "slopes taken as they are"
+    yield f"  {steps}, {noise}: {fitted}"
+    if report.jump_px is None:
+        yield "  jumps were not looked for"
+    else:
+        mixed = f", {report.mixed_pixels} mixed pixels put on one side" if report.mixed_pixels else ""
+        yield f"  jumps of {report.jump_px:.3g} px or more beside {report.jump_share:.1%} of the surface{mixed}"
+    yield f"  background {report.background}, {report.background_share:.0%} of the picture"
+    yield f"  mean |curl| {report.curl:.4f} slope per px"
+    if report.scale_from == "assumed":
+        yield "  no depth was given: white stands 10% of the width above black; say --depth-scale 5% for your own"
 
 
 def describe_conversion(report: ConvertReport) -> Iterator[str]:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from nmaptool.curl_shading import curl_picture
     from nmaptool.decoding import decode_normal_map
     from nmaptool.decompose.rolling import Decomposition
+    from nmaptool.depth.report import DepthNormals, DepthReport
     from nmaptool.errors import (
         ConvergenceError,
         InputError,
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
         BakeOptions,
         BlendOptions,
         CanvasOptions,
+        DepthOptions,
         FilterOptions,
         GroupOptions,
         LayerOptions,
@@ -70,6 +72,7 @@ if TYPE_CHECKING:
     from nmaptool.verbs.blend import blend
     from nmaptool.verbs.compose import compose, paste
     from nmaptool.verbs.decompose import decompose_normals
+    from nmaptool.verbs.depth import depth_to_normals
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
     from nmaptool.verbs.integrate import integrate
     from nmaptool.verbs.relief import relief
@@ -84,6 +87,8 @@ _HOME = {
     "curl_picture": "curl_shading",
     "decode_normal_map": "decoding",
     "Decomposition": "decompose.rolling",
+    "DepthNormals": "depth.report",
+    "DepthReport": "depth.report",
     "ConvergenceError": "errors",
     "InputError": "errors",
     "LimitError": "errors",
@@ -119,6 +124,7 @@ _HOME = {
     "BakeOptions": "options",
     "BlendOptions": "options",
     "CanvasOptions": "options",
+    "DepthOptions": "options",
     "FilterOptions": "options",
     "GroupOptions": "options",
     "LayerOptions": "options",
@@ -149,6 +155,7 @@ _HOME = {
     "compose": "verbs.compose",
     "paste": "verbs.compose",
     "decompose_normals": "verbs.decompose",
+    "depth_to_normals": "verbs.depth",
     "Finding": "verbs.inspect",
     "Inspection": "verbs.inspect",
     "inspect_map": "verbs.inspect",
@@ -169,6 +176,9 @@ __all__ = [
     "ConvertReport",
     "Decoding",
     "Decomposition",
+    "DepthNormals",
+    "DepthOptions",
+    "DepthReport",
     "FilterOptions",
     "Finding",
     "Frame",
@@ -215,6 +225,7 @@ __all__ = [
     "curl_picture",
     "decode_normal_map",
     "decompose_normals",
+    "depth_to_normals",
     "doubts",
     "inspect_map",
     "integrate",

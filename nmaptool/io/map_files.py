@@ -9,7 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from nmaptool._version import __version__
+from nmaptool.arrays import Float32
 from nmaptool.curl_shading import BRIGHTEST, DARKEST, curl_picture
 from nmaptool.errors import UsageError
 from nmaptool.io.image_writer import Picture, write_pictures
@@ -181,3 +184,11 @@ def placed_picture(composition: Composition) -> Picture:
     """Where layers lie above the lowest, as a mask for a relief of them."""
     grey = grey_codes(composition.placed, 16)[..., None]
     return Picture(grey, ("Y",), {"kind": "mask", "version": __version__})
+
+
+def jumps_picture(jumps: Float32) -> Picture:
+    """Jumps of a depth picture: black is none, white the highest, which is in the metadata."""
+    highest = float(jumps.max())
+    grey = grey_codes(jumps / np.float32(highest or 1), 16)[..., None]
+    facts = {"kind": "jumps", "version": __version__, "black": "0", "white": repr(highest), "unit": "px"}
+    return Picture(grey, ("Y",), facts)

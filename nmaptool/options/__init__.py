@@ -15,6 +15,7 @@ from nmaptool.options.compose import (
     LayerMode,
     LayerOptions,
 )
+from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
@@ -31,6 +32,8 @@ __all__ = [
     "CanvasOptions",
     "Clip",
     "Components",
+    "DepthBackground",
+    "DepthOptions",
     "DetailEncoding",
     "Encoding",
     "Energy",
