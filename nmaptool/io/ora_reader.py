@@ -8,9 +8,6 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from nmaptool.errors import InputError, LimitError
 from nmaptool.io import workspace_words as words
 from nmaptool.io.images import read_image
@@ -19,8 +16,9 @@ from nmaptool.io.ora_writer import MIMETYPE, WORDS_FILE
 from nmaptool.io.plain_xml import Element, parse_xml
 from nmaptool.io.png import SIGNATURE, check_size
 from nmaptool.io.workspace_limits import Budget
+from nmaptool.io.workspace_pages import four_channels, grey_channel
 from nmaptool.model import Frame, RasterImage
-from nmaptool.workspace import MASK_SUFFIX, LayerGroup, LayerMask, Workspace, WorkspaceLayer, largest_code
+from nmaptool.workspace import MASK_SUFFIX, LayerGroup, LayerMask, Workspace, WorkspaceLayer
 
 _LARGEST_LIST = 4_000_000
 _LARGEST_WORDS = 16_000_000
@@ -162,7 +160,7 @@ class _Layers:
         self.layers.append(
             WorkspaceLayer(
                 name=name,
-                pixels=_rgba(image),
+                pixels=four_channels(image),
                 left=_whole(element, "x", self.archive),
                 top=_whole(element, "y", self.archive),
                 visible=element.attributes.get("visibility", "visible") != "hidden",
@@ -184,7 +182,7 @@ class _Layers:
             raise type(error)(str(error).replace(str(self.picture), f"{self.archive.path}: {shown}")) from None
 
     def _mask(self, element: Element) -> LayerMask:
-        grey = _grey(self._image(element))
+        grey = grey_channel(self._image(element))
         outside = _share(element, "nmaptool-outside", self.archive) if "nmaptool-outside" in element.attributes else 0.0
         enabled = element.attributes.get("nmaptool-enabled", "1") != "0"
         left, top = _whole(element, "x", self.archive), _whole(element, "y", self.archive)
@@ -213,23 +211,3 @@ def _own(element: Element) -> dict[str, Any]:
         except ValueError:
             return found
     return found
-
-
-def _rgba(image: RasterImage) -> NDArray[Any]:
-    """Four channels of whatever a layer holds; grey is grey codes, no alpha is opaque."""
-    names, pixels = image.channels, image.pixels
-    color = [names.index(c) for c in "RGB"] if {"R", "G", "B"} <= set(names) else [0, 0, 0]
-    top = largest_code(pixels)
-    alpha = pixels[..., names.index("A")] if "A" in names else np.full(pixels.shape[:2], top, pixels.dtype)
-    return np.dstack([pixels[..., color], alpha])
-
-
-def _grey(image: RasterImage) -> NDArray[Any]:
-    """A mask out of what an editor made of it: grey, times alpha where it has one."""
-    pixels, top = image.pixels, largest_code(image.pixels)
-    grey = pixels[..., 0]
-    if "A" not in image.channels:
-        return np.ascontiguousarray(grey)
-    alpha = pixels[..., image.channels.index("A")]
-    both = grey.astype(np.float64) * alpha / top
-    return both.astype(np.float32) if pixels.dtype == np.float32 else np.rint(both).astype(pixels.dtype)

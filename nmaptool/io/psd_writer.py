@@ -37,16 +37,17 @@ _LARGEST_PSD_BYTES = 1_500_000_000  # the format's lengths end at 2 GB
 _COLOR_CHANNELS = (ChannelID.CHANNEL_0, ChannelID.CHANNEL_1, ChannelID.CHANNEL_2)
 
 
-def write_psd(path: Path, workspace: Workspace) -> None:
-    """Write a PSD, or a PSB where a side or the data is too large for one.
+def write_psd(path: Path, workspace: Workspace, version: int = 1) -> None:
+    """Write a PSD or a PSB.
 
     Parameters
     ----------
     path : Path
     workspace : Workspace
         Of 8 or 16 bits, all layers of the same.
+    version : int
+        1 for a PSD, 2 for a PSB, which holds more.
     """
-    version = version_of(workspace)
     depth = workspace.bits
     info = _layer_info(workspace, depth, version)
     layers: Any = LayerInfo(*info) if depth == 8 else LayerInfo()
@@ -75,7 +76,7 @@ def write_psd(path: Path, workspace: Workspace) -> None:
 
 
 def version_of(workspace: Workspace) -> int:
-    """1 for a PSD, 2 for a PSB: one side is beyond 30,000 px, or the data would not fit."""
+    """The least version that holds it: 2 (PSB) where a side is beyond 30,000 px, or the data would not fit in 2 GB."""
     size = sum(layer.pixels.nbytes for layer in workspace.layers) + workspace.frame.rows * workspace.frame.cols * 8
     sides = (workspace.frame.longer_side, *(max(layer.size) for layer in workspace.layers))
     return 2 if max(sides) > _LARGEST_PSD_SIDE or size > _LARGEST_PSD_BYTES else 1

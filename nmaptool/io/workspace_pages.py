@@ -1,0 +1,176 @@
+"""What layered TIFF and EXR files have in common: pictures with a name and a place, and nmaptool's words on each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool._version import __version__
+from nmaptool.io import workspace_words as words
+from nmaptool.model import RasterImage
+from nmaptool.workspace import MASK_SUFFIX, LayerGroup, LayerMask, Workspace, WorkspaceLayer, largest_code
+
+FURTHEST = 300_000
+
+
+@dataclass(frozen=True, eq=False)
+class Page:
+    """One page or part as its file has it.
+
+    Parameters
+    ----------
+    name : str
+    image : RasterImage
+    left, top : int
+        Place that the format itself tells.
+    """
+
+    name: str
+    image: RasterImage
+    left: int = 0
+    top: int = 0
+
+
+def page_attributes(workspace: Workspace, number: int, *, mask: bool = False) -> dict[str, str]:
+    """Metadata of a layer's page, or of its mask's: what every nmaptool map says, and the layer's own words."""
+    layer = workspace.layers[number]
+    frame = workspace.frame
+    said: dict[str, Any] = {
+        "names": [one.name for one in workspace.layers],
+        "canvas": [frame.cols, frame.rows],
+    }
+    if frame.pitch_mm is not None:
+        said["pitch_mm"] = frame.pitch_mm
+    if mask:
+        assert layer.mask is not None
+        place = {"mask_of": layer.name, "left": layer.mask.left, "top": layer.mask.top}
+        said.update(place, outside=layer.mask.outside, enabled=layer.mask.enabled)
+        return {"version": __version__, "kind": "mask", "words": words.to_json(said)}
+    ids: dict[int, int] = {}
+    for one in workspace.layers:
+        for group in one.groups:
+            ids.setdefault(id(group), len(ids))
+    groups = [[ids[id(g)], g.name, g.visible, g.opacity, g.blend_mode] for g in layer.groups]
+    said.update(left=layer.left, top=layer.top, visible=layer.visible, opacity=layer.opacity)
+    said.update(blend_mode=layer.blend_mode, groups=groups, facts=dict(layer.facts))
+    plain = {"version": __version__, "kind": "normal", "green": "up", "layer": layer.name}
+    plain |= {"encoding": "signed"} if layer.signed else {"zero_code": "127.5"}
+    if frame.pitch_mm is not None:
+        plain["pitch_mm"] = repr(frame.pitch_mm)
+    return {**plain, "words": words.to_json(said)}
+
+
+def said_of(image: RasterImage) -> dict[str, Any]:
+    """nmaptool's words on a page; empty where an editor dropped them."""
+    return words.from_json(image.attributes.get("words", "")) or {}
+
+
+def layers_of(pages: Sequence[Page]) -> tuple[tuple[WorkspaceLayer, ...], dict[str, Any] | None, list[tuple[str, str]]]:
+    """Pages to layers bottom to top, what is said of the whole, and masks whose layer is gone."""
+    masks: dict[str, LayerMask] = {}
+    kept: list[tuple[Page, dict[str, Any]]] = []
+    for page in pages:
+        said = said_of(page.image)
+        owner = said.get("mask_of")
+        if isinstance(owner, str):
+            masks[owner] = _mask(page, said)
+        elif page.name.endswith(MASK_SUFFIX) and len(page.image.channels) < 3:
+            masks[page.name.removesuffix(MASK_SUFFIX)] = _mask(page, {})
+        else:
+            kept.append((page, said))
+    groups: dict[int, LayerGroup] = {}
+    layers = tuple(_layer(page, said, masks, groups) for page, said in kept)
+    orphans = [(name + MASK_SUFFIX, "mask without its layer") for name in masks]
+    return layers, _metadata([said for _, said in kept]), orphans
+
+
+def _metadata(said: list[dict[str, Any]]) -> dict[str, Any] | None:
+    """The words of all layers as one; layers that are gone have only their name left."""
+    first = next((one for one in said if isinstance(one.get("names"), list)), None)
+    if first is None:
+        return None
+    facts = {one["facts"]["name"]: one["facts"] for one in said if _has_name(one.get("facts"))}
+    names = [name for name in first["names"] if isinstance(name, str)]
+    found = {"layers": [facts.get(name, {"name": name}) for name in names], "canvas": first.get("canvas")}
+    return {**found, "pitch_mm": words.pitch_in(first)}
+
+
+def _has_name(facts: object) -> bool:
+    return isinstance(facts, dict) and isinstance(facts.get("name"), str)
+
+
+def _place(page: Page, said: Mapping[str, Any]) -> tuple[int, int]:
+    found = []
+    for key, default in (("left", page.left), ("top", page.top)):
+        value = said.get(key)
+        whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) <= FURTHEST
+        found.append(value if whole and isinstance(value, int) else min(max(default, -FURTHEST), FURTHEST))
+    return found[0], found[1]
+
+
+def _share(value: object, default: float = 1.0) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
+        return default
+    return float(value)
+
+
+def _layer(
+    page: Page, said: dict[str, Any], masks: dict[str, LayerMask], groups: dict[int, LayerGroup]
+) -> WorkspaceLayer:
+    pixels = four_channels(page.image)
+    facts = said["facts"] if _has_name(said.get("facts")) else {}
+    left, top = _place(page, said)
+    mode = said.get("blend_mode")
+    signed = page.image.attributes.get("encoding") == "signed"
+    return WorkspaceLayer(
+        name=page.name,
+        pixels=pixels,
+        left=left,
+        top=top,
+        visible=said.get("visible") is not False,
+        opacity=_share(said.get("opacity")),
+        blend_mode=mode if isinstance(mode, str) and mode else "normal",
+        mask=masks.pop(page.name, None) or masks.pop(str(facts.get("name", page.name)), None),
+        groups=_groups(said.get("groups"), groups),
+        facts=facts,
+        signed=signed and pixels.dtype == np.float32,
+    )
+
+
+def _groups(value: object, known: dict[int, LayerGroup]) -> tuple[LayerGroup, ...]:
+    found = []
+    for one in value if isinstance(value, list) else []:
+        if not (isinstance(one, list) and len(one) == 5 and isinstance(one[0], int) and isinstance(one[1], str)):
+            return ()
+        mode = one[4] if isinstance(one[4], str) else "normal"
+        found.append(known.setdefault(one[0], LayerGroup(one[1], one[2] is not False, _share(one[3]), mode)))
+    return tuple(found)
+
+
+def _mask(page: Page, said: Mapping[str, Any]) -> LayerMask:
+    left, top = _place(page, said)
+    return LayerMask(grey_channel(page.image), left, top, _share(said.get("outside"), 0.0), said.get("enabled") is not False)
+
+
+def four_channels(image: RasterImage) -> NDArray[Any]:
+    """R, G, B, A of whatever a layer holds; grey is grey codes, no alpha is opaque."""
+    names, pixels = image.channels, image.pixels
+    color = [names.index(c) for c in "RGB"] if {"R", "G", "B"} <= set(names) else [0, 0, 0]
+    top = largest_code(pixels)
+    alpha = pixels[..., names.index("A")] if "A" in names else np.full(pixels.shape[:2], top, pixels.dtype)
+    return np.dstack([pixels[..., color], alpha])
+
+
+def grey_channel(image: RasterImage) -> NDArray[Any]:
+    """A mask out of what an editor made of it: grey, times alpha where it has one."""
+    pixels, top = image.pixels, largest_code(image.pixels)
+    grey = pixels[..., 0]
+    if "A" not in image.channels:
+        return np.ascontiguousarray(grey)
+    alpha = pixels[..., image.channels.index("A")]
+    both = grey.astype(np.float64) * alpha / top
+    return both.astype(np.float32) if pixels.dtype == np.float32 else np.rint(both).astype(pixels.dtype)
