@@ -20,13 +20,12 @@ from psd_tools.psd.layer_and_mask import (
     LayerAndMaskInformation,
     LayerFlags,
     LayerInfo,
-    LayerInfoBlock,
     LayerRecord,
     LayerRecords,
     MaskData,
     MaskFlags,
 )
-from psd_tools.psd.tagged_blocks import TaggedBlock, TaggedBlocks
+from psd_tools.psd.tagged_blocks import TaggedBlocks
 
 from nmaptool.io import workspace_words
 from nmaptool.model import Frame
@@ -50,11 +49,6 @@ def write_psd(path: Path, workspace: Workspace, version: int = 1) -> None:
     """
     depth = workspace.bits
     info = _layer_info(workspace, depth, version)
-    layers: Any = LayerInfo(*info) if depth == 8 else LayerInfo()
-    blocks = TaggedBlocks()
-    if depth == 16:  # where Photoshop keeps the layers of such files
-        blocks[Tag.SAVING_MERGED_TRANSPARENCY16] = TaggedBlock(key=Tag.SAVING_MERGED_TRANSPARENCY16, data=b"")
-        blocks[Tag.LAYER_16] = TaggedBlock(key=Tag.LAYER_16, data=LayerInfoBlock(*info))
     frame = workspace.frame
     header = FileHeader(
         version=version, channels=4, height=frame.rows, width=frame.cols, depth=depth, color_mode=ColorMode.RGB
@@ -68,7 +62,8 @@ def write_psd(path: Path, workspace: Workspace, version: int = 1) -> None:
     document = PSD(
         header=header,
         image_resources=_resources(workspace),
-        layer_and_mask_information=LayerAndMaskInformation(layers, None, blocks),
+        # with 16 bits Photoshop keeps its layers in a block of its own, where GIMP 2.10 does not look; all read this
+        layer_and_mask_information=LayerAndMaskInformation(LayerInfo(*info), None, TaggedBlocks()),
         image_data=merged,
     )
     with path.open("wb") as stream:

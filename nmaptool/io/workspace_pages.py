@@ -39,12 +39,11 @@ def page_attributes(workspace: Workspace, number: int, *, mask: bool = False) ->
     """Metadata of a layer's page, or of its mask's: what every nmaptool map says, and the layer's own words."""
     layer = workspace.layers[number]
     frame = workspace.frame
-    said: dict[str, Any] = {
-        "names": [one.name for one in workspace.layers],
-        "canvas": [frame.cols, frame.rows],
-    }
+    said: dict[str, Any] = {"names": [one.name for one in workspace.layers], "canvas": [frame.cols, frame.rows]}
     if frame.pitch_mm is not None:
         said["pitch_mm"] = frame.pitch_mm
+    if not number and not mask and workspace.metadata is not None:  # some editors keep one description only
+        said["workspace"] = dict(workspace.metadata)
     if mask:
         assert layer.mask is not None
         place = {"mask_of": layer.name, "left": layer.mask.left, "top": layer.mask.top}
@@ -90,6 +89,9 @@ def layers_of(pages: Sequence[Page]) -> tuple[tuple[WorkspaceLayer, ...], dict[s
 
 def _metadata(said: list[dict[str, Any]]) -> dict[str, Any] | None:
     """The words of all layers as one; layers that are gone have only their name left."""
+    whole = next((one["workspace"] for one in said if isinstance(one.get("workspace"), dict)), None)
+    if whole is not None:
+        return dict(whole)
     first = next((one for one in said if isinstance(one.get("names"), list)), None)
     if first is None:
         return None
@@ -107,8 +109,10 @@ def _place(page: Page, said: Mapping[str, Any]) -> tuple[int, int]:
     found = []
     for key, default in (("left", page.left), ("top", page.top)):
         value = said.get(key)
-        whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) <= FURTHEST
-        found.append(value if whole and isinstance(value, int) else min(max(default, -FURTHEST), FURTHEST))
+        known = isinstance(value, int) and not isinstance(value, bool) and abs(value) <= FURTHEST
+        # the file's own place cannot be negative in a TIFF; where it is another one, the layer was moved
+        exact = known and isinstance(value, int) and default in (value, max(value, 0))
+        found.append(value if exact else min(max(default, -FURTHEST), FURTHEST))
     return found[0], found[1]
 
 

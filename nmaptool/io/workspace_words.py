@@ -12,11 +12,10 @@ from nmaptool.errors import InputError
 from nmaptool.io.plain_xml import parse_xml
 from nmaptool.workspace import NORMAL_BLEND
 
-NAMESPACE = "urn:nmaptool:workspace"
 _XMP = (
     '<?xpacket begin="\ufeff" id="W5M0MpCehiHzreSzNTczkc9d"?>\n'
     '<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">'
-    '<rdf:Description rdf:about="" xmlns:nmaptool="{0}"><nmaptool:workspace>{1}</nmaptool:workspace>'
+    '<rdf:Description rdf:about="" xmlns:dc="http://purl.org/dc/elements/1.1/"><dc:source>{0}</dc:source>'
     '</rdf:Description></rdf:RDF></x:xmpmeta>\n<?xpacket end="w"?>'
 )
 _LARGEST_WORDS = 16_000_000
@@ -94,24 +93,25 @@ def from_json(text: str | bytes) -> dict[str, Any] | None:
 
 
 def to_xmp(words: Mapping[str, Any]) -> bytes:
-    """The words as a property of an XMP packet, which Photoshop keeps."""
-    return _XMP.format(NAMESPACE, escape(to_json(words))).encode("utf-8")
+    """The words as the property ``dc:source`` of an XMP packet: editors drop properties that they do not know."""
+    return _XMP.format(escape(to_json(words))).encode("utf-8")
 
 
 def from_xmp(packet: bytes) -> dict[str, Any] | None:
     """The words out of an XMP packet, as an element or as an attribute; None where they are not there."""
-    if b"workspace" not in packet or len(packet) > _LARGEST_WORDS:
+    if b"source" not in packet or len(packet) > _LARGEST_WORDS:
         return None
     try:
         root = parse_xml(packet.strip(b"\0 \r\n\t"), "XMP")
     except InputError:
         return None
     for element in root.walk():
-        if element.tag.endswith(":workspace"):
-            return from_json(element.text)
-        for key, value in element.attributes.items():
-            if key.endswith(":workspace") and not key.startswith("xmlns"):
-                return from_json(value)
+        said = [element.text] if element.tag.endswith(":source") else []
+        said += [value for key, value in element.attributes.items() if key.endswith(":source")]
+        for text in said:
+            found = from_json(text)
+            if found is not None and "layers" in found:
+                return found
     return None
 
 

@@ -25,6 +25,7 @@ _KINDS = {
     b"MM\0+": ("TIFF", (".tif", ".tiff")),
     b"\x76\x2f\x31\x01": ("EXR", (".exr",)),
 }
+_NO_LIMIT = 1e7  # megapixels
 _ACCEPTED = "PSD, PSB, ORA, TIFF or EXR"
 _BITS = {".psd": (8, 16), ".psb": (8, 16), ".ora": (8, 16), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (32,)}
 
@@ -128,7 +129,7 @@ def write_workspace(path: str | Path, workspace: Workspace, *, overwrite: bool =
     with written_beside([target], overwrite) as (beside,):
         try:
             _write(beside, workspace)
-            back = read_workspace(beside, float("inf"))
+            back = read_workspace(beside, _NO_LIMIT)
         except (OutputError, InputError, LimitError) as error:
             reason = str(error).replace(str(beside), str(target))
             raise OutputError(reason if isinstance(error, OutputError) else _full(target)) from None
