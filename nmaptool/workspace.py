@@ -247,3 +247,22 @@ def unique_names(names: list[str], taken: tuple[str, ...] = ()) -> list[str]:
         seen.add(found.casefold())
         out.append(found)
     return out
+
+
+@dataclass(frozen=True)
+class WorkspaceFinding:
+    """Something an editor did to a workspace, and what to do about it.
+
+    Parameters
+    ----------
+    code : str
+        Its kind, such as ``turned`` or ``eight-bit``.
+    layer : str or None
+        The layer; None for the whole.
+    message, remedy : str
+    """
+
+    code: str
+    layer: str | None
+    message: str
+    remedy: str

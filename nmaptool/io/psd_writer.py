@@ -177,7 +177,7 @@ def _mask_data(mask: LayerMask) -> MaskData:
 
 
 def _channel(plane: NDArray[Any], depth: int, version: int) -> ChannelData:
-    data = ChannelData(compression=Compression.RLE if depth == 8 else Compression.ZIP_WITH_PREDICTION)
+    data = ChannelData(compression=Compression.RLE)  # Krita 5.1 opens no zipped channels here
     rows, cols = plane.shape
     data.set_data(_big_endian(plane), cols, rows, depth, version)
     return data

@@ -7,6 +7,7 @@ from nmaptool.options.bake import BakeOptions, DetailEncoding, MeshReadOptions, 
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.reading import Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
+from nmaptool.options.workspace import PackOptions
 
 __all__ = [
     "BackgroundMode",
@@ -18,6 +19,7 @@ __all__ = [
     "Fit",
     "Green",
     "MeshReadOptions",
+    "PackOptions",
     "ReadOptions",
     "ReliefOptions",
     "Renderer",
