@@ -11,6 +11,7 @@ from cyclopts import App, Parameter
 
 from nmaptool._version import __version__
 from nmaptool.errors import UsageError
+from nmaptool_cli.compose import HELP as COMPOSE_HELP
 from nmaptool_cli.session import STREAM, guarded
 
 HELP = """Meshes and normal maps in, carved bas-reliefs in exact millimetres out.
@@ -35,9 +36,7 @@ app.command(
     "nmaptool_cli.inspect:inspect", name="inspect", help="Look a normal map over and say what is wrong with it."
 )
 app.command("nmaptool_cli.bake:bake", name="bake", help="Draw a mesh as original, base and detail normal maps.")
-app.command(
-    "nmaptool_cli.compose:app", name="compose", help="Edit normal maps as vectors: split a map into base and detail."
-)
+app.command("nmaptool_cli.compose:app", name="compose", help=COMPOSE_HELP)
 app.command(
     "nmaptool_cli.relief:relief", name="relief", help="Make a relief in millimetres from one or two normal maps."
 )
@@ -47,6 +46,8 @@ app.command(
 _SIGNED = (
     *("--swizzle", "--height", "--width", "--target", "--azimuth", "--elevation", "--roll"),
     *("--size", "--margin", "--pitch", "--sigma-s"),
+    *("--at", "--rotate", "--feather", "--scale", "--strength", "--height-factor"),
+    *("--crop", "--pad", "--affine", "--resize", "--depth-scale", "--jump"),
 )
 # flags that take whole numbers: the parser would round
 _WHOLE = ("--max-iterations", "--iterations", "--max-faces")

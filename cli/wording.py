@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from nmaptool import Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport
+    from nmaptool import Composition, Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport, Unpacked
 
 
 def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
@@ -124,3 +124,37 @@ def describe_view(layers: LayerSet) -> str:
         f"  {report.view}{''.join(turned)}: {frame}, {size} ({unit}), mesh on {covered:.0%} of it, drawn by "
         f"{report.renderer}"
     )
+
+
+def describe_composition(composition: Composition) -> Iterator[str]:
+    """An edit, a line each layer."""
+    report, frame = composition.report, composition.normal_map.frame
+    for layer in report.layers:
+        where = ""
+        if "box_px" in layer:
+            left, top, cols, rows = layer["box_px"]
+            where = f" at {left},{top} px, {cols} x {rows}"
+        strength = "" if layer["strength"] == 1 else f", strength {layer['strength']:g}"
+        yield f"  {layer['name']}: {layer['mode']}{strength}{where}, on {layer['share']:.0%} of the canvas"
+    before = "" if report.curl_before is None else f" (before {report.curl_before:.4f})"
+    pitch = "" if frame.pitch_mm is None else f", pitch {frame.pitch_mm:.4g} mm"
+    yield f"  {report.command}: {frame}{pitch}, mean |curl| {report.curl_after:.4f} slope per px{before}"
+
+
+def describe_unpacked(unpacked: Unpacked) -> Iterator[str]:
+    """A workspace taken apart, a line each."""
+    yield f"{unpacked.name}: {unpacked.frame}, {unpacked.bits} bit, {len(unpacked.layers)} layers, bottom to top"
+    for layer in unpacked.layers:
+        groups = f" in {' / '.join(group.name for group in layer.groups)}" if layer.groups else ""
+        more = f"{', mask' if layer.mask is not None else ''}{'' if layer.visible else ', hidden'}"
+        place = f"{layer.normal_map.frame} at {layer.left},{layer.top}"
+        yield f"  {layer.name}{groups}: {place}, {layer.mode}, strength {layer.strength:.3g}{more}"
+        for repair in layer.repairs:
+            yield f"    repaired: {repair}"
+    if not unpacked.has_words:
+        yield "  nmaptool's own words are not in the file: moves, mirrorings and fitted curves cannot be told"
+    for finding in unpacked.findings:
+        yield f"! {f'{finding.layer}: ' if finding.layer is not None else ''}{finding.message}"
+        yield f"    -> {finding.remedy}"
+    if not unpacked.findings:
+        yield "  clean: nothing to report"

@@ -18,6 +18,7 @@ from nmaptool._version import __version__
 
 if TYPE_CHECKING:
     from nmaptool.cleaning import MeshFindings, clean_mesh
+    from nmaptool.curl_picture import curl_picture
     from nmaptool.decoding import decode_normal_map
     from nmaptool.decompose.rolling import Decomposition
     from nmaptool.errors import (
@@ -31,29 +32,55 @@ if TYPE_CHECKING:
     )
     from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.layer_files import write_layers
+    from nmaptool.io.map_files import write_composition
     from nmaptool.io.mesh_reader import read_mesh
     from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
     from nmaptool.io.outputs import write_relief
+    from nmaptool.io.unpacked import write_unpacked
+    from nmaptool.io.workspaces import read_workspace, write_workspace
     from nmaptool.layer_set import LayerReport, LayerSet, Mixture
+    from nmaptool.layer_stack import Layer
     from nmaptool.mesh import Mesh
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
-    from nmaptool.options import BakeOptions, FilterOptions, MeshReadOptions, ReadOptions, ReliefOptions, SplitOptions
+    from nmaptool.options import (
+        BakeOptions,
+        BlendOptions,
+        CanvasOptions,
+        FilterOptions,
+        GroupOptions,
+        LayerOptions,
+        MeshReadOptions,
+        PackOptions,
+        ReadOptions,
+        ReliefOptions,
+        SplitOptions,
+        TransformOptions,
+        WriteOptions,
+    )
     from nmaptool.orientation import doubts
-    from nmaptool.results import Relief, SolveReport
+    from nmaptool.results import ComposeReport, Composition, Relief, SolveReport
     from nmaptool.shading import preview
     from nmaptool.tessellate import surface_mesh
     from nmaptool.units import Length, length
+    from nmaptool.unpacked import Unpacked, UnpackedLayer
     from nmaptool.verbs.bake import bake, bake_views
+    from nmaptool.verbs.blend import blend
+    from nmaptool.verbs.compose import compose, paste
     from nmaptool.verbs.decompose import decompose_normals
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
     from nmaptool.verbs.integrate import integrate
+    from nmaptool.verbs.pack import PackedMap, pack
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
     from nmaptool.verbs.split import split
+    from nmaptool.verbs.transform import transform
+    from nmaptool.verbs.unpack import unpack
+    from nmaptool.workspace import LayerGroup, LayerMask, Workspace, WorkspaceFinding, WorkspaceLayer
 
 _HOME = {
     "MeshFindings": "cleaning",
     "clean_mesh": "cleaning",
+    "curl_picture": "curl_picture",
     "decode_normal_map": "decoding",
     "Decomposition": "decompose.rolling",
     "ConvergenceError": "errors",
@@ -66,15 +93,20 @@ _HOME = {
     "read_height": "io.heights",
     "read_surface": "io.heights",
     "write_layers": "io.layer_files",
+    "write_composition": "io.map_files",
     "read_mesh": "io.mesh_reader",
     "read_grey": "io.normal_maps",
     "read_normal_map": "io.normal_maps",
     "read_raster": "io.normal_maps",
     "write_normal_map": "io.normal_maps",
     "write_relief": "io.outputs",
+    "write_unpacked": "io.unpacked",
+    "read_workspace": "io.workspaces",
+    "write_workspace": "io.workspaces",
     "LayerReport": "layer_set",
     "LayerSet": "layer_set",
     "Mixture": "layer_set",
+    "Layer": "layer_stack",
     "Mesh": "mesh",
     "Decoding": "model",
     "Frame": "model",
@@ -82,41 +114,73 @@ _HOME = {
     "NormalMap": "model",
     "RasterImage": "model",
     "BakeOptions": "options",
+    "BlendOptions": "options",
+    "CanvasOptions": "options",
     "FilterOptions": "options",
+    "GroupOptions": "options",
+    "LayerOptions": "options",
     "MeshReadOptions": "options",
+    "PackOptions": "options",
     "ReadOptions": "options",
     "ReliefOptions": "options",
     "SplitOptions": "options",
+    "TransformOptions": "options",
+    "WriteOptions": "options",
     "doubts": "orientation",
+    "ComposeReport": "results",
+    "Composition": "results",
     "Relief": "results",
     "SolveReport": "results",
     "preview": "shading",
     "surface_mesh": "tessellate",
     "Length": "units",
     "length": "units",
+    "Unpacked": "unpacked",
+    "UnpackedLayer": "unpacked",
     "bake": "verbs.bake",
     "bake_views": "verbs.bake",
+    "blend": "verbs.blend",
+    "compose": "verbs.compose",
+    "paste": "verbs.compose",
     "decompose_normals": "verbs.decompose",
     "Finding": "verbs.inspect",
     "Inspection": "verbs.inspect",
     "inspect_map": "verbs.inspect",
     "integrate": "verbs.integrate",
+    "PackedMap": "verbs.pack",
+    "pack": "verbs.pack",
     "relief": "verbs.relief",
     "pitch_of": "verbs.relief_inputs",
     "split": "verbs.split",
+    "transform": "verbs.transform",
+    "unpack": "verbs.unpack",
+    "LayerGroup": "workspace",
+    "LayerMask": "workspace",
+    "Workspace": "workspace",
+    "WorkspaceFinding": "workspace",
+    "WorkspaceLayer": "workspace",
 }
 
 __all__ = [
     "BakeOptions",
+    "BlendOptions",
+    "CanvasOptions",
+    "ComposeReport",
+    "Composition",
     "ConvergenceError",
     "Decoding",
     "Decomposition",
     "FilterOptions",
     "Finding",
     "Frame",
+    "GroupOptions",
     "Height",
     "InputError",
     "Inspection",
+    "Layer",
+    "LayerGroup",
+    "LayerMask",
+    "LayerOptions",
     "LayerReport",
     "LayerSet",
     "Length",
@@ -128,6 +192,8 @@ __all__ = [
     "NmaptoolError",
     "NormalMap",
     "OutputError",
+    "PackOptions",
+    "PackedMap",
     "RasterImage",
     "ReadOptions",
     "Relief",
@@ -135,17 +201,29 @@ __all__ = [
     "RendererError",
     "SolveReport",
     "SplitOptions",
+    "TransformOptions",
+    "Unpacked",
+    "UnpackedLayer",
     "UsageError",
+    "Workspace",
+    "WorkspaceFinding",
+    "WorkspaceLayer",
+    "WriteOptions",
     "__version__",
     "bake",
     "bake_views",
+    "blend",
     "clean_mesh",
+    "compose",
+    "curl_picture",
     "decode_normal_map",
     "decompose_normals",
     "doubts",
     "inspect_map",
     "integrate",
     "length",
+    "pack",
+    "paste",
     "pitch_of",
     "preview",
     "read_grey",
@@ -154,12 +232,18 @@ __all__ = [
     "read_normal_map",
     "read_raster",
     "read_surface",
+    "read_workspace",
     "relief",
     "split",
     "surface_mesh",
+    "transform",
+    "unpack",
+    "write_composition",
     "write_layers",
     "write_normal_map",
     "write_relief",
+    "write_unpacked",
+    "write_workspace",
 ]
 
 

@@ -19,6 +19,7 @@ _SWIZZLE = re.compile(r"([+-]?)([rgb])")
 # flat hold its three neighbours about as often.
 _SPIKE = 4
 _SPIKE_PIXELS = 64
+_ROWS_AT_ONCE = 64
 
 
 def narrowed(image: RasterImage) -> RasterImage:
@@ -115,23 +116,29 @@ def decode_codes(rgb: NDArray[Any], zero_code: str) -> Float32:
     return vectors
 
 
-def encode_codes(vectors: Float32, bits: int) -> NDArray[Any]:
-    """Vectors in [-1, 1] to integer codes, rounded: v = floor((n + 1)/2 M + .5).
+def encode_codes(vectors: Float32, bits: int, zero_code: str = "127.5") -> NDArray[Any]:
+    """Vectors in [-1, 1] to integer codes, rounded: with the zero in the middle, v = floor((n + 1)/2 M + .5).
 
     Parameters
     ----------
     vectors : (H, W, 3) float32
     bits : int
         8 or 16.
+    zero_code : str
+        See `zero_and_scale`.
 
     Returns
     -------
     (H, W, 3) uint8 or uint16
     """
     max_code = (1 << bits) - 1
-    codes = np.floor((vectors.astype(np.float64) + 1) / 2 * max_code + 0.5)
-    clipped: NDArray[Any] = codes.clip(0, max_code).astype(np.uint8 if bits == 8 else np.uint16)
-    return clipped
+    zero, scale = zero_and_scale(zero_code, max_code)
+    out = np.empty(vectors.shape, np.uint8 if bits == 8 else np.uint16)
+    for row in range(0, len(vectors), _ROWS_AT_ONCE):  # in float64, which would be large all at once
+        rows = slice(row, row + _ROWS_AT_ONCE)
+        codes = np.floor(vectors[rows].astype(np.float64) * scale + (zero + 0.5))
+        out[rows] = codes.clip(0, max_code)
+    return out
 
 
 def format_swizzle(swizzle: tuple[tuple[int, int], ...]) -> str:

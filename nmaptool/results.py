@@ -1,14 +1,15 @@
-"""What the verbs return beside plain values: a relief with the account of its solve."""
+"""What the verbs return beside plain values: a relief or a composition with the account of how it came about."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from nmaptool.arrays import Float64, Mask
-from nmaptool.model import Height
+from nmaptool.arrays import Float32, Float64, Mask
+from nmaptool.model import Height, NormalMap
 from nmaptool.options import ReliefOptions
 from nmaptool.options.account import plain_values
 
@@ -112,3 +113,54 @@ class Relief:
     def pitch_mm(self) -> float:
         """Millimetres per pixel."""
         return self.height.pitch_mm
+
+
+@dataclass(frozen=True, eq=False)
+class ComposeReport:
+    """What an edit of normal maps did.
+
+    Attributes
+    ----------
+    command : str
+        ``blend``, ``paste``, ``transform``, ``convert``, ``stack``.
+    options : mapping
+        As given, as plain values.
+    layers : tuple of mapping
+        What became of each layer: name, mode, strength, where it lies in px, its share of the canvas.
+    curl_before : float or None
+        Mean |curl| of what it started from, in slope per px: see `nmaptool.vectors.mean_abs_curl`.
+    curl_after : float
+        The same of the result.
+    seconds : mapping of str to float
+        Time by stage.
+    warnings : tuple of str
+    """
+
+    command: str
+    options: Mapping[str, Any]
+    curl_before: float | None
+    curl_after: float
+    layers: tuple[Mapping[str, Any], ...] = ()
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return dataclasses.asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Composition:
+    """An edited normal map, and how it came about.
+
+    Attributes
+    ----------
+    normal_map : NormalMap
+    placed : (H, W) float32 in [0, 1]
+        Where layers lie above the lowest: the mask for a relief whose background keeps its own height.
+    report : ComposeReport
+    """
+
+    normal_map: NormalMap
+    placed: Float32
+    report: ComposeReport

@@ -1,4 +1,4 @@
-"""Lengths with their unit: ``12mm``, ``4px``, ``3%`` (of the longer side), also ``cm`` and ``in``."""
+"""Lengths with their unit: ``12mm``, ``4px``, ``3%`` (of the longer side), also ``cm`` and ``in``; and places."""
 
 from __future__ import annotations
 
@@ -11,6 +11,11 @@ from nmaptool.errors import UsageError
 _MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "in": 25.4}
 _SMALLEST, _LARGEST = 1e-6, 1e6
 _PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(mm|cm|in|px|%)\s*", re.IGNORECASE)
+
+
+def _require_unit(unit: str) -> None:
+    if unit not in (*_MM_PER_UNIT, "px", "%"):
+        raise UsageError(f"unknown unit {unit!r}: use mm, cm, in, px or %")
 
 
 @dataclass(frozen=True)
@@ -34,8 +39,7 @@ class Length:
     unit: str
 
     def __post_init__(self) -> None:
-        if self.unit not in (*_MM_PER_UNIT, "px", "%"):
-            raise UsageError(f"unknown unit {self.unit!r}: use mm, cm, in, px or %")
+        _require_unit(self.unit)
         if not (math.isfinite(self.value) and self.value > 0):
             raise UsageError(f"length {self}: must be greater than zero, such as 3mm")
         if not _SMALLEST <= self.value <= _LARGEST:
@@ -82,3 +86,88 @@ def length(text: str) -> Length:
         return Length(float(match.group(1)), match.group(2).lower())
     except UsageError as error:
         raise UsageError(f"length {text!r}: {str(error).partition(': ')[2]}") from None
+
+
+@dataclass(frozen=True)
+class Offset:
+    """A distance of any sign, zero too, along one side of a picture, such as where a layer lies.
+
+    Parameters
+    ----------
+    value : float
+        At most 1e6 in size.
+    unit : str
+        One of ``mm``, ``cm``, ``in``, ``px``, ``%`` (of that side).
+
+    Raises
+    ------
+    UsageError
+        If the value is out of range or the unit is unknown.
+    """
+
+    value: float
+    unit: str
+
+    def __post_init__(self) -> None:
+        _require_unit(self.unit)
+        if not abs(self.value) <= _LARGEST:
+            raise UsageError(f"distance {self}: must be a number of at most {_LARGEST:g}, such as 12mm")
+
+    def __str__(self) -> str:
+        return f"{self.value:g}{self.unit}"
+
+    @property
+    def is_absolute(self) -> bool:
+        """Whether the size of a pixel must be known to tell it in px."""
+        return self.unit in _MM_PER_UNIT
+
+    def to_px(self, pitch_mm: float | None, side_px: int) -> float:
+        """Distance in px along a side of ``side_px`` px.
+
+        Raises
+        ------
+        UsageError
+            If it is in mm and the pitch is not known.
+
+        Examples
+        --------
+        >>> Offset(-25, "%").to_px(None, 800)
+        -200.0
+        """
+        if self.unit == "px":
+            return self.value
+        if self.unit == "%":
+            return self.value / 100 * side_px
+        if pitch_mm is None:
+            raise UsageError(f"{self}: the size of a pixel is not known; say --width 100mm, or use px or %")
+        return self.value * _MM_PER_UNIT[self.unit] / pitch_mm
+
+
+def offset(text: str) -> Offset:
+    """Read a distance such as ``12mm``, ``-4px``, ``50%`` or ``0``.
+
+    Raises
+    ------
+    UsageError
+        If the text is not a number with one of those units; 0 needs none.
+    """
+    match = _PATTERN.fullmatch(text)
+    if match is None and text.strip() in ("0", "0.0"):
+        return Offset(0.0, "px")
+    if match is None:
+        raise UsageError(f"distance {text!r}: expected a number with a unit (mm, cm, in, px, %), such as 12mm or -4px")
+    return Offset(float(match.group(1)), match.group(2).lower())
+
+
+def offsets(text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, ...]:
+    """Read distances with commas between them, such as ``30%,12mm``.
+
+    Raises
+    ------
+    UsageError
+        If there are more or fewer than one of ``counts``, or one of them is none.
+    """
+    parts = text.split(",")
+    if len(parts) not in counts:
+        raise UsageError(f"{text!r}: expected {' or '.join(map(str, counts))} distances with commas, such as {such_as}")
+    return tuple(offset(part) for part in parts)

@@ -42,7 +42,9 @@ class LayerMask:
 
     def __post_init__(self) -> None:
         if self.values.ndim != 2 or self.values.dtype not in (np.uint8, np.uint16, np.float32):
-            raise InputError(f"a layer's mask is {self.values.dtype} {self.values.shape}; expected grey codes or floats")
+            raise InputError(
+                f"a layer's mask is {self.values.dtype} {self.values.shape}; expected grey codes or floats"
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +177,9 @@ def largest_code(pixels: NDArray[Any]) -> int:
     return 1 if pixels.dtype == np.float32 else int(np.iinfo(pixels.dtype).max)
 
 
-def overlap(left: int, top: int, size: tuple[int, int], frame: Frame) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
+def overlap(
+    left: int, top: int, size: tuple[int, int], frame: Frame
+) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
     """Where a picture of ``size`` at (left, top) lies: its rows and columns on the canvas, and those of its own.
 
     Both are empty where it lies beyond the canvas.

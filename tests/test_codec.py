@@ -8,13 +8,13 @@ from nmaptool.codec import detect_zero_code, encode_codes, parse_swizzle
 
 BACKDROPS = {"white": (1, 1, 1), "black": (-1, -1, -1), "grey": (0, 0, 0), "flat": (0, 0, 1)}
 FORMATS = [
-    (".png", {"bits": 8}, 1 / 255),
-    (".png", {"bits": 16}, 1 / 65535),
-    (".tif", {"bits": 8}, 1 / 255),
-    (".tif", {"bits": 16}, 1 / 65535),
-    (".tif", {"bits": 32}, 0.0),
+    (".png", {"bits": "8"}, 1 / 255),
+    (".png", {"bits": "16"}, 1 / 65535),
+    (".tif", {"bits": "8"}, 1 / 255),
+    (".tif", {"bits": "16"}, 1 / 65535),
+    (".tif", {"bits": "float"}, 0.0),
     (".exr", {}, 0.0),
-    (".exr", {"half": True}, 2**-12),
+    (".exr", {"bits": "half"}, 2**-12),
 ]
 
 
@@ -46,7 +46,7 @@ def as_map(normals, coverage=None, pitch_mm=None):
 
 
 def round_trip(path, normal_map, **how):
-    nm.write_normal_map(path, normal_map, **how)
+    nm.write_normal_map(path, normal_map, nm.WriteOptions(**how))
     return nm.read_normal_map(path)
 
 
@@ -54,7 +54,7 @@ def test_stored_components_are_within_half_a_code(tmp_path, form):
     ending, how, step = form
     normals = random_normals(1)
     path = tmp_path / f"map{ending}"
-    nm.write_normal_map(path, as_map(normals), **how)
+    nm.write_normal_map(path, as_map(normals), nm.WriteOptions(**how))
     image = nm.read_raster(path)
     stored = image.pixels[..., :3].astype(np.float64)
     if not image.is_float:
@@ -100,7 +100,9 @@ def test_partial_coverage_survives(tmp_path, form):
     normals[coverage == 0] = (0, 0, 1)
     back = round_trip(tmp_path / f"map{ending}", as_map(normals, coverage), **how)
     assert back.decoding.background == "alpha"
-    assert np.abs(back.coverage - coverage).max() <= max(step / 2, 2**-12 if how.get("half") else 0) * (1 + 1e-3)
+    assert np.abs(back.coverage - coverage).max() <= max(step / 2, 2**-12 if how.get("bits") == "half" else 0) * (
+        1 + 1e-3
+    )
     covered = coverage > 0.02
     assert np.abs(back.normals - normals)[covered].max() <= np.sqrt(3) * step * (1 + 1e-3)
     assert np.array_equal(back.normals[~covered], normals[~covered])
@@ -118,7 +120,7 @@ def test_a_layer_with_partial_alpha_is_not_multiplied_by_it(tmp_path, form):
     coverage = np.ones((40, 50))
     coverage[::7] = 0.25
     path = tmp_path / f"map{ending}"
-    nm.write_normal_map(path, as_map(random_normals(6), coverage), **how)
+    nm.write_normal_map(path, as_map(random_normals(6), coverage), nm.WriteOptions(**how))
     image = nm.read_raster(path)
     stored = image.pixels[..., :3].astype(np.float64)
     stored = stored if image.is_float else stored * 2 / image.max_code - 1
@@ -145,10 +147,16 @@ def test_encoding_rounds_and_clips():
 
 
 def test_bits_that_a_format_has_not_are_refused(tmp_path):
-    for ending, bits in ((".png", 32), (".png", 12), (".tif", 10)):
-        with pytest.raises(nm.UsageError, match=rf"{bits} bits are not offered.*use 8 or 16"):
-            nm.write_normal_map(tmp_path / f"map{ending}", as_map(random_normals(9)), bits=bits)
-    with pytest.raises(nm.UsageError, match=r"normal maps are written as \.png, \.exr, \.tif"):
+    for ending, bits, offered in (
+        (".png", "float", "16 or 8"),
+        (".exr", "8", "float or half"),
+        (".tif", "half", "16 or 8"),
+    ):
+        with pytest.raises(nm.UsageError, match=rf"--bits {bits} is not offered for {ending}; use {offered}"):
+            nm.write_normal_map(tmp_path / f"map{ending}", as_map(random_normals(9)), nm.WriteOptions(bits=bits))
+    with pytest.raises(nm.UsageError, match="--bits '12': use one of auto, 8, 16, half, float"):
+        nm.WriteOptions(bits="12")
+    with pytest.raises(nm.UsageError, match=r"ends in \.jpg; normal maps are written as \.png, \.exr, \.tif"):
         nm.write_normal_map(tmp_path / "map.jpg", as_map(random_normals(9)))
     assert not list(tmp_path.iterdir())
 

@@ -17,7 +17,7 @@ from nmaptool.contact_sheet import contact_sheet
 from nmaptool.errors import LimitError, OutputError, UsageError, reason_of
 from nmaptool.io.image_writer import Picture, write_image, write_pictures
 from nmaptool.io.normal_maps import grey_codes, normal_picture
-from nmaptool.io.replace import check_target, written_beside
+from nmaptool.io.replace import check_target, named, written_beside
 from nmaptool.layer_set import LayerSet
 from nmaptool.mixture_plot import mixture_plot
 
@@ -229,12 +229,8 @@ def write_layers(
         jobs.append(lambda path: path.write_text(json.dumps(values, indent=2) + "\n"))
     with files.folders(), written_beside(files.targets, overwrite) as beside:
         for job, target, temporary in zip(jobs, files.targets, beside, strict=True):
-            try:
+            with named(target, temporary):
                 job(temporary)
-            except OutputError as error:
-                raise OutputError(str(error).replace(str(temporary), str(target))) from None
-            except OSError as error:
-                raise OutputError(f"{target}: cannot be written ({reason_of(error)})") from None
     return files.targets
 
 

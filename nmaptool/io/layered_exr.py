@@ -1,4 +1,4 @@
-"""Workspaces as multi-part EXR: one part a layer, signed normals, its data window at its place in the display window."""
+"""Workspaces as multi-part EXR: one part a layer, signed normals, its data window at its place on the canvas."""
 
 from __future__ import annotations
 
@@ -62,4 +62,3 @@ def read_layered_exr(path: Path, max_megapixels: float) -> Workspace:
     bits = max(page.image.bits for page in pages) if pages else 32
     half = bool(pages) and all(page.image.bits == 16 and page.image.pixels.dtype == np.float32 for page in pages)
     return Workspace(frame, layers, 32 if half else bits, half, str(path), own, None, tuple(orphans))
-

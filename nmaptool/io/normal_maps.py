@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,14 +15,21 @@ from nmaptool import codec
 from nmaptool._version import __version__
 from nmaptool.arrays import Float32
 from nmaptool.decoding import decode_normal_map
-from nmaptool.errors import InputError, OutputError, UsageError
+from nmaptool.errors import InputError, UsageError
 from nmaptool.io.image_writer import Picture, write_pictures
 from nmaptool.io.images import read_image
-from nmaptool.io.replace import written_beside
+from nmaptool.io.replace import named, written_beside
 from nmaptool.model import NormalMap, RasterImage
-from nmaptool.options import ReadOptions
+from nmaptool.options import ReadOptions, WriteOptions
 
-WRITE_ENDINGS = (".png", ".exr", ".tif", ".tiff")
+# what each ending can hold, the default first
+_BITS = {
+    ".png": ("16", "8"),
+    ".exr": ("float", "half"),
+    ".tif": ("16", "8", "float"),
+    ".tiff": ("16", "8", "float"),
+}
+WRITE_ENDINGS = tuple(_BITS)
 
 
 def split_layer(text: str) -> tuple[Path, str | None]:
@@ -129,8 +137,29 @@ def read_grey(path: str | Path, max_megapixels: float = 270.0) -> Float32:
     return values
 
 
+def check_ending(path: Path, options: WriteOptions) -> None:
+    """Refuse an ending that no normal map is written with, or bits that it cannot hold.
+
+    Raises
+    ------
+    UsageError
+    """
+    ending = path.suffix.lower()
+    if ending not in WRITE_ENDINGS:
+        found = f"ends in {path.suffix}" if path.suffix else "has no ending"
+        raise UsageError(f"{path}: {found}; normal maps are written as {', '.join(WRITE_ENDINGS)}")
+    offered = _BITS[ending]
+    if options.bits not in ("auto", *offered):
+        raise UsageError(f"{path}: --bits {options.bits} is not offered for {ending}; use {' or '.join(offered)}")
+
+
 def write_normal_map(
-    path: str | Path, normal_map: NormalMap, *, bits: int = 16, half: bool = False, overwrite: bool = False
+    path: str | Path,
+    normal_map: NormalMap,
+    options: WriteOptions | None = None,
+    *,
+    attributes: Mapping[str, str] | None = None,
+    overwrite: bool = False,
 ) -> None:
     """Write a normal map; coverage travels as unassociated alpha, the convention and pitch as metadata.
 
@@ -139,10 +168,9 @@ def write_normal_map(
     path : str or Path
         ``.png``, ``.tif`` (integer codes) or ``.exr`` (signed floats).
     normal_map : NormalMap
-    bits : int
-        8 or 16, for PNG and TIFF; 32 for a float TIFF.
-    half : bool
-        EXR in half precision.
+    options : WriteOptions, optional
+    attributes : mapping, optional
+        More metadata, such as the recipe.
     overwrite : bool
         Replace a file that exists.
 
@@ -153,34 +181,43 @@ def write_normal_map(
     OutputError
         If it cannot be written, or exists.
     """
-    target = Path(path)
-    ending = target.suffix.lower()
-    if ending not in WRITE_ENDINGS:
-        raise UsageError(f"{target}: normal maps are written as {', '.join(WRITE_ENDINGS)}")
-    floating = ending == ".exr" or (bits == 32 and ending != ".png")
-    if not floating and bits not in (8, 16):
-        raise UsageError(f"{target}: {bits} bits are not offered for {ending}; use 8 or 16")
-    picture = normal_picture(normal_map, 32 if floating else bits, half=half and ending == ".exr")
-    with written_beside([target], overwrite) as (beside,):
-        try:
-            write_pictures(beside, [picture])
-        except OutputError as error:
-            raise OutputError(str(error).replace(str(beside), str(target))) from None
+    target, options = Path(path), options or WriteOptions()
+    check_ending(target, options)
+    picture = map_picture(normal_map, target.suffix.lower(), options)
+    picture = replace(picture, attributes={**picture.attributes, **(attributes or {})})
+    with written_beside([target], overwrite) as (beside,), named(target, beside):
+        write_pictures(beside, [picture])
 
 
-def normal_picture(normal_map: NormalMap, bits: int, *, half: bool = False, name: str = "") -> Picture:
+def map_picture(normal_map: NormalMap, ending: str, options: WriteOptions) -> Picture:
+    """A normal map as a file of that ending holds it."""
+    bits = _BITS[ending][0] if options.bits == "auto" else options.bits
+    depth = 32 if bits in ("half", "float") else int(bits)
+    return normal_picture(
+        normal_map, depth, half=bits == "half", green=options.write_green, zero_code=options.write_zero_code
+    )
+
+
+def normal_picture(
+    normal_map: NormalMap, bits: int, *, half: bool = False, name: str = "", green: str = "up", zero_code: str = "127.5"
+) -> Picture:
     """A normal map as a file holds it: codes of 8 or 16 bits, or signed floats (32); its coverage as alpha."""
     covered = bool((normal_map.coverage < 1).any())
     channels = ("R", "G", "B", "A") if covered else ("R", "G", "B")
-    attributes = {"version": __version__, "kind": "normal", "green": "up"}
+    attributes = {"version": __version__, "kind": "normal", "green": green}
     if normal_map.frame.pitch_mm is not None:
         attributes["pitch_mm"] = repr(normal_map.frame.pitch_mm)
+    normals = normal_map.normals
+    if green == "down":
+        normals = normals * np.array([1, -1, 1], np.float32) + np.float32(0)  # + 0: flat gives 0, not -0
+    colors: NDArray[Any]
+    alpha: NDArray[Any]
     if bits == 32:
         attributes["encoding"] = "signed"
-        colors, alpha = normal_map.normals, normal_map.coverage
+        colors, alpha = normals, normal_map.coverage
     else:
-        attributes["zero_code"] = "127.5"
-        colors = codec.encode_codes(normal_map.normals, bits)
+        attributes["zero_code"] = zero_code
+        colors = codec.encode_codes(normals, bits, zero_code)
         alpha = grey_codes(normal_map.coverage, bits)
     pixels = np.dstack([colors, alpha]) if covered else colors
     return Picture(pixels, channels, attributes, name=name, half=half)

@@ -6,6 +6,7 @@ import struct
 import zipfile
 import zlib
 from pathlib import Path, PurePosixPath
+from typing import Self
 
 from nmaptool.errors import InputError, LimitError
 
@@ -48,7 +49,7 @@ class OraArchive:
             self._zip.close()
             raise
 
-    def __enter__(self) -> OraArchive:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -76,7 +77,7 @@ class OraArchive:
                 raise InputError(f"{self.path}: holds two entries {shown!r}; save it again")
             if info.file_size > info.compress_size * _LARGEST_RATIO + 1024:
                 raise InputError(
-                    f"{self.path}: entry {shown!r} claims to unpack to more than its data can hold; no editor writes such"
+                    f"{self.path}: entry {shown!r} claims to unpack to more than its data can hold; save it again"
                 )
             found[name] = info
         return found

@@ -64,7 +64,8 @@ def _add(archive: zipfile.ZipFile, name: str, data: bytes) -> None:
 
 def _codes(shares: NDArray[np.float32], bits: int) -> NDArray[Any]:
     top = (1 << bits) - 1
-    return np.floor(shares * np.float32(top) + np.float32(0.5)).clip(0, top).astype(np.uint8 if bits == 8 else np.uint16)
+    codes: NDArray[Any] = np.floor(shares * np.float32(top) + np.float32(0.5)).clip(0, top)
+    return codes.astype(np.uint8 if bits == 8 else np.uint16)
 
 
 def _thumbnail(merged: NDArray[Any]) -> NDArray[Any]:

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool._version import __version__
-from nmaptool.errors import OutputError, UsageError, reason_of
+from nmaptool.errors import UsageError
 from nmaptool.io import heights, meshes
 from nmaptool.io.image_writer import write_image
-from nmaptool.io.replace import check_target, written_beside
+from nmaptool.io.replace import check_target, named, written_beside
 from nmaptool.mesh import Mesh
 from nmaptool.model import Height
 from nmaptool.results import Relief
@@ -116,7 +116,7 @@ def write_relief(
     mesh: Mesh | None = None
     with written_beside(files.targets, overwrite) as beside:
         for target, temporary in zip(files.targets, beside, strict=True):
-            try:
+            with named(target, temporary):
                 if target is files.report:
                     temporary.write_text(json.dumps(report_values, indent=2) + "\n")
                 elif target is files.preview:
@@ -126,10 +126,6 @@ def write_relief(
                     meshes.write_mesh(temporary, mesh)
                 else:
                     heights.write_height(temporary, relief.height, attributes)
-            except OutputError as error:
-                raise OutputError(str(error).replace(str(temporary), str(target))) from None
-            except OSError as error:
-                raise OutputError(f"{target}: cannot be written ({reason_of(error)})") from None
 
 
 def _write_preview(path: Path, height: Height, attributes: Mapping[str, str]) -> None:

@@ -22,7 +22,7 @@ class Element:
     text: str = ""
 
     def walk(self) -> Iterator[Element]:
-        """This element and all in it, depth first."""
+        """The element and all in it, depth first."""
         yield self
         for child in self.children:
             yield from child.walk()
@@ -56,6 +56,9 @@ def parse_xml(data: bytes, name: str) -> Element:
     def end(_: str) -> None:
         opened.pop().text = "".join(pieces.pop())
 
+    def text(piece: str) -> None:
+        pieces[-1].append(piece)
+
     def refuse(*_: object) -> None:
         raise InputError(f"{name}: declares a document type or entities, which such files never need; export it again")
 
@@ -63,7 +66,7 @@ def parse_xml(data: bytes, name: str) -> Element:
     parser.buffer_text = True
     parser.StartElementHandler = begin
     parser.EndElementHandler = end
-    parser.CharacterDataHandler = lambda text: pieces[-1].append(text)
+    parser.CharacterDataHandler = text
     parser.StartDoctypeDeclHandler = refuse
     parser.EntityDeclHandler = refuse
     try:

@@ -77,7 +77,7 @@ def version_of(workspace: Workspace) -> int:
     return 2 if max(sides) > _LARGEST_PSD_SIDE or size > _LARGEST_PSD_BYTES else 1
 
 
-def _kind(depth: int) -> type[np.uint8] | type[np.uint16]:
+def _kind(depth: int) -> type[np.uint8 | np.uint16]:
     return np.uint8 if depth == 8 else np.uint16
 
 
@@ -94,7 +94,7 @@ def _layer_info(workspace: Workspace, depth: int, version: int) -> tuple[int, La
     def add(record: LayerRecord, planes: list[ChannelData]) -> None:
         record.tagged_blocks.set_data(Tag.LAYER_ID, len(records) + 1)
         records.append(record)
-        channels.append(ChannelDataList(planes))  # type: ignore[arg-type]
+        channels.append(ChannelDataList(planes))
 
     def close_to(kept: int) -> None:
         while len(opened) > kept:
@@ -111,7 +111,7 @@ def _layer_info(workspace: Workspace, depth: int, version: int) -> tuple[int, La
         add(*_record(layer, workspace.frame, depth, version))
     close_to(0)
     # negative: the merged picture's fourth channel is its transparency
-    return -len(records), LayerRecords(records), ChannelImageData(channels)  # type: ignore[arg-type]
+    return -len(records), LayerRecords(records), ChannelImageData(channels)
 
 
 def _named(name: str) -> tuple[str, TaggedBlocks]:
@@ -139,9 +139,7 @@ def _divider(group: LayerGroup, kind: SectionDivider) -> tuple[LayerRecord, list
     return record, [ChannelData() for _ in range(4)]
 
 
-def _record(
-    layer: WorkspaceLayer, frame: Frame, depth: int, version: int
-) -> tuple[LayerRecord, list[ChannelData]]:
+def _record(layer: WorkspaceLayer, frame: Frame, depth: int, version: int) -> tuple[LayerRecord, list[ChannelData]]:
     rows, cols = layer.size
     name, blocks = _named(layer.name)
     record = LayerRecord(

@@ -73,6 +73,17 @@ def written_beside(targets: list[Path], overwrite: bool) -> Iterator[list[Path]]
             path.unlink(missing_ok=True)
 
 
+@contextlib.contextmanager
+def named(target: Path, temporary: Path) -> Iterator[None]:
+    """Errors of writing speak of the target, not of the file beside it."""
+    try:
+        yield
+    except OutputError as error:
+        raise OutputError(str(error).replace(str(temporary), str(target))) from None
+    except OSError as error:
+        raise OutputError(f"{target}: cannot be written ({reason_of(error)})") from None
+
+
 def _rename_all(sources: list[Path], targets: list[Path], kept: list[Path], overwrite: bool) -> None:
     """Rename every source or none; what is replaced is kept aside until all went well."""
     begun: list[tuple[Path, Path, Path]] = []

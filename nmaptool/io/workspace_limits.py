@@ -59,7 +59,7 @@ class Budget:
         shown = "".join(c if c.isprintable() else "?" for c in name[:60])
         if max(cols, rows) > _LONGEST_SIDE:
             raise LimitError(
-                f"{self._path}: layer {shown!r} claims {cols} x {rows} px; accepted are sides of {_LONGEST_SIDE} at most"
+                f"{self._path}: layer {shown!r} claims {cols} x {rows} px; accepted are sides up to {_LONGEST_SIDE}"
             )
         check_size(Path(f"{self._path}: layer {shown!r}"), cols, rows, self._limit)
         self._pixels += cols * rows

@@ -64,7 +64,7 @@ def page_attributes(workspace: Workspace, number: int, *, mask: bool = False) ->
 
 
 def said_of(image: RasterImage) -> dict[str, Any]:
-    """nmaptool's words on a page; empty where an editor dropped them."""
+    """Nmaptool's words on a page; empty where an editor dropped them."""
     return words.from_json(image.attributes.get("words", "")) or {}
 
 
@@ -106,14 +106,14 @@ def _has_name(facts: object) -> bool:
 
 
 def _place(page: Page, said: Mapping[str, Any]) -> tuple[int, int]:
-    found = []
-    for key, default in (("left", page.left), ("top", page.top)):
-        value = said.get(key)
-        known = isinstance(value, int) and not isinstance(value, bool) and abs(value) <= FURTHEST
-        # the file's own place cannot be negative in a TIFF; where it is another one, the layer was moved
-        exact = known and isinstance(value, int) and default in (value, max(value, 0))
-        found.append(value if exact else min(max(default, -FURTHEST), FURTHEST))
-    return found[0], found[1]
+    return _exact(page.left, said.get("left")), _exact(page.top, said.get("top"))
+
+
+def _exact(own: int, said: object) -> int:
+    """A place that a file tells twice: its own cannot be negative in a TIFF; where they differ, the layer was moved."""
+    if isinstance(said, int) and not isinstance(said, bool) and abs(said) <= FURTHEST and own in (said, max(said, 0)):
+        return said
+    return min(max(own, -FURTHEST), FURTHEST)
 
 
 def _share(value: object, default: float = 1.0) -> float:
@@ -157,7 +157,9 @@ def _groups(value: object, known: dict[int, LayerGroup]) -> tuple[LayerGroup, ..
 
 def _mask(page: Page, said: Mapping[str, Any]) -> LayerMask:
     left, top = _place(page, said)
-    return LayerMask(grey_channel(page.image), left, top, _share(said.get("outside"), 0.0), said.get("enabled") is not False)
+    return LayerMask(
+        grey_channel(page.image), left, top, _share(said.get("outside"), 0.0), said.get("enabled") is not False
+    )
 
 
 def four_channels(image: RasterImage) -> NDArray[Any]:
@@ -176,5 +178,5 @@ def grey_channel(image: RasterImage) -> NDArray[Any]:
     if "A" not in image.channels:
         return np.ascontiguousarray(grey)
     alpha = pixels[..., image.channels.index("A")]
-    both = grey.astype(np.float64) * alpha / top
+    both: NDArray[Any] = grey.astype(np.float64) * alpha / top
     return both.astype(np.float32) if pixels.dtype == np.float32 else np.rint(both).astype(pixels.dtype)

@@ -4,21 +4,45 @@ Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
 from nmaptool.options.bake import BakeOptions, DetailEncoding, MeshReadOptions, Renderer, Shading
+from nmaptool.options.compose import (
+    Anchor,
+    BlendMode,
+    BlendOptions,
+    CanvasOptions,
+    Clip,
+    Ground,
+    GroupOptions,
+    LayerMode,
+    LayerOptions,
+)
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.reading import Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
+from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.workspace import PackOptions
+from nmaptool.options.write import Bits, WriteOptions, WrittenGreen, WrittenZeroCode
 
 __all__ = [
+    "Anchor",
     "BackgroundMode",
     "BakeOptions",
+    "Bits",
+    "BlendMode",
+    "BlendOptions",
+    "CanvasOptions",
+    "Clip",
     "DetailEncoding",
     "Encoding",
     "Energy",
     "FilterOptions",
     "Fit",
     "Green",
+    "Ground",
+    "GroupOptions",
+    "LayerMode",
+    "LayerOptions",
     "MeshReadOptions",
+    "NewGround",
     "PackOptions",
     "ReadOptions",
     "ReliefOptions",
@@ -26,5 +50,9 @@ __all__ = [
     "Shading",
     "SolverName",
     "SplitOptions",
+    "TransformOptions",
+    "WriteOptions",
+    "WrittenGreen",
+    "WrittenZeroCode",
     "ZeroCode",
 ]

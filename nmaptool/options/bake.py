@@ -5,12 +5,11 @@ Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.errors import LimitError, UsageError
-from nmaptool.options.checks import require_choices, require_number
+from nmaptool.options.checks import parse_size, require_absolute, require_choices, require_number
 from nmaptool.units import Length, length
 
 Up = Literal["y", "z"]
@@ -30,7 +29,6 @@ VIEWS = {
 }
 # degrees; from farther away, depths cannot be told apart
 _NARROWEST = 0.01
-_SIZE = re.compile(r"\s*(\d{1,7})\s*[x,×]\s*(\d{1,7})\s*", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -161,16 +159,11 @@ class BakeOptions:
     def _check_lengths(self) -> None:
         if self.margin.is_absolute:
             raise UsageError(f"--margin {self.margin}: give it in px or %, such as 4%")
-        for name in ("width", "pitch"):
-            value = getattr(self, name)
-            if value is not None and not value.is_absolute:
-                raise UsageError(f"--{name} {value}: the size of a pixel follows from it, so give it in mm, cm or in")
+        require_absolute(width=self.width, pitch=self.pitch)
         if self.width is not None and self.pitch is not None:
             raise UsageError("--width and --pitch both say how large a pixel is; give one of them")
 
     def _check_size(self) -> None:
-        if not _SIZE.fullmatch(self.size) or min(self.rows, self.cols) < 1:
-            raise UsageError(f"--size {self.size!r}: expected columns x rows in px, such as 1000x900")
         if not self.max_megapixels > 0:
             raise UsageError(f"--max-megapixels {self.max_megapixels:g}: must be greater than zero")
         # a sample costs a tenth of a pixel's layers
@@ -185,14 +178,12 @@ class BakeOptions:
     @property
     def rows(self) -> int:
         """Pixels down."""
-        match = _SIZE.fullmatch(self.size)
-        return int(match.group(2)) if match else 0
+        return parse_size("size", self.size)[1]
 
     @property
     def cols(self) -> int:
         """Pixels across."""
-        match = _SIZE.fullmatch(self.size)
-        return int(match.group(1)) if match else 0
+        return parse_size("size", self.size)[0]
 
     @property
     def views(self) -> tuple[str, ...]:

@@ -6,10 +6,13 @@ Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 from __future__ import annotations
 
 import math
+import re
 
 from nmaptool.errors import UsageError
+from nmaptool.units import Length
 
 LARGEST_WEIGHT = 1e6
+_SIZE = re.compile(r"\s*(\d{1,7})\s*[x,×]\s*(\d{1,7})\s*", re.IGNORECASE)
 
 
 def require_at_least_zero(**values: float) -> None:
@@ -30,3 +33,19 @@ def require_number(name: str, value: float, low: float, high: float, such_as: st
     """A finite number between two bounds, both included."""
     if not (math.isfinite(value) and low <= value <= high):
         raise UsageError(f"--{name} {value:g}: must lie between {low:g} and {high:g}, such as {such_as}")
+
+
+def require_absolute(**lengths: Length | None) -> None:
+    """Lengths in mm, cm or in, by name; None is none."""
+    for name, value in lengths.items():
+        if value is not None and not value.is_absolute:
+            raise UsageError(f"--{name} {value}: the size of a pixel follows from it, so give it in mm, cm or in")
+
+
+def parse_size(name: str, text: str) -> tuple[int, int]:
+    """Columns and rows of a size such as ``1000x900``."""
+    match = _SIZE.fullmatch(text)
+    cols, rows = (int(match.group(1)), int(match.group(2))) if match else (0, 0)
+    if min(cols, rows) < 1:
+        raise UsageError(f"--{name} {text!r}: expected columns x rows in px, such as 1000x900")
+    return cols, rows

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.errors import UsageError
-from nmaptool.options.checks import LARGEST_WEIGHT, require_at_least_zero, require_choices
+from nmaptool.options.checks import LARGEST_WEIGHT, require_absolute, require_at_least_zero, require_choices
 from nmaptool.units import Length, length
 
 BackgroundMode = Literal["plane", "free", "cut", "surface"]
@@ -100,7 +100,6 @@ class ReliefOptions:
             raise UsageError(f"--tolerance {self.tolerance:g}: must lie between 1e-14 and 1, such as 1e-8")
         if self.max_iterations < 1:
             raise UsageError(f"--max-iterations {self.max_iterations}: must be at least 1")
-        if self.width is not None and not self.width.is_absolute:
-            raise UsageError(f"--width {self.width}: the size of a pixel follows from it, so give it in mm, cm or in")
+        require_absolute(width=self.width)
         if self.fit != "scale" and self.height is None:
             raise UsageError(f"--fit {self.fit}: needs --height, such as --height 3mm")

@@ -35,7 +35,7 @@ class PackedMap:
     left, top : int
         Place of its first pixel on the canvas, px; may be negative.
     mode : str
-        How its vectors blend with those below: ``over``, ``rnm``, ``pd``, ``whiteout``, ``udn``, ``linear``, ``overlay``.
+        How its vectors blend with those below: ``over``, or a mode of `nmaptool.blend`.
     strength : float
         0 fades it to flat, 1 leaves it.
     mask : (h, w) float32 in [0, 1], optional

@@ -47,10 +47,10 @@ def _said_once(findings: list[WorkspaceFinding], layers: int) -> list[WorkspaceF
     counts = Counter((finding.code, finding.message) for finding in findings)
     out: list[WorkspaceFinding] = []
     for finding in findings:
-        if layers > 1 and counts[finding.code, finding.message] == layers:
-            finding = replace(finding, layer=None)
-        if finding not in out:
-            out.append(finding)
+        shared = layers > 1 and counts[finding.code, finding.message] == layers
+        said = replace(finding, layer=None) if shared else finding
+        if said not in out:
+            out.append(said)
     return out
 
 

@@ -61,10 +61,7 @@ def is_premultiplied(codes: Float32, alpha: Float32, signed: bool) -> bool:
 def unmultiplied(codes: NDArray[Any], alpha: NDArray[Any], signed: bool) -> NDArray[Any]:
     """Codes divided by alpha (floats: vectors divided by it), where there is enough of it to divide by."""
     a = np.maximum(alpha, 0.02)[..., None]
-    if signed:
-        divided = ((2 * codes - 1) / a + 1) / 2
-    else:
-        divided = codes / a
+    divided = ((2 * codes - 1) / a + 1) / 2 if signed else codes / a
     return np.where(alpha[..., None] > 0.02, divided, codes).clip(0, 1)
 
 
@@ -100,8 +97,8 @@ def tone_curve(codes: Float32, covered: Mask, packed: Signature | None) -> tuple
     covered : (h, w) bool
     packed : Signature or None
     """
-    sample = codes[covered]
-    sample = sample[:: max(1, len(sample) // _SAMPLE)].astype(np.float64)
+    inside = codes[covered]
+    sample = inside[:: max(1, len(inside) // _SAMPLE)].astype(np.float64)
     if not len(sample):
         return None
     before = float(np.abs(lengths(sample) - 1).mean())

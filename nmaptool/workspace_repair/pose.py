@@ -30,7 +30,8 @@ class Pose:
     Parameters
     ----------
     turn : str
-        ``none``, ``flip-h``, ``flip-v``, ``90``, ``180``, ``270`` (counter-clockwise), ``transpose``, ``antitranspose``.
+        ``none``, ``flip-h``, ``flip-v``, ``90``, ``180``, ``270`` (counter-clockwise), ``transpose`` or
+        ``antitranspose`` (mirrored along a diagonal).
     vectors_turned : bool
         The vectors went with the picture, so that nothing is wrong.
     angle_deg : float or None
@@ -164,6 +165,4 @@ def _gradient(field: Float32) -> tuple[Float32, Float32]:
     """d/dx and d/dy (y up) at the inner vertices, as `nmaptool.vectors.curl` takes them."""
     d_x = (field[:-1, 1:] - field[:-1, :-1] + field[1:, 1:] - field[1:, :-1]) / 2
     d_y = (field[:-1, :-1] - field[1:, :-1] + field[:-1, 1:] - field[1:, 1:]) / 2
-    return d_x, d_y
-
-
+    return np.asarray(d_x, np.float32), np.asarray(d_y, np.float32)

@@ -206,13 +206,10 @@ def _pose_words(pose: Pose) -> Iterator[tuple[str, str, str]]:
         )
     if pose.angle_deg is not None:
         way = "counter-clockwise" if pose.angle_deg > 0 else "clockwise"
-        yield (
-            "turned-freely",
-            f"looks turned by {abs(pose.angle_deg):.0f} degrees {way} without its vectors: turning them takes mean "
-            f"|curl| from {pose.curl:.4f} to {pose.curl_if_turned:.4f}",
-            f"nmap compose transform FILE -o OUT --rotate {pose.angle_deg:.1f} --vectors-only (half a turn more if it "
-            "stands on its head)",
-        )
+        words = f"looks turned by {abs(pose.angle_deg):.0f} degrees {way} without its vectors"
+        proof = f"turning them takes mean |curl| from {pose.curl:.4f} to {pose.curl_if_turned:.4f}"
+        remedy = f"nmap compose transform FILE -o OUT --rotate {pose.angle_deg:.1f} --vectors-only"
+        yield ("turned-freely", f"{words}: {proof}", f"{remedy} (half a turn more if it stands on its head)")
     if pose.stretched is not None:
         sx, sy = pose.stretched
         yield (
@@ -248,4 +245,8 @@ def _editor_words(layer: WorkspaceLayer) -> Iterator[tuple[str, str, str]]:
     if not layer.shown:
         yield ("hidden", "is hidden; it is kept and marked so", "delete it, or leave it: stack leaves it out")
     for what in layer.facts.get("not_kept", ()):
-        yield ("not-kept", f"has {what}, which is not in its pixels", "apply or rasterise it in the editor and save again")
+        yield (
+            "not-kept",
+            f"has {what}, which is not in its pixels",
+            "apply or rasterise it in the editor and save again",
+        )

@@ -1,22 +1,18 @@
-"""``nmap compose``: edits of normal maps."""
+"""``nmap compose split``."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
 from typing import Annotated, Any
 
-from cyclopts import App, Parameter
+from cyclopts import Parameter
 
 from nmaptool.options import ReadOptions, SplitOptions
 from nmaptool_cli.bake import LayerOutputs, destination, say_written
-from nmaptool_cli.session import FILTER, OUTPUTS, READING, RUN, RunOptions, Session, input_files, said_name
-
-HELP = "Edit normal maps as vectors: split a map into base and detail."
-
-app = App(name="compose", help=HELP)
+from nmaptool_cli.compose.outputs import say_map
+from nmaptool_cli.session import FILTER, OUTPUTS, READING, RUN, RunOptions, Session, input_files
 
 
-@app.command
 def split(
     map: str,
     /,
@@ -42,7 +38,7 @@ def split(
     files = LayerFiles(output, outputs.format, plot=outputs.plot, report=report, overwrite=outputs.overwrite)
     files.check()
     import nmaptool as nm
-    from nmaptool_cli.wording import describe_decoding, describe_split
+    from nmaptool_cli.wording import describe_split
 
     with input_files(map) as (source,), session.progress() as progress:
         assert source is not None
@@ -64,10 +60,7 @@ def split(
         overwrite=outputs.overwrite,
         account=account,
     )
-    name = said_name(original.name)
-    session.say(f"{name}: {original.frame}, {describe_decoding(original.decoding, float(original.foreground.mean()))}")
-    for warning in original.decoding.warnings:
-        session.warn(f"{name}: {warning}")
+    say_map(session, original)
     for line in describe_split(layers.report):
         session.say(line)
     session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in layers.report.seconds.items())}")

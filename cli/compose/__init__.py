@@ -1,0 +1,18 @@
+"""``nmap compose``: edits of normal maps, one file a command; they load when they are called."""
+
+from __future__ import annotations
+
+from cyclopts import App
+
+HELP = "Edit normal maps as vectors: blend, paste, turn, convert, compose them."
+
+app = App(name="compose", help=HELP)
+for _name, _help in (
+    ("split", "Split a map that has no mesh into base and detail."),
+    ("blend", "Blend a detail map with a base map."),
+    ("paste", "Paste layers on a background."),
+    ("transform", "Crop, mirror, resize, turn or pad a map."),
+    ("pack", "Lay maps over each other in one file for an image editor: PSD, ORA, TIFF, EXR."),
+    ("unpack", "Take such a file apart again, repaired, with a report of what the editor did to it."),
+):
+    app.command(f"nmaptool_cli.compose.{_name}:{_name}", name=_name, help=_help)

@@ -1,0 +1,56 @@
+"""``nmap compose blend``."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from nmaptool.options import BlendOptions, ReadOptions, WriteOptions
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
+from nmaptool_cli.session import COMPOSING, INPUTS, OUTPUTS, READING, RUN, RunOptions, Session, input_files
+
+
+def blend(
+    base: str,
+    detail: str,
+    /,
+    *,
+    mask: Annotated[str | None, Parameter(group=INPUTS)] = None,
+    outputs: Annotated[MapOutputs, Parameter(name="*", group=OUTPUTS)] = MapOutputs(),
+    writing: Annotated[WriteOptions, Parameter(name="*", group=OUTPUTS)] = WriteOptions(),
+    options: Annotated[BlendOptions, Parameter(name="*", group=COMPOSING)] = BlendOptions(),
+    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
+    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
+) -> None:
+    """Blend a detail map with a base map of the same size.
+
+    Example: nmap compose blend maps/base.exr maps/detail.exr -o crisper.exr --strength 1.5
+
+    Parameters
+    ----------
+    base:
+        Normal map of the forms; the result is covered where it is. - reads standard input.
+    detail:
+        Normal map that is flat where it changes nothing, such as bake's detail.
+    mask:
+        Grey picture, white where the detail counts.
+    """
+    session = Session(run)
+    writer = MapWriter(session, outputs, writing, run, (base, detail, mask))
+    import nmaptool as nm
+
+    with input_files(base, detail, mask) as (base_file, detail_file, mask_file):
+        assert base_file is not None and detail_file is not None
+        below = nm.read_normal_map(base_file, reading)
+        others = dataclasses.replace(reading, layer=None)
+        above = nm.read_normal_map(detail_file, others, like=below)
+        chosen = None if mask_file is None else nm.read_grey(mask_file, reading.max_megapixels)
+        result = nm.blend(below, above, options, mask=chosen)
+    for each in (below, above):
+        say_map(session, each)
+    files = {"base": base, "detail": detail, "mask": mask}
+    writer.write_composition(result, account_of((below, above), files=files, reading=dataclasses.asdict(reading)))
+    say_composition(session, result)
+    writer.finish()

@@ -1,0 +1,170 @@
+"""What every command that writes one normal map shares."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from nmaptool.errors import UsageError
+from nmaptool.options import WriteOptions
+from nmaptool_cli.session import STREAM, RunOptions, Session, said_name
+
+if TYPE_CHECKING:
+    import nmaptool as nm
+    from nmaptool.io.image_writer import Picture
+    from nmaptool.io.map_files import MapFiles
+
+
+@dataclass(frozen=True)
+class MapOutputs:
+    """What is written.
+
+    Parameters
+    ----------
+    output:
+        Normal map: .png, .exr or .tif; - writes EXR to standard output, for the next command.
+    curl:
+        Picture of where the map stops being a surface, .png: black is sound, yellow is torn.
+    report:
+        Full account of the run as JSON; - for standard output.
+    overwrite:
+        Replace files that exist.
+    """
+
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None
+    curl: Path | None = None
+    report: Path | None = None
+    overwrite: bool = False
+
+
+class MapWriter:
+    """The outputs of one run, checked before any work is done.
+
+    Parameters
+    ----------
+    session : Session
+    outputs : MapOutputs
+    options : WriteOptions
+    run : RunOptions
+    inputs : sequence of str
+        Files that are read: none of them may be written.
+    pictures : Path or None, by kind
+        More pictures, .png.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        outputs: MapOutputs,
+        options: WriteOptions,
+        run: RunOptions,
+        inputs: tuple[str | None, ...],
+        **pictures: Path | None,
+    ) -> None:
+        from nmaptool.io.map_files import MapFiles
+
+        if outputs.output is None:
+            raise UsageError("nothing to write: say where, such as -o map.exr")
+        beside = {"curl": outputs.curl, **pictures}
+        self.session = session
+        self.report_to_stdout = str(outputs.report) == STREAM or run.json
+        self.map_to_stdout = str(outputs.output) == STREAM
+        if any(str(path) == STREAM for path in beside.values()):
+            raise UsageError("-: pictures are written to files, such as --curl curl.png")
+        if self.map_to_stdout and self.report_to_stdout:
+            raise UsageError("-: the map and the report cannot both go to standard output; give one of them a file")
+        self._folder = tempfile.TemporaryDirectory() if self.map_to_stdout else None
+        self.files: MapFiles = MapFiles(
+            Path(self._folder.name) / "map.exr" if self._folder else outputs.output,
+            options,
+            {kind: path for kind, path in beside.items() if path is not None},
+            None if str(outputs.report) == STREAM else outputs.report,
+            outputs.overwrite,
+        )
+        self._account: Mapping[str, Any] = {}
+        self.files.check()
+        for path in self.files.targets:
+            if path.exists() and any(Path(name).exists() and path.samefile(name) for name in inputs if name):
+                raise UsageError(f"{path}: is also an input; give another name for the output")
+
+    @property
+    def named_targets(self) -> list[str]:
+        """Every output as the user called it."""
+        return [STREAM if self._folder and path is self.files.output else str(path) for path in self.files.targets]
+
+    def write(
+        self,
+        normal_map: nm.NormalMap,
+        pictures: Mapping[str, Callable[[], Picture]],
+        account: Mapping[str, Any],
+        recipe: str,
+    ) -> None:
+        """Write everything."""
+        from nmaptool.io.map_files import write_map_files
+
+        self._account = {**account, "outputs": self.named_targets}
+        write_map_files(self.files, normal_map, pictures, self._account, recipe)
+        if self._folder is not None:
+            with self.files.output.open("rb") as stream:
+                shutil.copyfileobj(stream, sys.stdout.buffer)
+            sys.stdout.buffer.flush()
+            self._folder.cleanup()
+
+    def write_composition(
+        self, composition: nm.Composition, account: Mapping[str, Any], recipe: str | None = None
+    ) -> None:
+        """Write a composition, with its picture of where layers lie."""
+        from nmaptool.io.map_files import composition_recipe, placed_picture
+
+        everything = {**account, **composition.report.to_dict()}
+        recipe = composition_recipe(composition) if recipe is None else recipe
+        self.write(composition.normal_map, {"placed": lambda: placed_picture(composition)}, everything, recipe)
+
+    def finish(self) -> None:
+        """Say what was written; print the report where it goes to standard output."""
+        for path, name in zip(self.files.targets, self.named_targets, strict=True):
+            self.session.say(f"  wrote {'the map to standard output' if name == STREAM else path}")
+        if self.report_to_stdout:
+            self.session.data(self._account)
+
+
+def say_map(session: Session, normal_map: nm.NormalMap) -> None:
+    """How an input was read, in one line, and what speaks against it."""
+    from nmaptool_cli.wording import describe_decoding
+
+    name = said_name(normal_map.name)
+    share = float(normal_map.foreground.mean())
+    session.say(f"{name}: {normal_map.frame}, {describe_decoding(normal_map.decoding, share)}")
+    for warning in normal_map.decoding.warnings:
+        session.warn(f"{name}: {warning}")
+
+
+def say_composition(session: Session, composition: nm.Composition) -> None:
+    """What was done, a line each."""
+    from nmaptool_cli.wording import describe_composition
+
+    for line in describe_composition(composition):
+        session.say(line)
+    for warning in composition.report.warnings:
+        session.warn(warning)
+    session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in composition.report.seconds.items())}")
+
+
+def account_of(maps: tuple[nm.NormalMap, ...], **more: Any) -> dict[str, Any]:
+    """The part of a report that says what was read."""
+    from dataclasses import asdict
+
+    from nmaptool._version import __version__
+
+    inputs = [
+        {"name": said_name(m.name), "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps
+    ]
+    return {"version": __version__, "inputs": inputs, **json.loads(json.dumps(more, default=str))}

@@ -1,0 +1,147 @@
+"""``nmap compose paste``."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+
+from nmaptool.errors import UsageError
+from nmaptool.options import LayerOptions, ReadOptions, WriteOptions
+from nmaptool.options.account import plain_values
+from nmaptool.units import Length
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
+from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files
+
+# repeatable flags, whose defaults are those of LayerOptions
+_Words = Annotated[tuple[str, ...], Parameter(show_default=False)]
+_Numbers = Annotated[tuple[float, ...], Parameter(show_default=False)]
+
+
+@dataclass(frozen=True)
+class Placing:
+    """Where layers lie. Every flag holds for all layers; given as often as there are layers, for one each.
+
+    Parameters
+    ----------
+    at:
+        Where the layer's anchor goes: across,down from the top left corner, such as 30%,12mm (% of the canvas's width
+        and height). Default: the same anchor of the background.
+    anchor:
+        Point of the layer that is placed, and turned about: center (default), top-left, top, top-right, left, right,
+        bottom-left, bottom, bottom-right.
+    scale:
+        Factor, or two (across,down), or the width that the layer gets, such as 30mm. Default: 1.
+    rotate:
+        Degrees counter-clockwise.
+    flip_h:
+        Mirror left and right.
+    flip_v:
+        Mirror top and bottom.
+    feather:
+        Width of the soft edge inside the layer's outline, such as 6px.
+    mode:
+        over (default) covers what is below; rnm, pd, whiteout, udn, linear, overlay blend with it, as in blend.
+    strength:
+        How much of the layer: 0 none, 1 all (default).
+    height_factor:
+        Factor on the layer's heights. Default: its scale, so that slopes stay; 1 where it is stretched.
+    clip:
+        yes: only where something lies below; no: everywhere. Default: modes other than over are clipped.
+    mask:
+        Grey picture of the layer's size, white where it shows.
+    """
+
+    at: _Words = ()
+    anchor: _Words = ()
+    scale: _Words = ()
+    rotate: _Numbers = ()
+    flip_h: bool = False
+    flip_v: bool = False
+    feather: _Words = ()
+    mode: _Words = ()
+    strength: _Numbers = ()
+    height_factor: _Numbers = ()
+    clip: _Words = ()
+    mask: _Words = ()
+
+    def of_each(self, count: int) -> list[dict[str, Any]]:
+        """The flags of each of ``count`` layers."""
+        each: list[dict[str, Any]] = [{} for _ in range(count)]
+        for field in dataclasses.fields(self):
+            given = getattr(self, field.name)
+            values = [given] * count if isinstance(given, bool) else _spread(field.name, given, count)
+            for layer, value in zip(each, values, strict=True):
+                if value is not None:
+                    layer[field.name] = value
+        return each
+
+
+def _spread(name: str, given: Sequence[Any], count: int) -> Sequence[Any]:
+    if len(given) in (0, 1):
+        return (given[0] if given else None,) * count
+    if len(given) != count:
+        flag = name.replace("_", "-")
+        raise UsageError(
+            f"--{flag}: is given {len(given)} times for {count} layers; give it once, or once for each layer"
+        )
+    return given
+
+
+def paste(
+    background: str,
+    layers: Annotated[tuple[str, ...], Parameter(negative="")],
+    /,
+    *,
+    outputs: Annotated[MapOutputs, Parameter(name="*", group=OUTPUTS)] = MapOutputs(),
+    placed: Annotated[Path | None, Parameter(group=OUTPUTS)] = None,
+    writing: Annotated[WriteOptions, Parameter(name="*", group=OUTPUTS)] = WriteOptions(),
+    placing: Annotated[Placing, Parameter(name="*", group=COMPOSING)] = Placing(),
+    width: Annotated[Length | None, Parameter(group=COMPOSING)] = None,
+    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
+    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
+) -> None:
+    """Paste layers on a background; their normals turn with the picture.
+
+    A layer brings its motif along, not its background. More control: nmap compose stack.
+
+    Example: nmap compose paste plate.exr bunny.exr igea.exr -o both.exr --at 30%,50% --at 70%,50% --scale 0.6
+
+    Parameters
+    ----------
+    background:
+        Normal map; the result has its size.
+    layers:
+        One or more normal maps, from the lowest to the topmost.
+    placed:
+        Picture of where the layers lie, .png: the --mask of nmap relief for a background that keeps its own height.
+    width:
+        Width of the whole picture, such as 100mm, so that lengths in mm have a meaning. Default: what the background
+        says.
+    """
+    session = Session(run)
+    each = placing.of_each(len(layers))
+    masks = [flags.pop("mask", None) for flags in each]
+    options = [LayerOptions(**flags) for flags in each]
+    inputs = (background, *layers, *(mask for mask in masks if mask is not None))
+    writer = MapWriter(session, outputs, writing, run, inputs, placed=placed)
+    import nmaptool as nm
+
+    with input_files(background, *layers, *masks) as sources, session.progress() as progress:
+        files, mask_files = sources[: 1 + len(layers)], sources[1 + len(layers) :]
+        ground, *maps = (nm.read_normal_map(str(name), reading) for name in files)
+        chosen = [None if name is None else nm.read_grey(name, reading.max_megapixels) for name in mask_files]
+        stack = [nm.Layer(*parts) for parts in zip(maps, options, chosen, strict=True)]
+        result = nm.paste(ground, stack, width=width, progress=progress)
+    for normal_map in (ground, *maps):
+        say_map(session, normal_map)
+    named = {"background": background, "layers": layers, "masks": [mask for mask in masks if mask is not None]}
+    flags = [plain_values(option) for option in options]
+    account = account_of((ground, *maps), files=named, reading=dataclasses.asdict(reading), placing=flags)
+    writer.write_composition(result, account)
+    say_composition(session, result)
+    writer.finish()

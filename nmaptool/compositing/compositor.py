@@ -1,0 +1,227 @@
+"""The order, coverage and groups of layers on one canvas."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from nmaptool.arrays import Float32, Mask
+from nmaptool.blending import blend
+from nmaptool.compositing.edges import feathered
+from nmaptool.compositing.placement import Piece, bounds, linear_part, map_piece, with_fixed_point
+from nmaptool.errors import InputError, UsageError
+from nmaptool.layer_stack import Layer, LayerGroup, check_mask
+from nmaptool.model import Frame, NormalMap
+from nmaptool.options import LayerOptions
+from nmaptool.options.compose import ANCHORS
+from nmaptool.units import Length
+from nmaptool.vectors import FLAT, unit
+
+# a canvas of this many layers' sizes at most: beyond it a scale is a slip of the hand
+_LARGEST_FACTOR = 1e3
+
+
+@dataclass(eq=False)
+class Canvas:
+    """What lies on a canvas so far; changed by `lay` alone.
+
+    Attributes
+    ----------
+    frame : Frame
+    normals, coverage, foreground
+        As in `nmaptool.NormalMap`.
+    placed : (H, W) float32
+        Coverage of what was laid on, without the lowest.
+    accounts : list of dict
+        What became of each layer.
+    """
+
+    frame: Frame
+    normals: Float32
+    coverage: Float32
+    foreground: Mask
+    placed: Float32
+    accounts: list[dict[str, Any]]
+
+
+def clear_canvas(frame: Frame, ground: str) -> Canvas:
+    """A canvas with nothing on it: transparent, or a flat plate."""
+    normals = np.empty((*frame.shape, 3), np.float32)
+    normals[...] = FLAT
+    coverage = np.full(frame.shape, 1 if ground == "flat" else 0, np.float32)
+    return Canvas(frame, normals, coverage, np.zeros(frame.shape, bool), np.zeros(frame.shape, np.float32), [])
+
+
+def canvas_of(base: NormalMap) -> Canvas:
+    """A canvas with a map on it, as it is."""
+    copies = (base.normals.copy(), base.coverage.copy(), base.foreground.copy())
+    return Canvas(base.frame, *copies, np.zeros(base.frame.shape, np.float32), [])
+
+
+def compose_onto(
+    canvas: Canvas,
+    layers: Sequence[Layer | LayerGroup],
+    *,
+    in_group: bool = False,
+    lowest: bool = False,
+    progress: Callable[[str], None] = lambda name: None,
+) -> Canvas:
+    """Lay layers on a canvas, which is changed, from the lowest to the topmost.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    layers : sequence of Layer or LayerGroup
+    in_group : bool
+        Details inside a group are not clipped, since the group is.
+    lowest : bool
+        The first of the layers is the ground of the others.
+    progress : callable
+        Told the name of each layer.
+
+    Raises
+    ------
+    InputError
+        If a layer lies off the canvas, covers nothing or lies on nothing.
+    UsageError
+        If a length is in mm and the canvas's pitch is not known.
+    """
+    for number, layer in enumerate(layers):
+        progress(layer.name)
+        if isinstance(layer, LayerGroup):
+            inner = compose_onto(clear_canvas(canvas.frame, "clear"), layer.layers, in_group=True, progress=progress)
+            if layer.mask is not None:
+                check_mask(layer.mask, layer.name, canvas.frame.shape)
+                inner.coverage *= layer.mask
+            piece = Piece(inner.normals, inner.coverage, inner.foreground)
+            within = {"layers": inner.accounts}
+        else:
+            piece, within = place(layer, canvas.frame), {}
+        o = layer.options
+        clip = o.clip == "yes" or (o.clip == "auto" and o.mode != "over" and not in_group)
+        share = _lay(canvas, piece, layer.name, o.mode, o.strength, clip, counts=number > 0 or not lowest)
+        rows, cols = piece.coverage.shape
+        box = [piece.left, piece.top, cols, rows]
+        account = {"name": layer.name, "mode": o.mode, "strength": o.strength, "box_px": box, "share": share}
+        canvas.accounts.append({**account, **within})
+    return canvas
+
+
+def motif_coverage(normal_map: NormalMap) -> Float32:
+    """(H, W) coverage without a background that is a defined, flat part of the map: what a layer brings along."""
+    beside = (normal_map.coverage == 1) & ~normal_map.foreground
+    return np.where(beside, np.float32(0), normal_map.coverage)
+
+
+def place(layer: Layer, frame: Frame) -> Piece:
+    """A layer on its place: moved, turned, masked, feathered, cut to the canvas.
+
+    Raises
+    ------
+    InputError
+        If it lies off the canvas.
+    UsageError
+        If a length is in mm and the canvas's pitch is not known.
+    """
+    source, o = layer.normal_map, layer.options
+    coverage = motif_coverage(source)
+    if layer.mask is not None:
+        coverage = coverage * layer.mask
+    rows, cols = source.frame.shape
+    linear = linear_part(_factors(o, frame, cols), o.flip_h, o.flip_v, o.rotate)
+    share_across, share_down = ANCHORS[o.anchor]
+    try:
+        across, down = (
+            d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, (frame.cols, frame.rows), strict=True)
+        )
+        feather = 0.0 if o.feather is None else o.feather.to_px(frame.pitch_mm, max(cols, rows))
+    except UsageError as error:
+        raise UsageError(f"{layer.name}: {error}") from None
+    matrix = with_fixed_point(linear, (share_across * cols, share_down * rows), (across, down))
+    left, top, right, bottom = bounds(matrix, cols, rows)
+    if left >= frame.cols or top >= frame.rows or right <= 0 or bottom <= 0:
+        raise InputError(
+            f"{layer.name}: lies fully off the canvas of {frame} px: from {left},{top} to {right},{bottom} px; "
+            "place it with --at"
+        )
+    # a soft edge looks beyond the canvas: what goes on there has no edge
+    beyond = int(np.ceil(feather)) + 1 if feather else 0
+    left, top = max(left - 1, -beyond), max(top - 1, -beyond)
+    right, bottom = min(right + 1, frame.cols + beyond), min(bottom + 1, frame.rows + beyond)
+    piece = Piece(source.normals, coverage, source.foreground)
+    piece = map_piece(piece, matrix, (left, top, right - left, bottom - top), o.height_factor)
+    if feather:
+        piece = replace(piece, coverage=feathered(piece.coverage, feather))
+    return _cut(piece, frame)
+
+
+def _factors(options: LayerOptions, frame: Frame, cols: int) -> tuple[float, float]:
+    factors = options.factors
+    if isinstance(factors, Length):
+        if factors.is_absolute and frame.pitch_mm is None:
+            raise UsageError(
+                f"--scale {factors}: the size of the canvas's pixels is not known; say --width 100mm for the canvas"
+            )
+        pitch = frame.pitch_mm or 1.0
+        factor = factors.to_mm(pitch, frame.cols) / pitch / cols
+        if not 1 / _LARGEST_FACTOR <= factor <= _LARGEST_FACTOR:
+            raise UsageError(f"--scale {factors}: is {factor:.3g} times the layer's size; use 0.001 to 1000 times")
+        return factor, factor
+    return factors
+
+
+def _cut(piece: Piece, frame: Frame) -> Piece:
+    """The part of a piece on the canvas."""
+    y0, x0 = max(0, -piece.top), max(0, -piece.left)
+    rows, cols = piece.coverage.shape
+    part = np.s_[y0 : min(rows, frame.rows - piece.top), x0 : min(cols, frame.cols - piece.left)]
+    return Piece(piece.normals[part], piece.coverage[part], piece.foreground[part], piece.left + x0, piece.top + y0)
+
+
+def _lay(canvas: Canvas, piece: Piece, name: str, mode: str, strength: float, clip: bool, *, counts: bool) -> float:
+    """Lay a piece on the canvas, which is changed; the share of the canvas that it covers."""
+    rows, cols = piece.coverage.shape
+    window = np.s_[piece.top : piece.top + rows, piece.left : piece.left + cols]
+    below, above = canvas.coverage[window], piece.coverage
+    if not above.any():
+        raise InputError(f"{name}: covers nothing where it lies; look at its mask, its alpha and its place")
+    if clip and not (above * below).any():
+        raise InputError(f'{name}: lies on nothing: mode "{mode}" changes what is below; use mode "over", or clip "no"')
+    if mode == "over":
+        shown = above * np.float32(strength)
+        if clip:
+            shown = shown * below
+        outcome = below if clip else 1 - (1 - below) * (1 - shown)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            share = np.where(outcome > 0, shown / outcome, 0).astype(np.float32).clip(0, 1)
+        canvas.normals[window] = mixed(canvas.normals[window], piece.normals, share)
+        motif = np.where(share >= 0.5, piece.foreground, canvas.foreground[window])
+    else:
+        # where nothing lies below, the layer alone decides, with its own coverage
+        weight = above if clip else above * below + (above > 0) * (1 - below)
+        canvas.normals[window] = blend(canvas.normals[window], piece.normals, mode, weight * np.float32(strength))
+        outcome = below if clip else 1 - (1 - below) * (1 - above)
+        shown = above * below if clip else above
+        motif = canvas.foreground[window] | (piece.foreground & (shown >= 0.5) & (strength > 0))
+    canvas.coverage[window] = outcome
+    canvas.foreground[window] = motif
+    gone = outcome <= 0
+    if gone.any():
+        canvas.normals[window][gone] = FLAT
+    if counts:
+        placed = canvas.placed[window]
+        canvas.placed[window] = 1 - (1 - placed) * (1 - shown)
+    return float(shown.sum(dtype=np.float64) / canvas.coverage.size)
+
+
+def mixed(below: Float32, above: Float32, share: Float32) -> Float32:
+    """Unit normals on the way from ``below`` to ``above``; the ends in every bit."""
+    out = np.where((share >= 1)[..., None], above, below)
+    soft = (share > 0) & (share < 1)
+    if soft.any():
+        under, over = below[soft], above[soft]
+        out[soft] = unit(under + share[soft][:, None] * (over - under))
+    return out

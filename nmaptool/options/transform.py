@@ -1,0 +1,144 @@
+"""How a map is cropped, mirrored, resized, turned and padded.
+
+Nothing heavy is imported here, so that ``nmap --help`` stays quick.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from nmaptool.errors import UsageError
+from nmaptool.options.checks import parse_size, require_absolute, require_choices, require_number
+from nmaptool.options.compose import parse_scale
+from nmaptool.units import Length, Offset, length, offsets
+
+NewGround = Literal["auto", "clear", "flat"]
+_LARGEST_NUMBER = 1e6
+# determinant over the square of the largest entry
+_SINGULAR = 1e-6
+
+
+@dataclass(frozen=True)
+class TransformOptions:
+    """What is done to a map, in this order.
+
+    Parameters
+    ----------
+    crop:
+        Part to keep: across,down,width,height from the top left corner, such as 10%,10%,80%,50% or 0,0,40mm,30mm.
+    flip_h:
+        Mirror left and right.
+    flip_v:
+        Mirror top and bottom.
+    resize:
+        New columns x rows, such as 2000x1800; the picture keeps its width in mm, and slopes stay. Where it is
+        stretched, heights and the size of a pixel stay, and slopes follow.
+    scale:
+        Factor, or two (across,down), or a new width such as 30mm; the size of a pixel stays.
+    rotate:
+        Degrees counter-clockwise; quarter turns move pixels without resampling.
+    affine:
+        Any other linear map a,b,c,d: a point x,y (down) goes to a*x + b*y, c*x + d*y.
+    keep_size:
+        Keep the picture's size and centre where it is turned, instead of making room for the corners.
+    pad:
+        Border around the result: one distance, or left,top,right,bottom.
+    height_factor:
+        Factor on heights in px. Default: the scale, so that slopes stay; 1 where the picture is stretched or sheared.
+    vectors_only:
+        Turn the vectors and leave the pixels: repairs a map that an image editor has mirrored or turned.
+    ground:
+        What new corners and borders are: "clear" (transparent), "flat", or "auto": flat where the map has a flat
+        background.
+    width:
+        Width of the whole picture before, such as 100mm, so that lengths in mm have a meaning. Default: what it says.
+    """
+
+    crop: str | None = None
+    flip_h: bool = False
+    flip_v: bool = False
+    resize: str | None = None
+    scale: str = "1"
+    rotate: float = 0.0
+    affine: str | None = None
+    keep_size: bool = False
+    pad: str | None = None
+    height_factor: float | None = None
+    vectors_only: bool = False
+    ground: NewGround = "auto"
+    width: Length | None = None
+
+    def __post_init__(self) -> None:
+        require_choices(("ground", self.ground, ("auto", "clear", "flat")))
+        if isinstance(self.width, str):  # text is as good as a Length
+            object.__setattr__(self, "width", length(self.width))
+        if not isinstance(self.scale, str):
+            object.__setattr__(self, "scale", f"{self.scale:.12g}")
+        require_absolute(width=self.width)
+        require_number("rotate", self.rotate, -3600, 3600, "30")
+        if self.height_factor is not None:
+            require_number("height-factor", self.height_factor, -1e3, 1e3, "1")
+        if self.resize is not None and self.scale != "1":
+            raise UsageError("--resize and --scale both say how large the result is; give one of them")
+        if self.vectors_only and (self.crop or self.resize or self.pad):
+            raise UsageError(
+                "--vectors-only leaves the pixels where they are; crop, resize and pad in a run of their own"
+            )
+        _ = self.factors, self.window, self.borders, self.new_size, self.matrix
+
+    @property
+    def factors(self) -> tuple[float, float] | Length:
+        """Scale across and down, or the new width."""
+        return parse_scale(self.scale)
+
+    @property
+    def new_size(self) -> tuple[int, int] | None:
+        """Columns and rows to resize to."""
+        return None if self.resize is None else parse_size("resize", self.resize)
+
+    @property
+    def window(self) -> tuple[Offset, Offset, Offset, Offset] | None:
+        """Left, top, width and height to keep."""
+        if self.crop is None:
+            return None
+        left, top, across, down = _distances("crop", self.crop, (4,), "10%,10%,80%,50%")
+        if min(across.value, down.value) <= 0:
+            raise UsageError(f"--crop {self.crop}: width and height must be greater than zero")
+        return left, top, across, down
+
+    @property
+    def borders(self) -> tuple[Offset, ...]:
+        """Left, top, right and bottom borders."""
+        if self.pad is None:
+            return (Offset(0.0, "px"),) * 4
+        given = _distances("pad", self.pad, (1, 4), "20px or 10px,20px,10px,20px")
+        if min(border.value for border in given) < 0:
+            raise UsageError(f"--pad {self.pad}: must be zero or more; cut with --crop")
+        return given if len(given) == 4 else given * 4
+
+    @property
+    def matrix(self) -> tuple[float, float, float, float]:
+        """``affine`` as numbers; the identity where there is none."""
+        if self.affine is None:
+            return (1.0, 0.0, 0.0, 1.0)
+        try:
+            a, b, c, d = (float(part) for part in self.affine.split(","))
+        except ValueError:
+            raise UsageError(f"--affine {self.affine!r}: expected four numbers a,b,c,d, such as 1,0.2,0,1") from None
+        largest = max(abs(n) for n in (a, b, c, d))
+        if not all(math.isfinite(n) for n in (a, b, c, d)) or largest > _LARGEST_NUMBER:
+            raise UsageError(f"--affine {self.affine}: must be numbers of at most {_LARGEST_NUMBER:g}")
+        if abs(a * d - b * c) <= _SINGULAR * largest * largest:
+            raise UsageError(
+                f"--affine {self.affine}: is singular: it flattens the picture to a line; a*d - b*c must not be 0"
+            )
+        return a, b, c, d
+
+
+def _distances(name: str, text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, ...]:
+    try:
+        return offsets(text, counts, such_as)
+    except UsageError as error:
+        raise UsageError(f"--{name} {error}") from None

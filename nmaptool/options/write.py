@@ -1,0 +1,43 @@
+"""How normal maps are written.
+
+Nothing heavy is imported here, so that ``nmap --help`` stays quick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from nmaptool.options.checks import require_choices
+
+Bits = Literal["auto", "8", "16", "half", "float"]
+WrittenGreen = Literal["up", "down"]
+WrittenZeroCode = Literal["127", "127.5", "128"]
+
+
+@dataclass(frozen=True)
+class WriteOptions:
+    """How a normal map file is written.
+
+    Parameters
+    ----------
+    bits:
+        "8" or "16" bit codes in PNG and TIFF, "half" in EXR, "float" in EXR and TIFF; "auto" is 16 bit in PNG and
+        TIFF, float in EXR.
+    write_green:
+        Which way green points in the file: "up" (+Y, OpenGL) or "down" (DirectX).
+    write_zero_code:
+        The 8-bit code that stands for zero: "127.5" (the middle), "128" or "127". What is flat is then exactly flat for
+        programs that take that code for zero.
+    """
+
+    bits: Bits = "auto"
+    write_green: WrittenGreen = "up"
+    write_zero_code: WrittenZeroCode = "127.5"
+
+    def __post_init__(self) -> None:
+        require_choices(
+            ("bits", self.bits, ("auto", "8", "16", "half", "float")),
+            ("write-green", self.write_green, ("up", "down")),
+            ("write-zero-code", self.write_zero_code, ("127", "127.5", "128")),
+        )

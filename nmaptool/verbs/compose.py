@@ -1,0 +1,184 @@
+"""Layers composed on one canvas; a paste is a stack whose lowest layer is the background."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from nmaptool.compositing.compositor import Canvas, canvas_of, clear_canvas, compose_onto
+from nmaptool.errors import InputError, LimitError
+from nmaptool.layer_stack import Layer, LayerGroup
+from nmaptool.model import Frame, NormalMap
+from nmaptool.options import CanvasOptions, LayerOptions
+from nmaptool.options.account import plain_values
+from nmaptool.progress import Progress
+from nmaptool.results import ComposeReport, Composition
+from nmaptool.units import Length
+from nmaptool.vectors import mean_abs_curl
+
+# pitches that differ by more are no rounding
+_SAME_PITCH = 0.01
+
+
+def compose(
+    layers: Sequence[Layer | LayerGroup],
+    canvas: CanvasOptions | None = None,
+    *,
+    max_megapixels: float = 270.0,
+    progress: Progress | None = None,
+) -> Composition:
+    """Compose layers, from the lowest to the topmost.
+
+    Parameters
+    ----------
+    layers : sequence of Layer or LayerGroup
+        Where the lowest is a plain layer of the canvas's size, "over" and unmoved, it is the ground of the others.
+    canvas : CanvasOptions, optional
+    max_megapixels : float
+        Refuse a larger canvas.
+    progress : callable, optional
+        Called with a word and the share done.
+
+    Returns
+    -------
+    Composition
+
+    Raises
+    ------
+    InputError
+        If there is no layer, or one lies off the canvas, covers nothing or lies on nothing.
+    UsageError
+        If a length is in mm and the size of a pixel is not known.
+    LimitError
+        If the canvas is larger than ``max_megapixels``.
+    """
+    if not layers:
+        raise InputError("nothing to compose: give at least one layer")
+    canvas = canvas or CanvasOptions()
+    frame = _frame(layers, canvas)
+    if frame.rows * frame.cols > max_megapixels * 1e6:
+        raise LimitError(
+            f"a canvas of {frame} is {frame.rows * frame.cols / 1e6:.0f} megapixels, more than the limit of "
+            f"{max_megapixels:g}; make it smaller or raise --max-megapixels"
+        )
+    first = layers[0]
+    if isinstance(first, Layer) and _is_ground(first, frame) and canvas.ground == "clear":
+        return _composed("stack", canvas_of(replace(first.normal_map, frame=frame)), layers[1:], canvas, progress)
+    return _composed("stack", clear_canvas(frame, canvas.ground), layers, canvas, progress, lowest=True)
+
+
+def paste(
+    background: NormalMap,
+    layers: Sequence[Layer | LayerGroup],
+    *,
+    width: Length | None = None,
+    progress: Progress | None = None,
+) -> Composition:
+    """Paste layers on a background, from the lowest to the topmost.
+
+    Parameters
+    ----------
+    background : NormalMap
+        The result has its size and, where nothing covers it, its normals in every bit.
+    layers : sequence of Layer or LayerGroup
+        A layer brings its motif along, not a flat background around it.
+    width : Length, optional
+        Width of the whole picture; gives mm a meaning. Default: the background's own pitch.
+    progress : callable, optional
+
+    Returns
+    -------
+    Composition
+
+    Raises
+    ------
+    InputError
+        If a layer lies off the canvas, covers nothing or lies on nothing.
+    UsageError
+        If a length is in mm and the size of a pixel is not known.
+    """
+    canvas = CanvasOptions(width=width)
+    frame = _with_pitch(background.frame, canvas)
+    return _composed("paste", canvas_of(replace(background, frame=frame)), layers, canvas, progress)
+
+
+def _composed(
+    command: str,
+    canvas: Canvas,
+    layers: Sequence[Layer | LayerGroup],
+    options: CanvasOptions,
+    progress: Progress | None,
+    lowest: bool = False,
+) -> Composition:
+    start = time.perf_counter()
+    begun = bool(canvas.coverage.any()) and not lowest
+    before = mean_abs_curl(canvas.normals, canvas.coverage >= 0.5) if begun else None
+    done = 0
+
+    def tell(name: str) -> None:
+        nonlocal done
+        if progress is not None:
+            progress("composing", done / _count(layers))
+        done += 1
+
+    compose_onto(canvas, layers, lowest=lowest, progress=tell)
+    result = NormalMap(canvas.normals, canvas.coverage, canvas.frame, canvas.foreground, name=command)
+    report = ComposeReport(
+        command=command,
+        options=plain_values(options),
+        layers=tuple(canvas.accounts),
+        curl_before=before,
+        curl_after=mean_abs_curl(result.normals, result.coverage >= 0.5),
+        seconds={"compose": round(time.perf_counter() - start, 4)},
+        warnings=tuple(_pitch_doubts(layers, canvas.frame)),
+    )
+    return Composition(result, canvas.placed, report)
+
+
+def _count(layers: Sequence[Layer | LayerGroup]) -> int:
+    return sum(1 + _count(each.layers) if isinstance(each, LayerGroup) else 1 for each in layers)
+
+
+def _first_map(layers: Sequence[Layer | LayerGroup]) -> NormalMap:
+    first = layers[0]
+    return _first_map(first.layers) if isinstance(first, LayerGroup) else first.normal_map
+
+
+def _frame(layers: Sequence[Layer | LayerGroup], canvas: CanvasOptions) -> Frame:
+    lowest = _first_map(layers).frame
+    if canvas.cols_rows is None:
+        return _with_pitch(lowest, canvas)
+    cols, rows = canvas.cols_rows
+    return _with_pitch(Frame(rows, cols, lowest.pitch_mm), canvas)
+
+
+def _with_pitch(frame: Frame, canvas: CanvasOptions) -> Frame:
+    if canvas.width is None:
+        return frame
+    return replace(frame, pitch_mm=canvas.width.to_mm(1.0, 1) / frame.cols)
+
+
+def _is_ground(layer: Layer, frame: Frame) -> bool:
+    """Whether a layer is laid as it is."""
+    plain = replace(layer.options, name="", anchor="center", clip="auto")
+    return layer.mask is None and layer.normal_map.frame.shape == frame.shape and plain == LayerOptions()
+
+
+def _pitch_doubts(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
+    """Layers whose pixels are of another size than the canvas's, taken pixel for pixel."""
+    doubts: list[str] = []
+    for layer in layers:
+        if isinstance(layer, LayerGroup):
+            doubts += _pitch_doubts(layer.layers, frame)
+            continue
+        own = layer.normal_map.frame.pitch_mm
+        if own is None or frame.pitch_mm is None or layer.options.scale != "1":
+            continue
+        factor = own / frame.pitch_mm
+        if abs(factor - 1) > _SAME_PITCH:
+            doubts.append(
+                f"{layer.name}: its pixels are {own:.4g} mm, the canvas's {frame.pitch_mm:.4g} mm; to keep its size in "
+                f"mm, give it the scale {factor:.4g}"
+            )
+    return doubts
