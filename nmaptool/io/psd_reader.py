@@ -22,11 +22,12 @@ from nmaptool.errors import InputError, LimitError
 from nmaptool.io import workspace_words as words
 from nmaptool.io.png import check_size
 from nmaptool.io.workspace_limits import Budget
+from nmaptool.io.workspace_pages import masks_joined
 from nmaptool.model import Frame
 from nmaptool.workspace import LayerGroup, LayerMask, Workspace, WorkspaceLayer
 
 _MOST_OBJECTS = 2_000_000
-_MODES = {0: "bitmap", 1: "grey", 2: "indexed", 4: "CMYK", 7: "multichannel", 8: "duotone", 9: "Lab"}
+_MODES = {0: "bitmap", 1: "grey", 2: "palette", 4: "CMYK", 7: "multichannel", 8: "duotone", 9: "Lab"}
 _TEXT = (Tag.TYPE_TOOL_OBJECT_SETTING, Tag.TYPE_TOOL_INFO)
 _SHAPE = (Tag.VECTOR_STROKE_DATA, Tag.VECTOR_STROKE_CONTENT_DATA, Tag.VECTOR_ORIGINATION_DATA)
 _FILL = (Tag.SOLID_COLOR_SHEET_SETTING, Tag.GRADIENT_FILL_SETTING, Tag.PATTERN_FILL_SETTING)
@@ -100,8 +101,8 @@ def _check_header(path: Path, max_megapixels: float) -> tuple[int, int, int]:
     if size > max_megapixels * 1e6 * 16 + 1e8:  # as much as all layers uncompressed in 32 bits
         raise LimitError(f"{path}: is a file of {size / 1e9:.1f} GB; make it smaller or raise --max-megapixels")
     if mode != 3:
-        found = _MODES.get(mode, "unknown")
-        raise InputError(f"{path}: is a {found} picture; normal maps need RGB: convert it to RGB of 16 bits")
+        found = f"a {_MODES[mode]} picture" if mode in _MODES else "a picture of an unknown colour mode"
+        raise InputError(f"{path}: is {found}; normal maps need RGB: convert it to RGB of 16 bits")
     if depth not in (8, 16, 32):
         raise InputError(f"{path}: has {depth} bits a channel; accepted are 8, 16 and 32")
     return rows, cols, depth
@@ -170,15 +171,16 @@ class _Layers:
                 self.layers.append(self._layer(record, list(planes), tuple(inside)))
             else:
                 self.skipped.append((_name(record), kind))
-        self.layers.reverse()
+        self.layers = masks_joined(list(reversed(self.layers)))
         self.skipped.reverse()
 
     def _layer(self, record: LayerRecord, planes: list[ChannelData], groups: tuple[LayerGroup, ...]) -> WorkspaceLayer:
         by_id = {info.id: plane for info, plane in zip(record.channel_info, planes, strict=False)}
         rows, cols = record.height, record.width
-        if not all(i in by_id for i in (0, 1, 2)):
+        color = (0, 1, 2) if all(i in by_id for i in (1, 2)) else (0, 0, 0)  # Krita writes grey layers with one channel
+        if 0 not in by_id:
             raise _damaged(self.path)
-        stack = [self._plane(by_id[ChannelID(i)], rows, cols) for i in range(3)]
+        stack = [self._plane(by_id[ChannelID(i)], rows, cols) for i in color]
         clear = by_id.get(ChannelID.TRANSPARENCY_MASK)
         top = 1 if self.depth == 32 else (1 << self.depth) - 1
         stack.append(np.full((rows, cols), top, stack[0].dtype) if clear is None else self._plane(clear, rows, cols))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -162,6 +162,24 @@ def _mask(page: Page, said: Mapping[str, Any]) -> LayerMask:
     )
 
 
+def masks_joined(layers: Sequence[WorkspaceLayer]) -> list[WorkspaceLayer]:
+    """Layers bottom to top; a hidden grey one called ``NAME [mask]`` becomes the mask of the layer of that name.
+
+    So a mask stays one when an editor saves a format without masks as one that has them.
+    """
+    bare = {layer.name for layer in layers if layer.mask is None}
+    found: dict[str, LayerMask] = {}
+    for layer in layers:
+        owner = layer.name.removesuffix(MASK_SUFFIX)
+        red, green, blue, alpha = (layer.pixels[..., i] for i in range(4))
+        grey = np.array_equal(red, green) and np.array_equal(red, blue)
+        if owner != layer.name and owner in bare and not layer.visible and grey:
+            found[owner] = LayerMask(_grey(red, alpha), layer.left, layer.top)
+    joined = {owner + MASK_SUFFIX for owner in found}
+    kept = [layer for layer in layers if layer.name not in joined]
+    return [replace(layer, mask=found.get(layer.name, layer.mask)) for layer in kept]
+
+
 def four_channels(image: RasterImage) -> NDArray[Any]:
     """R, G, B, A of whatever a layer holds; grey is grey codes, no alpha is opaque."""
     names, pixels = image.channels, image.pixels
@@ -173,10 +191,12 @@ def four_channels(image: RasterImage) -> NDArray[Any]:
 
 def grey_channel(image: RasterImage) -> NDArray[Any]:
     """A mask out of what an editor made of it: grey, times alpha where it has one."""
-    pixels, top = image.pixels, largest_code(image.pixels)
-    grey = pixels[..., 0]
+    grey = image.pixels[..., 0]
     if "A" not in image.channels:
         return np.ascontiguousarray(grey)
-    alpha = pixels[..., image.channels.index("A")]
-    both: NDArray[Any] = grey.astype(np.float64) * alpha / top
-    return both.astype(np.float32) if pixels.dtype == np.float32 else np.rint(both).astype(pixels.dtype)
+    return _grey(grey, image.pixels[..., image.channels.index("A")])
+
+
+def _grey(grey: NDArray[Any], alpha: NDArray[Any]) -> NDArray[Any]:
+    both: NDArray[Any] = grey.astype(np.float64) * alpha / largest_code(grey)
+    return both.astype(np.float32) if grey.dtype == np.float32 else np.rint(both).astype(grey.dtype)

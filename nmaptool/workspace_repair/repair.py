@@ -17,6 +17,7 @@ from nmaptool.workspace_repair.pose import Pose, find_pose
 from nmaptool.workspace_repair.signature import Signature, cells, content_box, quantiles, signature_from
 
 _EIGHT_BIT_STEP = 2 / 255
+_HALF_STEP = 1.1 / 65535
 _OFF_LENGTH, _OFF_SHARE = 0.1, 0.02
 _TURN_WORDS = {
     "flip-h": ("was mirrored left to right", "--flip-h"),
@@ -97,9 +98,10 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
     found.extend(_pose_words(pose))
     in_place = pose == replace(Pose(), moved=pose.moved, curl=pose.curl)
     snapped = _flat_again(normals, alpha, packed if in_place and curve is None else None, layer)
-    if snapped.any():
-        normals[snapped] = FLAT
-        repairs.append(f"{int(snapped.sum())} nearly flat pixels made flat again")
+    bent = int((np.abs(normals[..., :2][snapped]).max(axis=-1) > 2 * _HALF_STEP).sum())
+    normals[snapped] = FLAT
+    if bent:
+        repairs.append(f"{bent} nearly flat pixels made flat again")
     found.extend(_editor_words(layer))
     findings = tuple(WorkspaceFinding(code, layer.name, message, remedy) for code, message, remedy in found)
     return Repaired(normals, alpha, findings, tuple(repairs))
@@ -174,10 +176,10 @@ def signature_of(layer: WorkspaceLayer) -> Signature:
 def _flat_again(normals: Float32, alpha: Float32, packed: Signature | None, layer: WorkspaceLayer) -> Mask:
     """Where nearly flat normals are meant to be flat.
 
-    Within two steps of 16 bits anywhere; within what 8 bits and dither leave where the layer was flat when packed.
+    Within half a step of 16 bits anywhere; within what 8 bits and dither leave where the layer was flat when packed.
     """
     lean = np.maximum(np.abs(normals[..., 0]), np.abs(normals[..., 1]))
-    fine = 4 / 65535 if layer.pixels.dtype != np.float32 else 1e-6
+    fine = _HALF_STEP if layer.pixels.dtype != np.float32 else 1e-6
     near: Mask = (lean <= fine) & (alpha > 0)
     if packed is not None:
         near |= (lean <= 2 * _EIGHT_BIT_STEP) & (alpha > 0) & _was_flat(packed, alpha, layer)
