@@ -139,3 +139,25 @@ def test_beta_that_vanishes_gives_the_shape_of_beta_0_at_the_height_of_delta(kin
         assert np.average(heights, weights=weight) == pytest.approx(delta, abs=1e-6)
         off = (relief.z_mm - shape.z_mm)[inside]
         assert np.ptp(off) < 1e-4 * np.ptp(shape.z_mm)
+
+
+def test_a_relief_on_a_ground_with_an_outline_ends_where_the_ground_does():
+    y, x = np.mgrid[0:80, 0:80] - 39.5
+    ball = np.hypot(x, y) < 30
+    height = np.sqrt(np.maximum(60.0**2 - x * x - y * y, 1))
+    normals = np.dstack([x / 60, -y / 60, height / 60]).astype(np.float32)
+    normals[~ball] = (0, 0, 1)
+    ground = nm.NormalMap(normals, ball.astype(np.float32), nm.Frame(80, 80))
+    motif = np.hypot(x, y) < 12
+    relief = solve(ground, background="surface", surface=ground, mask=motif.astype(np.float32), delta=0.0)
+    assert np.array_equal(relief.height.domain, ball)
+    inside = relief.height.vertex_mask
+    yv, xv = np.mgrid[0:81, 0:81] - 40.0
+    expected = np.sqrt(60.0**2 - xv**2 - yv**2, where=inside, out=np.zeros((81, 81)))[inside]
+    made = relief.z_mm[inside] / relief.pitch_mm
+    assert np.abs(made - made.mean() - expected + expected.mean()).max() < 0.05
+    # a motif that overhangs stands level with the nearest ground
+    over = nm.NormalMap(normals, np.ones((80, 80), np.float32), nm.Frame(80, 80))
+    wide = solve(over, background="surface", surface=ground, mask=(np.hypot(x - 28, y) < 8).astype(np.float32))
+    assert wide.height.domain.sum() > ball.sum()
+    assert wide.z_mm[wide.height.vertex_mask].min() >= -1e-6

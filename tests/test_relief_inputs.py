@@ -207,8 +207,9 @@ def test_misfits_are_named():
         solve(original, mask=~original.foreground)
     with pytest.raises(InputError, match="every pixel is background"):
         solve(dataclasses.replace(original, foreground=np.zeros((96, 96), bool)))
-    with pytest.raises(InputError, match="a curved background must be defined everywhere"):
-        solve(original, background="surface", surface=original)
+    nothing = dataclasses.replace(original, coverage=np.zeros((96, 96), np.float32))
+    with pytest.raises(InputError, match=r"all of it is background .* say --background-color none"):
+        solve(original, background="surface", surface=nothing)
     with pytest.raises(UsageError, match="--background surface: needs the curved background"):
         solve(original, background="surface")
     with pytest.raises(UsageError, match="--surface: only goes with --background surface, not plane"):

@@ -11,7 +11,7 @@ import numpy as np
 from nmaptool.arrays import Float32, Mask
 from nmaptool.blending import blend
 from nmaptool.compositing.edges import feathered
-from nmaptool.compositing.placement import Piece, bounds, linear_part, map_piece, with_fixed_point
+from nmaptool.compositing.placement import Piece, bounds, is_exact, linear_part, map_piece, with_fixed_point
 from nmaptool.errors import InputError, UsageError
 from nmaptool.layer_stack import Layer, LayerGroup, check_mask
 from nmaptool.model import Frame, NormalMap
@@ -149,8 +149,9 @@ def place(layer: Layer, frame: Frame) -> Piece:
         )
     # a soft edge looks beyond the canvas: what goes on there has no edge
     beyond = int(np.ceil(feather)) + 1 if feather else 0
-    left, top = max(left - 1, -beyond), max(top - 1, -beyond)
-    right, bottom = min(right + 1, frame.cols + beyond), min(bottom + 1, frame.rows + beyond)
+    rim = 0 if is_exact(linear) else 1  # interpolation reaches half a pixel farther
+    left, top = max(left - rim, -beyond), max(top - rim, -beyond)
+    right, bottom = min(right + rim, frame.cols + beyond), min(bottom + rim, frame.rows + beyond)
     piece = Piece(source.normals, coverage, source.foreground)
     piece = map_piece(piece, matrix, (left, top, right - left, bottom - top), o.height_factor)
     if feather:

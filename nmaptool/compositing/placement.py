@@ -18,6 +18,7 @@ from nmaptool.vectors import FLAT, unit
 _UNEVEN = 0.01
 _EXACT = 1e-7
 _LEAST_COVERAGE = 1 / 512
+_RINGING = 0.04
 _LONGEST_SIDE = 32_000  # what OpenCV can address
 
 
@@ -122,8 +123,8 @@ def map_piece(
     Returns
     -------
     Piece
-        Exact, bit by bit, where pixels go to pixels; else resampled by bicubic interpolation inside the coverage,
-        bilinear along its edge, after averaging where it shrinks.
+        Exact, bit by bit, where pixels go to pixels; else resampled by Lanczos interpolation inside the coverage,
+        linear along its edge and next to jumps, after averaging where it shrinks.
 
     Raises
     ------
@@ -191,11 +192,15 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
         return out
 
     inside = (mixed[..., 3] >= 1 - 1e-6).astype(np.uint8)
-    inside = cv2.erode(inside, np.ones((5, 5), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    inside = cv2.erode(inside, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
     vectors = warp(mixed, cv2.INTER_LINEAR)
     coverage = np.ascontiguousarray(vectors[..., 3]).clip(0, 1)
+    sharp = warp(mixed, cv2.INTER_LANCZOS4)
+    # next to a jump within the map the sharper one would ring
     smooth = warp(inside, cv2.INTER_NEAREST).astype(bool)
-    vectors = np.where(smooth[..., None], warp(mixed, cv2.INTER_CUBIC), vectors)
+    for off in cv2.split(cv2.absdiff(sharp, vectors)):
+        smooth &= off < _RINGING
+    np.copyto(vectors, sharp, where=smooth[..., None])
     coverage[smooth] = 1
     coverage[coverage < _LEAST_COVERAGE] = 0
     normals = unit(vectors[..., :3])

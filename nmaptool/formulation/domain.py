@@ -45,6 +45,7 @@ def lay_out(
     share: Float32 | None = None,
     base_px: Float64 | None = None,
     pulled: Mask | None = None,
+    ground: Mask | None = None,
 ) -> Domain:
     """The domain of a background mode.
 
@@ -65,13 +66,15 @@ def lay_out(
         Height of the curved background, for ``surface``.
     pulled : (H, W) bool, optional
         Where the height term acts. Default: the motif.
+    ground : (H, W) bool, optional
+        Where the curved background is, for ``surface``. Default: everywhere.
     """
     rows, cols = foreground.shape
     vertices = (rows + 1, cols + 1)
     flat = np.zeros(vertices) if base_px is None else base_px
     pulled = foreground if pulled is None else pulled
     if mode in ("plane", "surface"):
-        everywhere = np.ones(foreground.shape, bool)
+        everywhere = np.ones(foreground.shape, bool) if ground is None else ground | foreground
         # faces between held vertices only have no say: leaving them out keeps separate motifs separate
         return Domain(everywhere, foreground, pulled, touching(~foreground), flat, share)
     acting = foreground if mode == "cut" else covered | foreground

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64
+from nmaptool.background import alpha_is_data
 from nmaptool.decoding import decode_normal_map
 from nmaptool.errors import InputError, OutputError, UsageError, reason_of
 from nmaptool.grid import corner_mean
@@ -131,7 +132,8 @@ def read_surface(
     ----------
     path : str or Path
     options : ReadOptions, optional
-        As for the map that lies on it; all of a background is surface, whatever its colours.
+        As for the map that lies on it; all of a background is surface, whatever its colours, but where it is
+        transparent.
     like : NormalMap
         The map that lies on it: green points the same way.
     pitch_mm : float
@@ -142,10 +144,12 @@ def read_surface(
     InputError, LimitError
         As `read_height` and `nmaptool.read_normal_map`.
     """
-    options = replace(options or ReadOptions(), background_color="none")
+    options = options or ReadOptions()
     if Path(path).suffix.lower() == ".npy":
         return read_height(path, pitch_mm, options.max_megapixels)
     image = read_raster(path, options)
+    see_through = image.alpha is not None and not alpha_is_data(image)
+    options = replace(options, background_color="alpha" if see_through else "none")
     if "R" not in image.channels:
         return _height_of(Path(path), image, pitch_mm)
     return decode_normal_map(image, options_like(image, options, like))

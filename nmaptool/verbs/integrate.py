@@ -8,6 +8,7 @@ from nmaptool.arrays import Float64
 from nmaptool.errors import InputError
 from nmaptool.formulation.domain import lay_out
 from nmaptool.formulation.targets import Weights, aim
+from nmaptool.grid import touching
 from nmaptool.model import NormalMap
 from nmaptool.solver import QuadSystem, prepare, slope_load
 
@@ -18,30 +19,31 @@ def integrate(normal_map: NormalMap, slope_cap: float = 3.0, tolerance: float = 
     Parameters
     ----------
     normal_map : NormalMap
-        Covered everywhere.
+        Only where it is covered (by half or more) has it a height; separate parts count each from their own mean.
     slope_cap, tolerance : float
         As in `nmaptool.ReliefOptions`.
 
     Returns
     -------
     (H+1, W+1) float64
+        0 where nothing is covered.
 
     Raises
     ------
     InputError
-        If part of the map is not covered.
+        If nothing is covered.
     ConvergenceError
         If the solver does not reach the tolerance.
     """
-    if not (normal_map.coverage >= 0.5).all():
+    covered = normal_map.coverage >= 0.5
+    if not covered.any():
         raise InputError(
-            f"{normal_map.name}: a curved background must be defined everywhere, but {normal_map.decoding.background} "
-            "was taken for its background; if it is a surface, say --background-color none"
+            f"{normal_map.name}: all of it is background ({normal_map.decoding.background}); if it is a surface, say "
+            "--background-color none"
         )
-    everywhere = np.ones(normal_map.frame.shape, bool)
-    domain = lay_out("free", everywhere, everywhere)
+    domain = lay_out("free", covered, covered)
     targets = aim(normal_map, None, domain, Weights(0, 0, 0), slope_cap, "eq6")
     solver = prepare(QuadSystem(targets.weight, targets.beta, domain.held))
     z: Float64 = solver.solve(slope_load(targets.p, targets.q), tolerance=tolerance).z
-    lowest: float = z.min()
-    return z - lowest
+    inside = touching(covered)
+    return np.where(inside, z - z[inside].min(), 0)

@@ -75,13 +75,15 @@ def relief(
     pitch_mm, pitch_from = given.pitch_of(original, options)
     held = options.background in ("plane", "surface")
     foreground = given.motif_of(original, coverage, fading=held)
+    base_px, ground = given.base_of(surface, pitch_mm, options)
     domain = lay_out(
         options.background,
         foreground,
         original.coverage >= 0.5,
         original.coverage if coverage is None else original.coverage * coverage,
-        given.base_of(surface, pitch_mm, options),
+        base_px,
         given.pulled_part(original, foreground, coverage),
+        ground,
     )
     targets = aim(original, detail, domain, weights, options.slope_cap, options.energy)
     if progress is not None:

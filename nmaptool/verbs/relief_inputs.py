@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy import ndimage
 
 from nmaptool.arrays import Float32, Float64, Mask
 from nmaptool.errors import InputError, UsageError
+from nmaptool.grid import touching
 from nmaptool.model import DEFAULT_LONGER_SIDE_MM, Height, NormalMap
 from nmaptool.options import ReliefOptions
 from nmaptool.options.checks import LARGEST_WEIGHT
@@ -150,8 +152,10 @@ def pulled_part(original: NormalMap, motif: Mask, mask: Float32 | None) -> Mask:
     return np.asarray(sloping) if sloping.any() else motif
 
 
-def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> Float64 | None:
-    """(H+1, W+1) heights in px of the curved background, or None for other modes.
+def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> tuple[Float64 | None, Mask | None]:
+    """(H+1, W+1) heights in px of the curved background and (H, W) bool where it is; None for other modes.
+
+    Beyond its own edge it goes on level, for a motif that overhangs.
 
     Raises
     ------
@@ -163,11 +167,12 @@ def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> Floa
     if options.background != "surface":
         if surface is not None:
             raise UsageError(f"--surface: only goes with --background surface, not {options.background}")
-        return None
+        return None, None
     if surface is None:
         raise UsageError("--background surface: needs the curved background, such as --surface background.png")
     if isinstance(surface, NormalMap):
-        return integrate(surface, options.slope_cap, options.tolerance)
+        ground = surface.coverage >= 0.5
+        return _extended(integrate(surface, options.slope_cap, options.tolerance), ground), ground
     if not isinstance(surface, Height):
         raise UsageError(f"the curved background must be a NormalMap or a Height, found {type(surface).__name__}")
     if not surface.domain.all():
@@ -177,4 +182,13 @@ def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> Floa
             f"the curved background has {surface.pitch_mm:.4g} mm per pixel but the relief {frame_pitch_mm:.4g}; "
             "give both the same --width"
         )
-    return surface.z_mm / frame_pitch_mm
+    return surface.z_mm / frame_pitch_mm, surface.domain
+
+
+def _extended(z: Float64, ground: Mask) -> Float64:
+    """Heights at vertices off the ground: those of the nearest one on it."""
+    if ground.all():
+        return z
+    nearest = ndimage.distance_transform_edt(~touching(ground), return_distances=False, return_indices=True)
+    extended: Float64 = z[tuple(nearest)]
+    return extended
