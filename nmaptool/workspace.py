@@ -202,7 +202,8 @@ def mask_over(layer: WorkspaceLayer) -> Float32:
         return np.ones(layer.size, np.float32)
     out = np.full(layer.size, mask.outside, np.float32)
     there, own = overlap(mask.left - layer.left, mask.top - layer.top, mask.values.shape, Frame(*layer.size))
-    out[there] = np.nan_to_num(mask.values[own].astype(np.float32) / np.float32(largest_code(mask.values))).clip(0, 1)
+    shown = np.nan_to_num(mask.values[own].astype(np.float32), posinf=1.0, neginf=0.0)
+    out[there] = (shown / np.float32(largest_code(mask.values))).clip(0, 1)
     return out
 
 
