@@ -189,7 +189,7 @@ def read_pages(path: Path, max_megapixels: float = 270.0) -> list[PlacedImage]:
             total += spec.width * spec.height
         if total > max_megapixels * 1e6:
             raise LimitError(
-                f"{path}: its layers hold {total / 1e6:.0f} megapixels together, more than the limit of "
+                f"{path}: its layers hold {total / 1e6:.3g} megapixels together, more than the limit of "
                 f"{max_megapixels:g}; crop them or raise --max-megapixels"
             )
         return [_read_placed(path, source, kind, structure, layer) for layer in found]

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from psd_tools.constants import ChannelID, Clipping, Resource, SectionDivider, Tag
+from psd_tools.constants import ChannelID, Clipping, Compression, Resource, SectionDivider, Tag
 from psd_tools.psd import PSD
 from psd_tools.psd.layer_and_mask import ChannelData, LayerRecord
 from psd_tools.psd.parse_limits import ParseLimits
@@ -117,6 +117,7 @@ def _workspace(path: Path, document: PSD, header: tuple[int, int, int], max_mega
     info = document._get_layer_info()
     records = list(info.layer_records) if info is not None and info.layer_records is not None else []
     channels = list(info.channel_image_data) if info is not None and info.channel_image_data is not None else []
+    _check_end(path, document, header)
     found = _Layers(path, depth, document.header.version, budget)
     found.read(records, channels)
     if not records:
@@ -133,6 +134,22 @@ def _workspace(path: Path, document: PSD, header: tuple[int, int, int], max_mega
         color_profile=words.profile_name(profile) if profile else None,
         skipped=tuple(found.skipped),
     )
+
+
+def _check_end(path: Path, document: PSD, header: tuple[int, int, int]) -> None:
+    """Refuse a merged picture, the last thing in the file, of which only a part is there."""
+    rows, cols, depth = header
+    data, channels = document.image_data.data, document.header.channels
+    needed = 0
+    if document.image_data.compression == Compression.RAW:
+        needed = rows * cols * channels * depth // 8
+    elif document.image_data.compression == Compression.RLE:
+        size = 2 * document.header.version
+        needed = rows * channels * size
+        if len(data) >= needed:
+            needed += int(np.frombuffer(data[:needed], f">u{size}").sum(dtype=np.int64))
+    if 0 < len(data) < needed:
+        raise _damaged(path)
 
 
 def _bytes(value: Any) -> bytes:

@@ -72,15 +72,17 @@ def layers_of(pages: Sequence[Page]) -> tuple[tuple[WorkspaceLayer, ...], dict[s
     """Pages to layers bottom to top, what is said of the whole, and masks whose layer is gone."""
     masks: dict[str, LayerMask] = {}
     kept: list[tuple[Page, dict[str, Any]]] = []
-    for page in pages:
-        said = said_of(page.image)
-        owner = said.get("mask_of")
-        if isinstance(owner, str):
+    all_said = [said_of(page.image) for page in pages]
+    owners = {page.name for page, said in zip(pages, all_said, strict=True) if "mask_of" not in said}
+    for page, said in zip(pages, all_said, strict=True):
+        owner = said.get("mask_of", page.name.removesuffix(MASK_SUFFIX))
+        grey = len(page.image.channels) < 3
+        if "mask_of" in said and isinstance(owner, str) and (grey or owner in owners):
             masks[owner] = _mask(page, said)
-        elif page.name.endswith(MASK_SUFFIX) and len(page.image.channels) < 3:
-            masks[page.name.removesuffix(MASK_SUFFIX)] = _mask(page, {})
-        else:
-            kept.append((page, said))
+        elif "mask_of" not in said and owner != page.name and grey:
+            masks[owner] = _mask(page, {})
+        else:  # a picture that only inherited a mask's words is no mask
+            kept.append((page, {} if "mask_of" in said else said))
     groups: dict[int, LayerGroup] = {}
     layers = tuple(_layer(page, said, masks, groups) for page, said in kept)
     orphans = [(name + MASK_SUFFIX, "mask without its layer") for name in masks]

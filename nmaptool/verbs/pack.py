@@ -151,6 +151,7 @@ def _layer(placed: PackedMap, name: str, groups: tuple[LayerGroup, ...], bits: i
         "mode": placed.mode,
         "strength": placed.strength,
         "group": list(placed.group),
+        "visible": placed.visible,
         **seal.to_dict(),
     }
     mask = None

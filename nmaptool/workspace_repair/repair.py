@@ -97,7 +97,10 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
     pose = find_pose(now, packed, unit(2 * straight - 1) if curve is not None else normals, covered)
     found.extend(_pose_words(pose))
     in_place = pose == replace(Pose(), moved=pose.moved, curl=pose.curl)
-    snapped = _flat_again(normals, alpha, packed if in_place and curve is None else None, layer)
+    was_flat = None
+    if packed is not None and in_place and curve is None:
+        was_flat = _was_flat(packed, now, layer)
+    snapped = _flat_again(normals, alpha, was_flat, layer)
     bent = int((np.abs(normals[..., :2][snapped]).max(axis=-1) > 2 * _HALF_STEP).sum())
     normals[snapped] = FLAT
     if bent:
@@ -173,26 +176,27 @@ def signature_of(layer: WorkspaceLayer) -> Signature:
     return _signature_now(colors.shares(layer.pixels, signed), layer.alpha, layer)
 
 
-def _flat_again(normals: Float32, alpha: Float32, packed: Signature | None, layer: WorkspaceLayer) -> Mask:
+def _flat_again(normals: Float32, alpha: Float32, was_flat: Mask | None, layer: WorkspaceLayer) -> Mask:
     """Where nearly flat normals are meant to be flat.
 
     Within half a step of 16 bits anywhere; within what 8 bits and dither leave where the layer was flat when packed.
     """
     lean = np.maximum(np.abs(normals[..., 0]), np.abs(normals[..., 1]))
     fine = _HALF_STEP if layer.pixels.dtype != np.float32 else 1e-6
-    near: Mask = (lean <= fine) & (alpha > 0)
-    if packed is not None:
-        near |= (lean <= 2 * _EIGHT_BIT_STEP) & (alpha > 0) & _was_flat(packed, alpha, layer)
-    return near & (lean > 0)
+    near: Mask = lean <= fine
+    if was_flat is not None:
+        near |= (lean <= 2 * _EIGHT_BIT_STEP) & was_flat
+    return near & (lean > 0) & (alpha > 0)
 
 
-def _was_flat(packed: Signature, alpha: Float32, layer: WorkspaceLayer) -> Mask:
-    """(h, w): pixels in cells of the signature that were flat all over."""
+def _was_flat(packed: Signature, now: Signature, layer: WorkspaceLayer) -> Mask:
+    """(h, w): pixels in cells of the signature that were flat all over and are not as they were."""
     # a slope of half a degree already takes this much off the mean of z
     flat = (packed.cells[..., 2] >= 1 - 1.6e-5) & (packed.cells[..., 3] > 0)
-    left, top, cols, rows = content_box(alpha, layer.left, layer.top)
-    spread = cv2.resize(flat.astype(np.uint8), (cols, rows), interpolation=cv2.INTER_NEAREST)
-    out = np.zeros(alpha.shape, bool)
+    touched = (np.abs(now.cells - packed.cells) > 1.6e-5).any(axis=-1)
+    left, top, cols, rows = now.box
+    spread = cv2.resize((flat & touched).astype(np.uint8), (cols, rows), interpolation=cv2.INTER_NEAREST)
+    out = np.zeros(layer.size, bool)
     row, col = top - layer.top, left - layer.left
     out[row : row + rows, col : col + cols] = spread > 0
     return out
@@ -244,7 +248,7 @@ def _editor_words(layer: WorkspaceLayer) -> Iterator[tuple[str, str, str]]:
             f"has an opacity of {opacity:.0%}, which mixes codes, not vectors",
             f"set it to 100 % and use strength, which fades slopes; the recipe says strength {opacity:.2g}",
         )
-    if not layer.shown:
+    if not layer.shown and layer.facts.get("visible") is not False:
         yield ("hidden", "is hidden; it is kept and marked so", "delete it, or leave it: stack leaves it out")
     for what in layer.facts.get("not_kept", ()):
         yield (
