@@ -25,9 +25,11 @@ HEAVY = {
     "OpenImageIO",
     "PIL",
     "pyamg",
+    "psd_tools",
     "pyrender",
     "scipy",
     "skimage",
+    "tifffile",
     "trimesh",
 }
 
@@ -53,7 +55,7 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
 
 
-COMMANDS = ("bake", "compose", "compose split", "inspect", "relief")
+COMMANDS = ("bake", "compose", "compose pack", "compose split", "compose unpack", "inspect", "relief")
 
 
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])
