@@ -36,10 +36,12 @@ if TYPE_CHECKING:
     from nmaptool.io.mesh_reader import read_mesh
     from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
     from nmaptool.io.outputs import write_relief
+    from nmaptool.io.recipe_files import read_recipe
+    from nmaptool.io.stacks import Stack, read_stack
     from nmaptool.io.unpacked import write_unpacked
     from nmaptool.io.workspaces import read_workspace, write_workspace
     from nmaptool.layer_set import LayerReport, LayerSet, Mixture
-    from nmaptool.layer_stack import Layer
+    from nmaptool.layer_stack import Layer, LayerGroup
     from nmaptool.mesh import Mesh
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
     from nmaptool.options import (
@@ -58,6 +60,9 @@ if TYPE_CHECKING:
         WriteOptions,
     )
     from nmaptool.orientation import doubts
+    from nmaptool.recipe import Recipe, RecipeGroup, RecipeLayer, RecipeLink
+    from nmaptool.recipe_parsing import parse_recipe
+    from nmaptool.recipe_toml import to_toml
     from nmaptool.results import ComposeReport, Composition, Relief, SolveReport
     from nmaptool.shading import preview
     from nmaptool.tessellate import surface_mesh
@@ -75,7 +80,7 @@ if TYPE_CHECKING:
     from nmaptool.verbs.split import split
     from nmaptool.verbs.transform import transform
     from nmaptool.verbs.unpack import unpack
-    from nmaptool.workspace import LayerGroup, LayerMask, Workspace, WorkspaceFinding, WorkspaceLayer
+    from nmaptool.workspace import Workspace, WorkspaceFinding, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
 
 _HOME = {
     "MeshFindings": "cleaning",
@@ -100,6 +105,9 @@ _HOME = {
     "read_raster": "io.normal_maps",
     "write_normal_map": "io.normal_maps",
     "write_relief": "io.outputs",
+    "read_recipe": "io.recipe_files",
+    "Stack": "io.stacks",
+    "read_stack": "io.stacks",
     "write_unpacked": "io.unpacked",
     "read_workspace": "io.workspaces",
     "write_workspace": "io.workspaces",
@@ -107,6 +115,7 @@ _HOME = {
     "LayerSet": "layer_set",
     "Mixture": "layer_set",
     "Layer": "layer_stack",
+    "LayerGroup": "layer_stack",
     "Mesh": "mesh",
     "Decoding": "model",
     "Frame": "model",
@@ -127,6 +136,12 @@ _HOME = {
     "TransformOptions": "options",
     "WriteOptions": "options",
     "doubts": "orientation",
+    "Recipe": "recipe",
+    "RecipeGroup": "recipe",
+    "RecipeLayer": "recipe",
+    "RecipeLink": "recipe",
+    "parse_recipe": "recipe_parsing",
+    "to_toml": "recipe_toml",
     "ComposeReport": "results",
     "Composition": "results",
     "Relief": "results",
@@ -154,11 +169,11 @@ _HOME = {
     "split": "verbs.split",
     "transform": "verbs.transform",
     "unpack": "verbs.unpack",
-    "LayerGroup": "workspace",
-    "LayerMask": "workspace",
     "Workspace": "workspace",
     "WorkspaceFinding": "workspace",
+    "WorkspaceGroup": "workspace",
     "WorkspaceLayer": "workspace",
+    "WorkspaceMask": "workspace",
 }
 
 __all__ = [
@@ -179,7 +194,6 @@ __all__ = [
     "Inspection",
     "Layer",
     "LayerGroup",
-    "LayerMask",
     "LayerOptions",
     "LayerReport",
     "LayerSet",
@@ -196,18 +210,25 @@ __all__ = [
     "PackedMap",
     "RasterImage",
     "ReadOptions",
+    "Recipe",
+    "RecipeGroup",
+    "RecipeLayer",
+    "RecipeLink",
     "Relief",
     "ReliefOptions",
     "RendererError",
     "SolveReport",
     "SplitOptions",
+    "Stack",
     "TransformOptions",
     "Unpacked",
     "UnpackedLayer",
     "UsageError",
     "Workspace",
     "WorkspaceFinding",
+    "WorkspaceGroup",
     "WorkspaceLayer",
+    "WorkspaceMask",
     "WriteOptions",
     "__version__",
     "bake",
@@ -223,6 +244,7 @@ __all__ = [
     "integrate",
     "length",
     "pack",
+    "parse_recipe",
     "paste",
     "pitch_of",
     "preview",
@@ -231,11 +253,14 @@ __all__ = [
     "read_mesh",
     "read_normal_map",
     "read_raster",
+    "read_recipe",
+    "read_stack",
     "read_surface",
     "read_workspace",
     "relief",
     "split",
     "surface_mesh",
+    "to_toml",
     "transform",
     "unpack",
     "write_composition",

@@ -7,7 +7,7 @@ from typing import Any
 
 from nmaptool.arrays import Float32
 from nmaptool.model import Frame, NormalMap
-from nmaptool.workspace import LayerGroup, WorkspaceFinding
+from nmaptool.workspace import WorkspaceFinding, WorkspaceGroup
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class UnpackedLayer:
     strength : float
         With the layer's opacity in it.
     visible : bool
-    groups : tuple of LayerGroup
+    groups : tuple of WorkspaceGroup
         Outermost first; layers that share a group hold the same object.
     findings : tuple of WorkspaceFinding
     repairs : tuple of str
@@ -41,7 +41,7 @@ class UnpackedLayer:
     mode: str
     strength: float
     visible: bool
-    groups: tuple[LayerGroup, ...]
+    groups: tuple[WorkspaceGroup, ...]
     findings: tuple[WorkspaceFinding, ...]
     repairs: tuple[str, ...]
 

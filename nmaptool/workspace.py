@@ -19,7 +19,7 @@ MASK_SUFFIX = " [mask]"
 
 
 @dataclass(frozen=True, eq=False)
-class LayerMask:
+class WorkspaceMask:
     """A grey picture that hides parts of a layer.
 
     Parameters
@@ -48,7 +48,7 @@ class LayerMask:
 
 
 @dataclass(frozen=True, eq=False)
-class LayerGroup:
+class WorkspaceGroup:
     """A folder of layers; two groups of one name are two.
 
     Parameters
@@ -83,8 +83,8 @@ class WorkspaceLayer:
         0 to 1.
     blend_mode : str
         In the editor's words, ``normal`` for painting over.
-    mask : LayerMask or None
-    groups : tuple of LayerGroup
+    mask : WorkspaceMask or None
+    groups : tuple of WorkspaceGroup
         The groups it is in, outermost first.
     facts : mapping
         What the file says of the layer in nmaptool's own words; empty where an editor dropped it.
@@ -99,8 +99,8 @@ class WorkspaceLayer:
     visible: bool = True
     opacity: float = 1.0
     blend_mode: str = NORMAL_BLEND
-    mask: LayerMask | None = None
-    groups: tuple[LayerGroup, ...] = ()
+    mask: WorkspaceMask | None = None
+    groups: tuple[WorkspaceGroup, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
     signed: bool = False
 

@@ -55,7 +55,16 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
 
 
-COMMANDS = ("bake", "compose", "compose pack", "compose split", "compose unpack", "inspect", "relief")
+COMMANDS = (
+    "bake",
+    "compose",
+    "compose pack",
+    "compose split",
+    "compose stack",
+    "compose unpack",
+    "inspect",
+    "relief",
+)
 
 
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])

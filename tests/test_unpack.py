@@ -74,7 +74,7 @@ def test_findings_are_printed_and_the_exit_code_is_1(tmp_path, run):
 
 
 def test_groups_become_nested_layers(tmp_path):
-    outer, inner = nm.LayerGroup("outer", opacity=0.5), nm.LayerGroup('in"ner', visible=False)
+    outer, inner = nm.WorkspaceGroup("outer", opacity=0.5), nm.WorkspaceGroup('in"ner', visible=False)
     workspace = packed(groups=(outer,))
     lower, upper = workspace.layers
     last = replace(upper, name="last", groups=(outer,), visible=False)

@@ -179,7 +179,7 @@ def test_flat_that_was_dithered_is_flat_again():
 
 
 def test_editor_settings_that_are_no_vector_blends():
-    group = nm.LayerGroup("g", opacity=0.5, blend_mode="soft light")
+    group = nm.WorkspaceGroup("g", opacity=0.5, blend_mode="soft light")
     workspace = packed(blend_mode="multiply", opacity=0.5, visible=False, groups=(group,))
     unpacked = nm.unpack(workspace)
     told = [(finding.code, finding.message) for finding in unpacked.findings]

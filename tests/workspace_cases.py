@@ -30,8 +30,8 @@ def random_workspace(kind=np.uint16):
     def codes(*shape):
         return rng.random(shape).astype(np.float32) if top == 1 else rng.integers(0, top + 1, shape).astype(kind)
 
-    outer = nm.LayerGroup("outer group")
-    inner = nm.LayerGroup("inner ä", visible=False, opacity=0.6)
+    outer = nm.WorkspaceGroup("outer group")
+    inner = nm.WorkspaceGroup("inner ä", visible=False, opacity=0.6)
     layers = (
         nm.WorkspaceLayer("base", codes(90, 100, 4)),
         nm.WorkspaceLayer(
@@ -41,7 +41,7 @@ def random_workspace(kind=np.uint16):
             top=70,
             opacity=0.4,
             groups=(outer,),
-            mask=nm.LayerMask(codes(20, 22), left=3, top=71),
+            mask=nm.WorkspaceMask(codes(20, 22), left=3, top=71),
         ),
         nm.WorkspaceLayer("中文", codes(10, 12, 4), left=20, top=20, visible=False, groups=(outer, inner)),
         nm.WorkspaceLayer("top", codes(5, 6, 4), left=98, top=-2),

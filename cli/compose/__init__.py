@@ -11,6 +11,7 @@ for _name, _help in (
     ("split", "Split a map that has no mesh into base and detail."),
     ("blend", "Blend a detail map with a base map."),
     ("paste", "Paste layers on a background."),
+    ("stack", "Compose the layers of a recipe."),
     ("transform", "Crop, mirror, resize, turn or pad a map."),
     ("pack", "Lay maps over each other in one file for an image editor: PSD, ORA, TIFF, EXR."),
     ("unpack", "Take such a file apart again, repaired, with a report of what the editor did to it."),

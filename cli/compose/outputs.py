@@ -92,7 +92,7 @@ class MapWriter:
         self._account: Mapping[str, Any] = {}
         self.files.check()
         for path in self.files.targets:
-            if path.exists() and any(Path(name).exists() and path.samefile(name) for name in inputs if name):
+            if path.exists() and any(_is_same(path, name) for name in inputs if name):
                 raise UsageError(f"{path}: is also an input; give another name for the output")
 
     @property
@@ -134,6 +134,16 @@ class MapWriter:
             self.session.say(f"  wrote {'the map to standard output' if name == STREAM else path}")
         if self.report_to_stdout:
             self.session.data(self._account)
+
+
+def _is_same(path: Path, name: str) -> bool:
+    """Whether an input, such as ``maps.exr:detail``, is in that file."""
+    from nmaptool.io.normal_maps import split_layer
+
+    try:
+        return path.samefile(split_layer(name)[0])
+    except (OSError, ValueError):  # there is no such input: reading it tells
+        return False
 
 
 def say_map(session: Session, normal_map: nm.NormalMap) -> None:

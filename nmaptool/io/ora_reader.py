@@ -18,7 +18,7 @@ from nmaptool.io.png import SIGNATURE, check_size
 from nmaptool.io.workspace_limits import Budget
 from nmaptool.io.workspace_pages import four_channels, grey_channel
 from nmaptool.model import Frame, RasterImage
-from nmaptool.workspace import MASK_SUFFIX, LayerGroup, LayerMask, Workspace, WorkspaceLayer
+from nmaptool.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
 
 _LARGEST_LIST = 4_000_000
 _LARGEST_WORDS = 16_000_000
@@ -128,7 +128,7 @@ class _Layers:
         cols, rows = struct.unpack_from(">II", head, 16)
         return cols, rows
 
-    def walk(self, stack: Element, groups: tuple[LayerGroup, ...]) -> None:
+    def walk(self, stack: Element, groups: tuple[WorkspaceGroup, ...]) -> None:
         """Read every layer."""
         for child in stack.children:
             if child.tag == "stack":
@@ -143,7 +143,7 @@ class _Layers:
             self.skipped.append((_label(mask), "mask without its layer"))
         self._masks.clear()
 
-    def _take(self, element: Element, groups: tuple[LayerGroup, ...]) -> None:
+    def _take(self, element: Element, groups: tuple[WorkspaceGroup, ...]) -> None:
         if self._source(element) is None:
             kind = Path(element.attributes.get("src", "")).suffix or "empty"
             self.skipped.append((_label(element), f"layer of kind {kind}"))
@@ -181,17 +181,17 @@ class _Layers:
         except (InputError, LimitError) as error:
             raise type(error)(str(error).replace(str(self.picture), f"{self.archive.path}: {shown}")) from None
 
-    def _mask(self, element: Element) -> LayerMask:
+    def _mask(self, element: Element) -> WorkspaceMask:
         grey = grey_channel(self._image(element))
         outside = _share(element, "nmaptool-outside", self.archive) if "nmaptool-outside" in element.attributes else 0.0
         enabled = element.attributes.get("nmaptool-enabled", "1") != "0"
         left, top = _whole(element, "x", self.archive), _whole(element, "y", self.archive)
-        return LayerMask(grey, left, top, outside, enabled)
+        return WorkspaceMask(grey, left, top, outside, enabled)
 
-    def _group(self, element: Element) -> LayerGroup:
+    def _group(self, element: Element) -> WorkspaceGroup:
         through = element.attributes.get("isolation") == "auto"
         mode = words.from_ora_mode(element.attributes.get("composite-op", ""))
-        return LayerGroup(
+        return WorkspaceGroup(
             _label(element),
             element.attributes.get("visibility", "visible") != "hidden",
             _share(element, "opacity", self.archive),

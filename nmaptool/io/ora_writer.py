@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from nmaptool.errors import OutputError
 from nmaptool.io import workspace_words as words
 from nmaptool.io.image_writer import write_image
-from nmaptool.workspace import MASK_SUFFIX, LayerGroup, Workspace, WorkspaceLayer, flattened
+from nmaptool.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, flattened
 
 MIMETYPE = "image/openraster"
 WORDS_FILE = "nmaptool.json"
@@ -124,7 +124,7 @@ def _stack_xml(workspace: Workspace, entries: list[str]) -> str:
 
 
 def _nested(workspace: Workspace, entries: list[str]) -> Iterator[str]:
-    opened: list[LayerGroup] = []
+    opened: list[WorkspaceGroup] = []
     for layer, entry in zip(reversed(workspace.layers), reversed(entries), strict=True):
         shared = 0
         while shared < min(len(opened), len(layer.groups)) and opened[shared] is layer.groups[shared]:

@@ -24,7 +24,7 @@ from nmaptool.io.png import check_size
 from nmaptool.io.workspace_limits import Budget
 from nmaptool.io.workspace_pages import masks_joined
 from nmaptool.model import Frame
-from nmaptool.workspace import LayerGroup, LayerMask, Workspace, WorkspaceLayer
+from nmaptool.workspace import Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
 
 _MOST_OBJECTS = 2_000_000
 _MODES = {0: "bitmap", 1: "grey", 2: "palette", 4: "CMYK", 7: "multichannel", 8: "duotone", 9: "Lab"}
@@ -174,7 +174,7 @@ class _Layers:
                 self.budget.add(_name(record), record.width, record.height)
                 if record.mask_data is not None:
                     self.budget.add(_name(record), record.mask_data.width, record.mask_data.height)
-        inside: list[LayerGroup] = []
+        inside: list[WorkspaceGroup] = []
         # from the top down a group's record comes before what is in it
         for record, planes in zip(reversed(records), reversed(channels), strict=False):
             kind = _kind(record)
@@ -191,7 +191,9 @@ class _Layers:
         self.layers = masks_joined(list(reversed(self.layers)))
         self.skipped.reverse()
 
-    def _layer(self, record: LayerRecord, planes: list[ChannelData], groups: tuple[LayerGroup, ...]) -> WorkspaceLayer:
+    def _layer(
+        self, record: LayerRecord, planes: list[ChannelData], groups: tuple[WorkspaceGroup, ...]
+    ) -> WorkspaceLayer:
         by_id = {info.id: plane for info, plane in zip(record.channel_info, planes, strict=False)}
         rows, cols = record.height, record.width
         color = (0, 1, 2) if all(i in by_id for i in (1, 2)) else (0, 0, 0)  # Krita writes grey layers with one channel
@@ -216,7 +218,7 @@ class _Layers:
             facts={"not_kept": _not_kept(record)},
         )
 
-    def _mask(self, record: LayerRecord, by_id: dict[ChannelID, ChannelData]) -> LayerMask | None:
+    def _mask(self, record: LayerRecord, by_id: dict[ChannelID, ChannelData]) -> WorkspaceMask | None:
         data, plane = record.mask_data, by_id.get(ChannelID.USER_LAYER_MASK)
         if data is None or plane is None:
             return None
@@ -226,9 +228,9 @@ class _Layers:
         outside = data.background_color / 255
         if data.width < 1 or data.height < 1:
             values: NDArray[Any] = np.full((1, 1), data.background_color, np.uint8)
-            return LayerMask(values, record.left, record.top, outside, not data.flags.mask_disabled)
+            return WorkspaceMask(values, record.left, record.top, outside, not data.flags.mask_disabled)
         values = self._plane(plane, data.height, data.width)
-        return LayerMask(values, left, top, outside, not data.flags.mask_disabled)
+        return WorkspaceMask(values, left, top, outside, not data.flags.mask_disabled)
 
     def _plane(self, plane: ChannelData, rows: int, cols: int) -> NDArray[Any]:
         limit = rows * cols * self.depth // 8
@@ -288,9 +290,9 @@ def _not_kept(record: LayerRecord) -> list[str]:
     return found
 
 
-def _group(record: LayerRecord) -> LayerGroup:
+def _group(record: LayerRecord) -> WorkspaceGroup:
     mode = record.blend_mode.value
     setting = record.tagged_blocks.get_data(Tag.SECTION_DIVIDER_SETTING)
     if setting is not None and setting.blend_mode is not None:
         mode = setting.blend_mode.value
-    return LayerGroup(_name(record), record.flags.visible, record.opacity / 255, words.from_psd_mode(mode))
+    return WorkspaceGroup(_name(record), record.flags.visible, record.opacity / 255, words.from_psd_mode(mode))

@@ -29,7 +29,7 @@ from psd_tools.psd.tagged_blocks import TaggedBlocks
 
 from nmaptool.io import workspace_words
 from nmaptool.model import Frame
-from nmaptool.workspace import LayerGroup, LayerMask, Workspace, WorkspaceLayer, flattened
+from nmaptool.workspace import Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask, flattened
 
 _LARGEST_PSD_SIDE = 30_000
 _LARGEST_PSD_BYTES = 1_500_000_000  # the format's lengths end at 2 GB
@@ -89,7 +89,7 @@ def _layer_info(workspace: Workspace, depth: int, version: int) -> tuple[int, La
     """Records and channels bottom to top; a group is what lies between its end mark and its own record."""
     records: list[LayerRecord] = []
     channels: list[ChannelDataList] = []
-    opened: list[LayerGroup] = []
+    opened: list[WorkspaceGroup] = []
 
     def add(record: LayerRecord, planes: list[ChannelData]) -> None:
         record.tagged_blocks.set_data(Tag.LAYER_ID, len(records) + 1)
@@ -106,7 +106,7 @@ def _layer_info(workspace: Workspace, depth: int, version: int) -> tuple[int, La
             shared += 1
         close_to(shared)
         for group in layer.groups[shared:]:
-            add(*_divider(LayerGroup("</Layer group>"), SectionDivider.BOUNDING_SECTION_DIVIDER))
+            add(*_divider(WorkspaceGroup("</Layer group>"), SectionDivider.BOUNDING_SECTION_DIVIDER))
             opened.append(group)
         add(*_record(layer, workspace.frame, depth, version))
     close_to(0)
@@ -121,7 +121,7 @@ def _named(name: str) -> tuple[str, TaggedBlocks]:
     return name.encode("macroman", "replace")[:255].decode("macroman"), blocks
 
 
-def _divider(group: LayerGroup, kind: SectionDivider) -> tuple[LayerRecord, list[ChannelData]]:
+def _divider(group: WorkspaceGroup, kind: SectionDivider) -> tuple[LayerRecord, list[ChannelData]]:
     name, blocks = _named(group.name)
     mode = BlendMode(workspace_words.psd_mode(group.blend_mode))
     if kind is SectionDivider.BOUNDING_SECTION_DIVIDER:
@@ -162,7 +162,7 @@ def _record(layer: WorkspaceLayer, frame: Frame, depth: int, version: int) -> tu
     return record, [_channel(plane, depth, version) for _, plane in planes]
 
 
-def _mask_data(mask: LayerMask) -> MaskData:
+def _mask_data(mask: WorkspaceMask) -> MaskData:
     rows, cols = mask.values.shape
     return MaskData(
         top=mask.top,

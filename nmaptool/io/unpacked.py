@@ -19,7 +19,7 @@ from nmaptool.io.image_writer import write_image, write_pictures
 from nmaptool.io.normal_maps import grey_codes, normal_picture
 from nmaptool.io.replace import check_target, written_beside
 from nmaptool.unpacked import Unpacked, UnpackedLayer
-from nmaptool.workspace import LayerGroup
+from nmaptool.workspace import WorkspaceGroup
 
 FORMATS = ("exr", "png")
 RECIPE = "recipe.toml"
@@ -208,7 +208,7 @@ def recipe_text(unpacked: Unpacked, entries: Sequence[Mapping[str, str]]) -> str
     lines.append(f"size = {_text(f'{frame.cols}x{frame.rows}')}")
     if frame.pitch_mm is not None:
         lines.append(f"width = {_text(f'{frame.cols * frame.pitch_mm:.10g}mm')}")
-    opened: tuple[LayerGroup, ...] = ()
+    opened: tuple[WorkspaceGroup, ...] = ()
     for layer, entry in zip(unpacked.layers, entries, strict=True):
         shared = 0
         while shared < min(len(opened), len(layer.groups)) and opened[shared] is layer.groups[shared]:
@@ -224,7 +224,7 @@ def _head(depth: int) -> list[str]:
     return ["", f"[[{'.'.join(['layer'] * (depth + 1))}]]"]
 
 
-def _group_lines(group: LayerGroup, depth: int) -> list[str]:
+def _group_lines(group: WorkspaceGroup, depth: int) -> list[str]:
     mode = "over" if group.blend_mode in _VECTOR_MODES else "rnm"
     lines = [*_head(depth), f"name = {_text(group.name or 'group')}", f"mode = {_text(mode)}"]
     lines.append(f"strength = {_number(group.opacity)}")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from nmaptool._version import __version__
 from nmaptool.io import workspace_words as words
 from nmaptool.model import RasterImage
-from nmaptool.workspace import MASK_SUFFIX, LayerGroup, LayerMask, Workspace, WorkspaceLayer, largest_code
+from nmaptool.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask, largest_code
 
 FURTHEST = 300_000
 
@@ -70,7 +70,7 @@ def said_of(image: RasterImage) -> dict[str, Any]:
 
 def layers_of(pages: Sequence[Page]) -> tuple[tuple[WorkspaceLayer, ...], dict[str, Any] | None, list[tuple[str, str]]]:
     """Pages to layers bottom to top, what is said of the whole, and masks whose layer is gone."""
-    masks: dict[str, LayerMask] = {}
+    masks: dict[str, WorkspaceMask] = {}
     kept: list[tuple[Page, dict[str, Any]]] = []
     all_said = [said_of(page.image) for page in pages]
     owners = {page.name for page, said in zip(pages, all_said, strict=True) if "mask_of" not in said}
@@ -83,7 +83,7 @@ def layers_of(pages: Sequence[Page]) -> tuple[tuple[WorkspaceLayer, ...], dict[s
             masks[owner] = _mask(page, {})
         else:  # a picture that only inherited a mask's words is no mask
             kept.append((page, {} if "mask_of" in said else said))
-    groups: dict[int, LayerGroup] = {}
+    groups: dict[int, WorkspaceGroup] = {}
     layers = tuple(_layer(page, said, masks, groups) for page, said in kept)
     orphans = [(name + MASK_SUFFIX, "mask without its layer") for name in masks]
     return layers, _metadata([said for _, said in kept]), orphans
@@ -125,7 +125,7 @@ def _share(value: object, default: float = 1.0) -> float:
 
 
 def _layer(
-    page: Page, said: dict[str, Any], masks: dict[str, LayerMask], groups: dict[int, LayerGroup]
+    page: Page, said: dict[str, Any], masks: dict[str, WorkspaceMask], groups: dict[int, WorkspaceGroup]
 ) -> WorkspaceLayer:
     pixels = four_channels(page.image)
     facts = said["facts"] if _has_name(said.get("facts")) else {}
@@ -147,19 +147,19 @@ def _layer(
     )
 
 
-def _groups(value: object, known: dict[int, LayerGroup]) -> tuple[LayerGroup, ...]:
+def _groups(value: object, known: dict[int, WorkspaceGroup]) -> tuple[WorkspaceGroup, ...]:
     found = []
     for one in value if isinstance(value, list) else []:
         if not (isinstance(one, list) and len(one) == 5 and isinstance(one[0], int) and isinstance(one[1], str)):
             return ()
         mode = one[4] if isinstance(one[4], str) else "normal"
-        found.append(known.setdefault(one[0], LayerGroup(one[1], one[2] is not False, _share(one[3]), mode)))
+        found.append(known.setdefault(one[0], WorkspaceGroup(one[1], one[2] is not False, _share(one[3]), mode)))
     return tuple(found)
 
 
-def _mask(page: Page, said: Mapping[str, Any]) -> LayerMask:
+def _mask(page: Page, said: Mapping[str, Any]) -> WorkspaceMask:
     left, top = _place(page, said)
-    return LayerMask(
+    return WorkspaceMask(
         grey_channel(page.image), left, top, _share(said.get("outside"), 0.0), said.get("enabled") is not False
     )
 
@@ -170,13 +170,13 @@ def masks_joined(layers: Sequence[WorkspaceLayer]) -> list[WorkspaceLayer]:
     So a mask stays one when an editor saves a format without masks as one that has them.
     """
     bare = {layer.name for layer in layers if layer.mask is None}
-    found: dict[str, LayerMask] = {}
+    found: dict[str, WorkspaceMask] = {}
     for layer in layers:
         owner = layer.name.removesuffix(MASK_SUFFIX)
         red, green, blue, alpha = (layer.pixels[..., i] for i in range(4))
         grey = np.array_equal(red, green) and np.array_equal(red, blue)
         if owner != layer.name and owner in bare and not layer.visible and grey:
-            found[owner] = LayerMask(_grey(red, alpha), layer.left, layer.top)
+            found[owner] = WorkspaceMask(_grey(red, alpha), layer.left, layer.top)
     joined = {owner + MASK_SUFFIX for owner in found}
     kept = [layer for layer in layers if layer.name not in joined]
     return [replace(layer, mask=found.get(layer.name, layer.mask)) for layer in kept]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from nmaptool.errors import InputError, LimitError, OutputError, UsageError, reason_of
 from nmaptool.io.opening import read_head
 from nmaptool.io.replace import written_beside
-from nmaptool.workspace import LayerMask, Workspace
+from nmaptool.workspace import Workspace, WorkspaceMask
 
 WRITE_ENDINGS = (".psd", ".psb", ".ora", ".tif", ".tiff", ".exr")
 _KINDS = {
@@ -178,7 +178,7 @@ def _same(workspace: Workspace, back: Workspace) -> bool:
     return True
 
 
-def _same_mask(sent: LayerMask | None, came: LayerMask | None, half: bool) -> bool:
+def _same_mask(sent: WorkspaceMask | None, came: WorkspaceMask | None, half: bool) -> bool:
     if sent is None or came is None:
         return sent is came
     return (sent.left, sent.top) == (came.left, came.top) and _equal(sent.values, came.values, half)

@@ -16,7 +16,7 @@ from nmaptool.arrays import Float32
 from nmaptool.errors import InputError, UsageError
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import PackOptions
-from nmaptool.workspace import MASK_SUFFIX, LayerGroup, LayerMask, Workspace, WorkspaceLayer, unique_names
+from nmaptool.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask, unique_names
 from nmaptool.workspace_repair.colors import shares
 from nmaptool.workspace_repair.signature import sign
 
@@ -120,20 +120,20 @@ def _plain(name: str) -> str:
     return name.replace(MASK_SUFFIX, " mask")
 
 
-def _groups(placed: Sequence[PackedMap]) -> list[tuple[LayerGroup, ...]]:
+def _groups(placed: Sequence[PackedMap]) -> list[tuple[WorkspaceGroup, ...]]:
     """The groups of each map; neighbours with the same names share them."""
-    out: list[tuple[LayerGroup, ...]] = []
-    before: tuple[LayerGroup, ...] = ()
+    out: list[tuple[WorkspaceGroup, ...]] = []
+    before: tuple[WorkspaceGroup, ...] = ()
     for one in placed:
         shared = 0
         while shared < min(len(before), len(one.group)) and before[shared].name == one.group[shared]:
             shared += 1
-        before = (*before[:shared], *(LayerGroup(name) for name in one.group[shared:]))
+        before = (*before[:shared], *(WorkspaceGroup(name) for name in one.group[shared:]))
         out.append(before)
     return out
 
 
-def _layer(placed: PackedMap, name: str, groups: tuple[LayerGroup, ...], bits: int) -> WorkspaceLayer:
+def _layer(placed: PackedMap, name: str, groups: tuple[WorkspaceGroup, ...], bits: int) -> WorkspaceLayer:
     source = placed.normal_map
     if bits == 32:
         pixels: NDArray[Any] = np.dstack([source.normals, source.coverage])
@@ -157,7 +157,7 @@ def _layer(placed: PackedMap, name: str, groups: tuple[LayerGroup, ...], bits: i
     mask = None
     if placed.mask is not None:
         values = placed.mask if bits == 32 else _codes(placed.mask, bits)
-        mask = LayerMask(values, placed.left, placed.top)
+        mask = WorkspaceMask(values, placed.left, placed.top)
     return WorkspaceLayer(
         name,
         pixels,
