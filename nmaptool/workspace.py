@@ -15,6 +15,8 @@ from nmaptool.model import Frame
 
 # what editors call painting one layer over another; every other mode computes with codes as if they were colours
 NORMAL_BLEND = "normal"
+# a group that only keeps layers together: they blend with what is below it
+PASS_THROUGH = "pass through"
 MASK_SUFFIX = " [mask]"
 
 
@@ -58,7 +60,7 @@ class WorkspaceGroup:
     opacity : float
         0 to 1.
     blend_mode : str
-        In the editor's words; ``normal`` and ``pass through`` leave the codes alone.
+        In the editor's words: ``normal`` mixes its layers first, ``pass through`` only keeps them together.
     """
 
     name: str

@@ -89,6 +89,30 @@ def test_groups_become_nested_layers(tmp_path):
     assert group["layer"][2]["hidden"] is True
 
 
+def test_groups_that_only_keep_layers_together_are_none_in_the_recipe(tmp_path, run):
+    group = nm.WorkspaceGroup("kept together", blend_mode="pass through", opacity=0.5, visible=False)
+    nm.write_unpacked(nm.unpack(packed(groups=(group,))), tmp_path / "out")
+    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
+    assert [(one["name"], one["strength"], one.get("hidden", False)) for one in recipe["layer"]] == [
+        ("bumpy", 0.5, True),
+        ("small", 1.0, False),
+    ]
+
+
+@pytest.mark.parametrize("ending", ["psd", "ora", "tif", "exr"])
+def test_the_recipe_composes_the_layers_again(tmp_path, run, ending):
+    maps = [bumpy(), nm.PackedMap(bumpy(60, 50, 1, "small.png"), left=-7, top=20, mode="rnm", group=("kept", "deep"))]
+    nm.write_workspace(tmp_path / f"w.{ending}", nm.pack(maps, nm.PackOptions(bits=32 if ending == "exr" else 16)))
+    assert run("compose", "unpack", tmp_path / f"w.{ending}", "-o", tmp_path / "out").code == 0
+    done = run("compose", "stack", tmp_path / "out" / "recipe.toml", "-o", tmp_path / "out.exr")
+    assert done.code == 0, done.err
+    below, small = bumpy(), bumpy(60, 50, 1)
+    place = nm.LayerOptions(at="-7px,20px", anchor="top-left", mode="rnm")
+    expected = nm.paste(below, [nm.Layer(small, place)]).normal_map
+    found = nm.read_normal_map(tmp_path / "out.exr")
+    assert np.abs(found.normals - expected.normals)[bumpy().coverage > 0.1].max() < 1e-3
+
+
 def test_names_that_a_file_must_not_have():
     hostile = [
         "../x",

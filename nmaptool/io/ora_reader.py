@@ -18,7 +18,15 @@ from nmaptool.io.png import SIGNATURE, check_size
 from nmaptool.io.workspace_limits import Budget
 from nmaptool.io.workspace_pages import four_channels, grey_channel
 from nmaptool.model import Frame, RasterImage
-from nmaptool.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
+from nmaptool.workspace import (
+    MASK_SUFFIX,
+    NORMAL_BLEND,
+    PASS_THROUGH,
+    Workspace,
+    WorkspaceGroup,
+    WorkspaceLayer,
+    WorkspaceMask,
+)
 
 _LARGEST_LIST = 4_000_000
 _LARGEST_WORDS = 16_000_000
@@ -195,7 +203,7 @@ class _Layers:
             _label(element),
             element.attributes.get("visibility", "visible") != "hidden",
             _share(element, "opacity", self.archive),
-            "pass through" if through and mode == "normal" else mode,
+            PASS_THROUGH if through and mode == NORMAL_BLEND else mode,
         )
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from nmaptool.errors import OutputError
 from nmaptool.io import workspace_words as words
 from nmaptool.io.image_writer import write_image
-from nmaptool.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, flattened
+from nmaptool.workspace import MASK_SUFFIX, PASS_THROUGH, Workspace, WorkspaceGroup, WorkspaceLayer, flattened
 
 MIMETYPE = "image/openraster"
 WORDS_FILE = "nmaptool.json"
@@ -133,7 +133,7 @@ def _nested(workspace: Workspace, entries: list[str]) -> Iterator[str]:
         del opened[shared:]
         for group in layer.groups[shared:]:
             opened.append(group)
-            through = group.blend_mode == "pass through"
+            through = group.blend_mode == PASS_THROUGH
             line = _attributes(
                 name=group.name,
                 opacity=f"{group.opacity:.6g}",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import unicodedata
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,14 +20,13 @@ from nmaptool.io.image_writer import write_image, write_pictures
 from nmaptool.io.normal_maps import grey_codes, normal_picture
 from nmaptool.io.replace import check_target, written_beside
 from nmaptool.unpacked import Unpacked, UnpackedLayer
-from nmaptool.workspace import WorkspaceGroup
+from nmaptool.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceGroup
 
 FORMATS = ("exr", "png")
 RECIPE = "recipe.toml"
 _LONGEST_NAME_BYTES = 100
 # names that Windows keeps for devices
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(10))}
-_VECTOR_MODES = ("normal", "pass through")
 
 
 def safe_names(names: Sequence[str]) -> list[str]:
@@ -210,13 +210,15 @@ def recipe_text(unpacked: Unpacked, entries: Sequence[Mapping[str, str]]) -> str
         lines.append(f"width = {_text(f'{frame.cols * frame.pitch_mm:.10g}mm')}")
     opened: tuple[WorkspaceGroup, ...] = ()
     for layer, entry in zip(unpacked.layers, entries, strict=True):
+        # the recipe's groups are mixed first; what only keeps layers together is none
+        groups = tuple(group for group in layer.groups if group.blend_mode != PASS_THROUGH)
         shared = 0
-        while shared < min(len(opened), len(layer.groups)) and opened[shared] is layer.groups[shared]:
+        while shared < min(len(opened), len(groups)) and opened[shared] is groups[shared]:
             shared += 1
-        for depth in range(shared, len(layer.groups)):
-            lines += _group_lines(layer.groups[depth], depth)
-        opened = layer.groups
-        lines += _layer_lines(layer, entry, len(layer.groups))
+        for depth in range(shared, len(groups)):
+            lines += _group_lines(groups[depth], depth)
+        opened = groups
+        lines += _layer_lines(layer, entry, len(groups))
     return "\n".join(lines) + "\n"
 
 
@@ -225,7 +227,7 @@ def _head(depth: int) -> list[str]:
 
 
 def _group_lines(group: WorkspaceGroup, depth: int) -> list[str]:
-    mode = "over" if group.blend_mode in _VECTOR_MODES else "rnm"
+    mode = "over" if group.blend_mode == NORMAL_BLEND else "rnm"
     lines = [*_head(depth), f"name = {_text(group.name or 'group')}", f"mode = {_text(mode)}"]
     lines.append(f"strength = {_number(group.opacity)}")
     return lines if group.visible else [*lines, "hidden = true"]
@@ -233,11 +235,14 @@ def _group_lines(group: WorkspaceGroup, depth: int) -> list[str]:
 
 def _layer_lines(layer: UnpackedLayer, entry: Mapping[str, str], depth: int) -> list[str]:
     lines = [*_head(depth), f"name = {_text(layer.name or 'layer')}", f"file = {_text(entry['file'])}"]
-    lines += [f"mode = {_text(layer.mode)}", f"strength = {_number(layer.strength)}"]
+    passed = [group for group in layer.groups if group.blend_mode == PASS_THROUGH]
+    strength = layer.strength * math.prod(group.opacity for group in passed)
+    lines += [f"mode = {_text(layer.mode)}", f"strength = {_number(strength)}"]
     lines += [f"at = {_text(f'{layer.left}px,{layer.top}px')}", 'anchor = "top-left"']
     if "mask" in entry:
         lines.append(f"mask = {_text(entry['mask'])}")
-    return lines if layer.visible else [*lines, "hidden = true"]
+    visible = layer.visible and all(group.visible for group in passed)
+    return lines if visible else [*lines, "hidden = true"]
 
 
 def _number(value: float) -> str:

@@ -10,7 +10,7 @@ from xml.sax.saxutils import escape
 
 from nmaptool.errors import InputError
 from nmaptool.io.plain_xml import parse_xml
-from nmaptool.workspace import NORMAL_BLEND
+from nmaptool.workspace import NORMAL_BLEND, PASS_THROUGH
 
 _XMP = (
     '<?xpacket begin="\ufeff" id="W5M0MpCehiHzreSzNTczkc9d"?>\n'
@@ -21,7 +21,7 @@ _XMP = (
 _LARGEST_WORDS = 16_000_000
 # four-letter keys of Photoshop's blend modes
 _PSD_MODES = {
-    "pass": "pass through",
+    "pass": PASS_THROUGH,
     "norm": NORMAL_BLEND,
     "diss": "dissolve",
     "dark": "darken",

@@ -16,7 +16,15 @@ from nmaptool.arrays import Float32
 from nmaptool.errors import InputError, UsageError
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import PackOptions
-from nmaptool.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask, unique_names
+from nmaptool.workspace import (
+    MASK_SUFFIX,
+    PASS_THROUGH,
+    Workspace,
+    WorkspaceGroup,
+    WorkspaceLayer,
+    WorkspaceMask,
+    unique_names,
+)
 from nmaptool.workspace_repair.colors import shares
 from nmaptool.workspace_repair.signature import sign
 
@@ -128,7 +136,7 @@ def _groups(placed: Sequence[PackedMap]) -> list[tuple[WorkspaceGroup, ...]]:
         shared = 0
         while shared < min(len(before), len(one.group)) and before[shared].name == one.group[shared]:
             shared += 1
-        before = (*before[:shared], *(WorkspaceGroup(name) for name in one.group[shared:]))
+        before = (*before[:shared], *(WorkspaceGroup(name, blend_mode=PASS_THROUGH) for name in one.group[shared:]))
         out.append(before)
     return out
 

@@ -11,12 +11,12 @@ import numpy as np
 
 from nmaptool.model import Decoding, Frame, NormalMap
 from nmaptool.unpacked import Unpacked, UnpackedLayer
-from nmaptool.workspace import NORMAL_BLEND, Workspace, WorkspaceFinding, WorkspaceLayer, mask_over
+from nmaptool.workspace import NORMAL_BLEND, PASS_THROUGH, Workspace, WorkspaceFinding, WorkspaceLayer, mask_over
 from nmaptool.workspace_repair.repair import repair_layer, signature_of
 from nmaptool.workspace_repair.signature import signature_from
 
 _MODES = ("over", "rnm", "pd", "whiteout", "udn", "linear", "overlay")
-_PASSING = (NORMAL_BLEND, "pass through")
+_PASSING = (NORMAL_BLEND, PASS_THROUGH)
 _RENAMED = 0.02
 
 

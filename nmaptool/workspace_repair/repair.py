@@ -11,7 +11,7 @@ import numpy as np
 from nmaptool import codec
 from nmaptool.arrays import Float32, Mask
 from nmaptool.vectors import FLAT, unit
-from nmaptool.workspace import NORMAL_BLEND, WorkspaceFinding, WorkspaceLayer
+from nmaptool.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceFinding, WorkspaceLayer
 from nmaptool.workspace_repair import colors
 from nmaptool.workspace_repair.pose import Pose, find_pose
 from nmaptool.workspace_repair.signature import Signature, cells, content_box, quantiles, signature_from
@@ -235,7 +235,7 @@ def _pose_words(pose: Pose) -> Iterator[tuple[str, str, str]]:
 def _editor_words(layer: WorkspaceLayer) -> Iterator[tuple[str, str, str]]:
     modes = [layer.blend_mode] + [group.blend_mode for group in layer.groups]
     for mode in dict.fromkeys(modes):
-        if mode not in (NORMAL_BLEND, "pass through"):
+        if mode not in (NORMAL_BLEND, PASS_THROUGH):
             yield (
                 "blend-mode",
                 f"has the blend mode {mode}, which computes with codes as if they were colours",
