@@ -18,6 +18,7 @@ from nmaptool._version import __version__
 
 if TYPE_CHECKING:
     from nmaptool.cleaning import MeshFindings, clean_mesh
+    from nmaptool.conversion import ConvertReport
     from nmaptool.curl_picture import curl_picture
     from nmaptool.decoding import decode_normal_map
     from nmaptool.decompose.rolling import Decomposition
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
         RendererError,
         UsageError,
     )
+    from nmaptool.io.conversion import convert
     from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.layer_files import write_layers
     from nmaptool.io.map_files import write_composition
@@ -85,6 +87,7 @@ if TYPE_CHECKING:
 _HOME = {
     "MeshFindings": "cleaning",
     "clean_mesh": "cleaning",
+    "ConvertReport": "conversion",
     "curl_picture": "curl_picture",
     "decode_normal_map": "decoding",
     "Decomposition": "decompose.rolling",
@@ -95,6 +98,7 @@ _HOME = {
     "OutputError": "errors",
     "RendererError": "errors",
     "UsageError": "errors",
+    "convert": "io.conversion",
     "read_height": "io.heights",
     "read_surface": "io.heights",
     "write_layers": "io.layer_files",
@@ -183,6 +187,7 @@ __all__ = [
     "ComposeReport",
     "Composition",
     "ConvergenceError",
+    "ConvertReport",
     "Decoding",
     "Decomposition",
     "FilterOptions",
@@ -236,6 +241,7 @@ __all__ = [
     "blend",
     "clean_mesh",
     "compose",
+    "convert",
     "curl_picture",
     "decode_normal_map",
     "decompose_normals",

@@ -13,6 +13,7 @@ for _name, _help in (
     ("paste", "Paste layers on a background."),
     ("stack", "Compose the layers of a recipe."),
     ("transform", "Crop, mirror, resize, turn or pad a map."),
+    ("convert", "Write a map as another kind of file."),
     ("pack", "Lay maps over each other in one file for an image editor: PSD, ORA, TIFF, EXR."),
     ("unpack", "Take such a file apart again, repaired, with a report of what the editor did to it."),
 ):

@@ -106,12 +106,13 @@ class MapWriter:
         pictures: Mapping[str, Callable[[], Picture]],
         account: Mapping[str, Any],
         recipe: str,
+        attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write everything."""
         from nmaptool.io.map_files import write_map_files
 
         self._account = {**account, "outputs": self.named_targets}
-        write_map_files(self.files, normal_map, pictures, self._account, recipe)
+        write_map_files(self.files, normal_map, pictures, self._account, recipe, attributes)
         if self._folder is not None:
             with self.files.output.open("rb") as stream:
                 shutil.copyfileobj(stream, sys.stdout.buffer)
@@ -119,14 +120,19 @@ class MapWriter:
             self._folder.cleanup()
 
     def write_composition(
-        self, composition: nm.Composition, account: Mapping[str, Any], recipe: str | None = None
+        self,
+        composition: nm.Composition,
+        account: Mapping[str, Any],
+        recipe: str | None = None,
+        attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write a composition, with its picture of where layers lie."""
         from nmaptool.io.map_files import composition_recipe, placed_picture
 
         everything = {**account, **composition.report.to_dict()}
         recipe = composition_recipe(composition) if recipe is None else recipe
-        self.write(composition.normal_map, {"placed": lambda: placed_picture(composition)}, everything, recipe)
+        pictures = {"placed": lambda: placed_picture(composition)}
+        self.write(composition.normal_map, pictures, everything, recipe, attributes)
 
     def finish(self) -> None:
         """Say what was written; print the report where it goes to standard output."""
