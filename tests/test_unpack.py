@@ -185,6 +185,14 @@ def test_refusals(maps, refused, monkeypatch, words, code, message):
     refused(code, message, "compose", *words)
 
 
+def test_inputs_are_not_overwritten(maps, run, refused):
+    flags = ("-o", maps / "base.exr", "--overwrite")
+    refused(2, "is also an input", "compose", "pack", maps / "base.exr", *flags)
+    run("compose", "pack", maps / "base.exr", "-o", maps / "work.exr", "--name", "work")
+    words = ("unpack", maps / "work.exr", "-o", maps, "--overwrite")
+    refused(5, "is what is unpacked; unpack it into another folder", "compose", *words)
+
+
 def test_nothing_is_overwritten_and_nothing_half_written(maps, run, refused):
     run("compose", "pack", maps / "base.exr", "-o", maps / "w.psd")
     assert run("compose", "unpack", maps / "w.psd", "-o", maps / "out").code == 0

@@ -18,6 +18,7 @@ from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, S
 if TYPE_CHECKING:
     import nmaptool as nm
 
+_Words = Annotated[tuple[str, ...], Parameter(show_default=False)]
 _PLACE = re.compile(r"\s*([-+]?\d+)\s*(?:px)?\s*,\s*([-+]?\d+)\s*(?:px)?\s*")
 
 
@@ -51,9 +52,9 @@ class Layering:
         Grey picture of the map's size, white where it shows: the layer's mask. "none" for a map without.
     """
 
-    at: tuple[str, ...] = ()
-    name: tuple[str, ...] = ()
-    mask: tuple[str, ...] = ()
+    at: _Words = ()
+    name: _Words = ()
+    mask: _Words = ()
 
     def check(self, count: int) -> None:
         """Refuse flags that are not given once for every map."""
@@ -95,6 +96,7 @@ def pack(
     maps:
         Normal maps, bottom to top; FILE.exr:layer names a layer.
     """
+    from nmaptool.io.normal_maps import split_layer
     from nmaptool.io.replace import check_target
     from nmaptool.io.workspaces import check_workspace_target
 
@@ -106,6 +108,9 @@ def pack(
     layering.check(len(maps))
     places = layering.places(len(maps))
     check_target(target, output.overwrite)
+    inputs = (split_layer(name)[0] for name in (*maps, *layering.mask))
+    if target.exists() and any(path.exists() and target.samefile(path) for path in inputs):
+        raise UsageError(f"{target}: is also an input; give another name for the output")
     import nmaptool as nm
 
     masks = [None if name == "none" else name for name in layering.mask] or [None] * len(maps)

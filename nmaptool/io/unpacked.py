@@ -174,6 +174,9 @@ def write_unpacked(
         values = json.dumps(account if account is not None else unpacked.to_dict(), indent=2) + "\n"
         jobs.append((files.report, lambda path: path.write_text(values)))
     targets = [target for target, _ in jobs]
+    source = Path(unpacked.name)
+    if any(target.exists() and source.exists() and target.samefile(source) for target in targets):
+        raise OutputError(f"{source}: is what is unpacked; unpack it into another folder")
     with files.made(), written_beside(targets, overwrite) as beside:
         for (target, job), temporary in zip(jobs, beside, strict=True):
             try:
