@@ -47,6 +47,8 @@ def unpack(
 
     Exit code 0: clean; 1: there are findings (the layers are written all the same).
 
+    Example: nmap compose unpack work.psd -o edited, then nmap compose stack edited/recipe.toml -o result.exr
+
     Parameters
     ----------
     workspace:
