@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         LayerSet,
         Mesh,
         SolveReport,
+        Unpacked,
     )
 
 
@@ -205,3 +206,22 @@ def _kind(facts: Mapping[str, Any]) -> str:
     bits, zero = facts["bits"], facts["zero_code"]
     codes = f"{bits} bit, zero at {zero}" if bits in ("8", "16") else bits
     return f"{codes}, green {facts['green']}"
+
+
+def describe_unpacked(unpacked: Unpacked) -> Iterator[str]:
+    """A workspace taken apart, a line each."""
+    yield f"{unpacked.name}: {unpacked.frame}, {unpacked.bits} bit, {len(unpacked.layers)} layers, bottom to top"
+    for layer in unpacked.layers:
+        groups = f" in {' / '.join(group.name for group in layer.groups)}" if layer.groups else ""
+        more = f"{', mask' if layer.mask is not None else ''}{'' if layer.visible else ', hidden'}"
+        place = f"{layer.normal_map.frame} at {layer.left},{layer.top}"
+        yield f"  {layer.name}{groups}: {place}, {layer.mode}, strength {layer.strength:.3g}{more}"
+        for repair in layer.repairs:
+            yield f"    repaired: {repair}"
+    if not unpacked.has_words:
+        yield "  nmaptool's own words are not in the file: moves, mirrorings and fitted curves cannot be told"
+    for finding in unpacked.findings:
+        yield f"! {f'{finding.layer}: ' if finding.layer is not None else ''}{finding.message}"
+        yield f"    -> {finding.remedy}"
+    if not unpacked.findings:
+        yield "  clean: nothing to report"

@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from nmaptool.io.outputs import write_relief
     from nmaptool.io.recipe_files import read_recipe
     from nmaptool.io.stacks import Stack, read_stack
+    from nmaptool.io.unpacked import write_unpacked
+    from nmaptool.io.workspaces import read_workspace, write_workspace
     from nmaptool.layer_set import LayerReport, LayerSet, Mixture
     from nmaptool.layer_stack import Layer, LayerGroup
     from nmaptool.mesh import Mesh
@@ -54,6 +56,7 @@ if TYPE_CHECKING:
         GroupOptions,
         LayerOptions,
         MeshReadOptions,
+        PackOptions,
         ReadOptions,
         ReliefOptions,
         SplitOptions,
@@ -68,6 +71,7 @@ if TYPE_CHECKING:
     from nmaptool.shading import preview
     from nmaptool.tessellate import surface_mesh
     from nmaptool.units import Length, length
+    from nmaptool.unpacked import Unpacked, UnpackedLayer
     from nmaptool.verbs.bake import bake, bake_views
     from nmaptool.verbs.blend import blend
     from nmaptool.verbs.compose import compose, paste
@@ -75,10 +79,13 @@ if TYPE_CHECKING:
     from nmaptool.verbs.depth import depth_to_normals
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
     from nmaptool.verbs.integrate import integrate
+    from nmaptool.verbs.pack import PackedMap, pack
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
     from nmaptool.verbs.split import split
     from nmaptool.verbs.transform import transform
+    from nmaptool.verbs.unpack import unpack
+    from nmaptool.workspace import Workspace, WorkspaceFinding, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
 
 _HOME = {
     "MeshFindings": "cleaning",
@@ -110,6 +117,9 @@ _HOME = {
     "read_recipe": "io.recipe_files",
     "Stack": "io.stacks",
     "read_stack": "io.stacks",
+    "write_unpacked": "io.unpacked",
+    "read_workspace": "io.workspaces",
+    "write_workspace": "io.workspaces",
     "LayerReport": "layer_set",
     "LayerSet": "layer_set",
     "Mixture": "layer_set",
@@ -129,6 +139,7 @@ _HOME = {
     "GroupOptions": "options",
     "LayerOptions": "options",
     "MeshReadOptions": "options",
+    "PackOptions": "options",
     "ReadOptions": "options",
     "ReliefOptions": "options",
     "SplitOptions": "options",
@@ -149,6 +160,8 @@ _HOME = {
     "surface_mesh": "tessellate",
     "Length": "units",
     "length": "units",
+    "Unpacked": "unpacked",
+    "UnpackedLayer": "unpacked",
     "bake": "verbs.bake",
     "bake_views": "verbs.bake",
     "blend": "verbs.blend",
@@ -160,10 +173,18 @@ _HOME = {
     "Inspection": "verbs.inspect",
     "inspect_map": "verbs.inspect",
     "integrate": "verbs.integrate",
+    "PackedMap": "verbs.pack",
+    "pack": "verbs.pack",
     "relief": "verbs.relief",
     "pitch_of": "verbs.relief_inputs",
     "split": "verbs.split",
     "transform": "verbs.transform",
+    "unpack": "verbs.unpack",
+    "Workspace": "workspace",
+    "WorkspaceFinding": "workspace",
+    "WorkspaceGroup": "workspace",
+    "WorkspaceLayer": "workspace",
+    "WorkspaceMask": "workspace",
 }
 
 __all__ = [
@@ -200,6 +221,8 @@ __all__ = [
     "NmaptoolError",
     "NormalMap",
     "OutputError",
+    "PackOptions",
+    "PackedMap",
     "RasterImage",
     "ReadOptions",
     "Recipe",
@@ -213,7 +236,14 @@ __all__ = [
     "SplitOptions",
     "Stack",
     "TransformOptions",
+    "Unpacked",
+    "UnpackedLayer",
     "UsageError",
+    "Workspace",
+    "WorkspaceFinding",
+    "WorkspaceGroup",
+    "WorkspaceLayer",
+    "WorkspaceMask",
     "WriteOptions",
     "__version__",
     "bake",
@@ -230,6 +260,7 @@ __all__ = [
     "inspect_map",
     "integrate",
     "length",
+    "pack",
     "parse_recipe",
     "paste",
     "pitch_of",
@@ -242,15 +273,19 @@ __all__ = [
     "read_recipe",
     "read_stack",
     "read_surface",
+    "read_workspace",
     "relief",
     "split",
     "surface_mesh",
     "to_toml",
     "transform",
+    "unpack",
     "write_composition",
     "write_layers",
     "write_normal_map",
     "write_relief",
+    "write_unpacked",
+    "write_workspace",
 ]
 
 

@@ -25,9 +25,11 @@ HEAVY = {
     "OpenImageIO",
     "PIL",
     "pyamg",
+    "psd_tools",
     "pyrender",
     "scipy",
     "skimage",
+    "tifffile",
     "trimesh",
 }
 
@@ -58,10 +60,12 @@ COMMANDS = (
     "compose",
     "compose blend",
     "compose convert",
+    "compose pack",
     "compose paste",
     "compose split",
     "compose stack",
     "compose transform",
+    "compose unpack",
     "inspect",
     "relief",
 )

@@ -15,5 +15,7 @@ for _name, _help in (
     ("stack", "Compose the layers of a recipe."),
     ("transform", "Crop, mirror, resize, turn or pad a map."),
     ("convert", "Write a map as another kind of file."),
+    ("pack", "Lay maps over each other in one file for an image editor: PSD, ORA, TIFF, EXR."),
+    ("unpack", "Take a layered file apart after an editor's hand: repaired, and with what was done to it."),
 ):
     app.command(f"nmaptool_cli.compose.{_name}:{_name}", name=_name, help=_help)
