@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32
 
 # of the jump's height, by distance from it in px: half mixed, then ringing
 _SPOILT = (0.6, 0.06, 0.03, 0.015)
+# px from a jump within which a surface may turn away
+_TURNING = 6
+_SQUARE = np.ones((3, 3), np.uint8)
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 
 
@@ -24,3 +28,31 @@ def widen_tolerance(tolerance: Float32, jumps: Float32) -> None:
     for share in _SPOILT:
         np.maximum(tolerance, np.float32(share) * reach, out=tolerance)
         reach = cv2.dilate(reach, _CROSS)
+
+
+def narrow_tolerance(tolerance: Float32, heights: Float32, jumps: Float32) -> None:
+    """Let the surface leave steep heights near a jump by less, in place.
+
+    The least bent surface lags behind one that turns away. Where it is steep, a step of the stored heights turns its
+    normals by little, so that little is lost by believing them.
+
+    Parameters
+    ----------
+    tolerance, heights, jumps : (H, W) float32
+        In px.
+    """
+    near = cv2.dilate((jumps > 0).view(np.uint8), _SQUARE, iterations=_TURNING)
+    row, col = np.nonzero(near)
+    slope = np.hypot(_least_step(heights, row, col, 0), _least_step(heights, row, col, 1))
+    tolerance[row, col] /= np.maximum(slope, np.float32(1))
+
+
+def _least_step(heights: Float32, row: NDArray[np.intp], col: NDArray[np.intp], axis: int) -> Float32:
+    """(K,) float32: the smaller of a pixel's steps along an axis, never that of a jump; 0 at the picture's edge."""
+    place, limit = (row, col)[axis], heights.shape[axis]
+    here = heights[row, col]
+    steps = []
+    for by in (-1, 1):
+        other = np.clip(place + by, 0, limit - 1)
+        steps.append(np.abs((heights[other, col] if axis == 0 else heights[row, other]) - here))
+    return np.asarray(np.minimum(steps[0], steps[1]))

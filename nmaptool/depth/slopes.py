@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.fit import linked_slope
 from nmaptool.depth.tiles import Tile, along, for_tiles
-from nmaptool.vectors import inner_vertices, mean_abs_curl, unit
+from nmaptool.vectors import inner_vertices, mean_abs_curl
 
 _HALO = 4
 _CENTRAL = np.array([-0.5, 0, 0.5], np.float32)
 _FINE = np.array([1, -8, 0, 8, -1], np.float32) / np.float32(12)
 _ONE = np.ones(1, np.float32)
-# how far (length of the difference) normals may turn over the last pixel, and how far they may turn away
-_MOST_TURN = np.float32(0.3)
-_LEAST_Z = np.float32(0.02)
 
 
 def slope_along(heights: Float32, links: Mask, axis: int, fine: bool) -> Float32:
@@ -117,55 +113,6 @@ def normals_of(
 
     for_tiles(heights.shape, _HALO, work)
     return out
-
-
-def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | None) -> None:
-    """Give pixels beside a jump the normals that continue those behind them, in place.
-
-    Heights have no bounded slope at an outline where the surface turns away, but its normals go on evenly.
-
-    Parameters
-    ----------
-    normals : (H, W, 3) float32
-    across, down : (H, W) bool
-    flat : (H, W) bool or None
-        Pixels that stay as they are.
-    """
-    rows, cols = across.shape
-    left, above = np.zeros_like(across), np.zeros_like(down)
-    left[:, 1:], above[1:] = across[:, :-1], down[:-1]
-    complete = across & down & left & above
-    # the picture's edge is no jump
-    edge = complete.copy()
-    edge[0], edge[-1] = left[0] & across[0], left[-1] & across[-1]
-    edge[:, 0], edge[:, -1] = above[:, 0] & down[:, 0], above[:, -1] & down[:, -1]
-    complete |= edge
-    wanted = ~complete
-    wanted &= across | down | left | above
-    if flat is not None:
-        wanted &= ~flat
-    row, col = np.nonzero(wanted)
-    inward_x = _inward(across, left, row, col, col == cols - 1, col == 0)
-    inward_y = _inward(down, above, row, col, row == rows - 1, row == 0)
-    near = (row + inward_y).clip(0, rows - 1), (col + inward_x).clip(0, cols - 1)
-    far = (row + 2 * inward_y).clip(0, rows - 1), (col + 2 * inward_x).clip(0, cols - 1)
-    sound = complete[near] & complete[far]
-    here = (row[sound], col[sound])
-    first, second = (normals[place[0][sound], place[1][sound]] for place in (near, far))
-    turn = first - second
-    size = np.sqrt(np.einsum("ij,ij->i", turn, turn))
-    turn *= np.minimum(np.float32(1), _MOST_TURN / np.maximum(size, _MOST_TURN))[:, None]
-    turned = first + turn
-    np.maximum(turned[:, 2], _LEAST_Z, out=turned[:, 2])
-    normals[here] = unit(turned)
-
-
-def _inward(
-    onward: Mask, backward: Mask, row: NDArray[np.intp], col: NDArray[np.intp], last: Mask, first: Mask
-) -> NDArray[np.intp]:
-    """Step of -1, 0 or 1 along an axis away from a jump; at the picture's edge there is none."""
-    forth, back = onward[row, col] | last, backward[row, col] | first
-    return forth.astype(np.intp) - back.astype(np.intp)
 
 
 def jump_sizes(heights: Float32, known: Mask, across: Mask, down: Mask) -> Float32:

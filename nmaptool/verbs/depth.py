@@ -14,10 +14,11 @@ from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.fit import fit_surface
 from nmaptool.depth.ground import find_ground
 from nmaptool.depth.jumps import Surfaces, join_all, part_surfaces
+from nmaptool.depth.outlines import continue_to_jumps
 from nmaptool.depth.report import DepthNormals, DepthReport
-from nmaptool.depth.rim import widen_tolerance
+from nmaptool.depth.rim import narrow_tolerance, widen_tolerance
 from nmaptool.depth.scale import Scale, in_px, magnification, settle_scale, without_empty
-from nmaptool.depth.slopes import continue_to_jumps, jump_sizes, mean_curl, normals_of
+from nmaptool.depth.slopes import jump_sizes, mean_curl, normals_of
 from nmaptool.depth.steps import JumpRule
 from nmaptool.depth.values import GreyValues, grey_values, noise_of, step_of
 from nmaptool.errors import InputError, UsageError
@@ -110,6 +111,8 @@ def depth_to_normals(
             widen_tolerance(slack, jumps)
         elif rule is not None and parts.mixed and tolerance:
             np.copyto(slack, rule.least_mixed, where=jumps > 0)
+        if tolerance and not source.unsure:
+            narrow_tolerance(slack, heights, jumps)
         ground, word = _ground(options, source, heights, slack)
         if tolerance:
             heights = fit_surface(heights, slack, across, down, _descent(tolerance, source))
@@ -118,7 +121,7 @@ def depth_to_normals(
         flat = ground if known.all() else ~known if ground is None else ground | ~known
         factor = magnification(heights, scale)
         normals = normals_of(heights, across, down, flat, fine=not tolerance, factor=factor)
-        continue_to_jumps(normals, across, down, flat)
+        continue_to_jumps(normals, across, down, flat, clean=not tolerance)
         lowest, highest = _ends(heights, known)
         del heights, across, down, factor, flat
         normal_map = _map(source, normals, ground, word)

@@ -1,0 +1,211 @@
+"""Normals at outlines: where a surface ends at a jump, its normals go on from inside.
+
+Heights have no bounded slope at an outline where the surface turns away, and differences of them fail well before it.
+Normals go on evenly: those of a sphere are linear in the picture up to its very outline, those of a plane constant.
+So x and y of the normals beside a jump follow a line fitted to those a few pixels behind, and z follows from them.
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float32, Mask
+from nmaptool.depth.tiles import along
+from nmaptool.depth.window import DOWN, RIGHT, WINDOW_X, WINDOW_Y, around, reached
+from nmaptool.vectors import unit
+
+# pixels at once, which stay in the processor's cache
+_CHUNK = 512
+_MOST_THREADS = 4
+_CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+# layers of pixels from a jump on that are continued; on clean heights the next one is spoilt too
+_CONTINUED = 2
+_LAYER_BIT = 2
+# px: normals count the less the further away they are; stepped heights need more of them
+_CLEAN_SPREAD, _FITTED_SPREAD = 2.5, 3.5
+# how far (length of the difference) normals may turn from those behind, and from the very last one
+_MOST_TURN, _MOST_STEP = np.float32(0.6), np.float32(0.3)
+_LEAST_Z = np.float32(0.02)
+_MOST_XY = np.sqrt(1 - _LEAST_Z * _LEAST_Z)
+# px^2: how far the pixels behind must be spread for a turn to be seen in them
+_STIFF = np.float32(1e-3)
+# fewer or narrower pixels behind do not say how normals go on
+_MOST_DOUBT = np.float32(1.0)
+# how far normals of the last layer but one may be off the line: from here on less and less of it is taken
+_BENT, _CREASED = np.float32(0.15), np.float32(0.3)
+_X, _Y = WINDOW_X, WINDOW_Y
+_XX, _XY, _YY = _X * _X, _X * _Y, _Y * _Y
+
+
+def _nearness(spread: float) -> Float32:
+    """(M, 1) float32 weights of the places around a pixel."""
+    return np.asarray(np.exp((_XX + _YY) / np.float32(-2 * spread * spread))[:, None])
+
+
+_CLOSE = _nearness(1.5) * (_XX + _YY < 7)[:, None]
+
+
+def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | None, *, clean: bool) -> None:
+    """Give pixels beside a jump the normals that continue those behind them, in place.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+    across, down : (H, W) bool
+        Links to the next pixel to the right, and below.
+    flat : (H, W) bool or None
+        Pixels that stay as they are.
+    clean : bool
+        Whether normals are exact but for what differences spoil, so that few say more than many.
+    """
+    layers = _layers(across, down)
+    if not layers.any():
+        return
+    _turn_on(normals, across, down, layers, flat)
+    wanted = layers - np.uint8(1) < _CONTINUED
+    if flat is not None:
+        wanted &= ~flat
+    row, col = np.nonzero(wanted)
+    del wanted
+    state = layers
+    state <<= _LAYER_BIT
+    state |= across.view(np.uint8) * RIGHT
+    state |= down.view(np.uint8) * DOWN
+
+    def work(start: int) -> Float32:
+        part = slice(start, start + _CHUNK)
+        return _continued(normals, state, row[part], col[part], clean)
+
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
+        found = list(pool.map(work, range(0, len(row), _CHUNK)))
+    if found:
+        normals[row, col] = np.concatenate(found)
+
+
+def _turn_on(normals: Float32, across: Mask, down: Mask, layers: NDArray[np.uint8], flat: Mask | None) -> None:
+    """Give pixels beside a jump the turn between the two behind, which is right even at a crease, in place."""
+    wanted = layers == 1
+    if flat is not None:
+        wanted &= ~flat
+    row, col = np.nonzero(wanted)
+    inward = []
+    for axis, links in ((0, down), (1, across)):
+        place = (row, col)[axis]
+        before = (row - (axis == 0), col - (axis == 1))  # of the first, the last: joined to nothing
+        forth = links[row, col] | (place == links.shape[axis] - 1)
+        back = links[before] | (place == 0)
+        inward.append(forth.astype(np.intp) - back.astype(np.intp))
+    near, far = (
+        ((row + by * inward[0]).clip(0, layers.shape[0] - 1), (col + by * inward[1]).clip(0, layers.shape[1] - 1))
+        for by in (1, 2)
+    )
+    sound = (layers[near] != 1) & (layers[far] != 1)
+    first, second = (normals[place[0][sound], place[1][sound]] for place in (near, far))
+    turn = first - second
+    size = np.sqrt(np.einsum("ij,ij->i", turn, turn))
+    turn *= np.minimum(np.float32(1), _MOST_STEP / np.maximum(size, _MOST_STEP))[:, None]
+    turned = first + turn
+    np.maximum(turned[:, 2], _LEAST_Z, out=turned[:, 2])
+    normals[row[sound], col[sound]] = unit(turned)
+
+
+def _layers(across: Mask, down: Mask) -> NDArray[np.uint8]:
+    """(H, W) uint8: 1 beside a jump or where no height is known, 2 and 3 behind; the picture's edge is no jump."""
+    beside = np.zeros(across.shape, np.uint8)
+    for axis, links in ((0, down), (1, across)):
+        first, last = along(axis, None, -1), along(axis, 1, None)
+        broken = ~links[first]
+        beside[first] |= broken
+        beside[last] |= broken
+    if not beside.any():
+        return beside
+    second = cv2.dilate(beside, _CROSS)
+    third = cv2.dilate(second, _CROSS)
+    # 3 layers deep: 3, 2, 1 from the jump on; counted the other way round
+    depth = beside + second
+    depth += third
+    return np.where(depth > 0, np.uint8(4) - depth, np.uint8(0))
+
+
+@dataclass(frozen=True, eq=False)
+class _Line:
+    """Planes through x and y of the normals around K pixels.
+
+    Attributes
+    ----------
+    here : (2, K) float32
+        Their value at the pixel itself.
+    slope : (2, 2, K) float32
+        How they change to the right and down.
+    doubt : (K,) float32
+        Variance of the value, in that of one normal.
+    """
+
+    here: Float32
+    slope: Float32
+    doubt: Float32
+
+
+def _line(weight: Float32, values: Float32) -> _Line:
+    """Fit (2, M, K) values by (M, K) weights."""
+    total = np.maximum(weight.sum(axis=0), np.float32(1e-6))
+    weight = weight / total
+    x, y = _X @ weight, _Y @ weight
+    xx, xy, yy = _XX @ weight, _XY @ weight, _YY @ weight
+    xx += _STIFF - x * x
+    yy += _STIFF - y * y
+    xy -= x * y
+    area = xx * yy - xy * xy
+    weighted = values * weight
+    mean = weighted.sum(axis=1)
+    along_x = np.einsum("m,vmk->vk", _X, weighted, optimize=True) - mean * x
+    along_y = np.einsum("m,vmk->vk", _Y, weighted, optimize=True) - mean * y
+    slope = np.stack([yy * along_x - xy * along_y, xx * along_y - xy * along_x], axis=1) / area
+    turn = -(slope[:, 0] * x + slope[:, 1] * y)
+    size = np.hypot(turn[0], turn[1])
+    turn *= np.minimum(np.float32(1), _MOST_TURN / np.maximum(size, _MOST_TURN))
+    lever = 1 + (yy * x * x - 2 * xy * x * y + xx * y * y) / area
+    doubt = lever * np.einsum("mk,mk->k", weight, weight)
+    return _Line(mean + turn, slope, np.where(total > 1e-5, doubt, np.float32(np.inf)).astype(np.float32))
+
+
+def _continued(
+    normals: Float32, state: NDArray[np.uint8], row: NDArray[np.intp], col: NDArray[np.intp], clean: bool
+) -> Float32:
+    """(K, 3) float32 normals of pixels, by lines through those around."""
+    index, inside = around(state.shape, row, col)
+    there = state.reshape(-1)[index]
+    linked = reached(there, inside)
+    layer = there >> _LAYER_BIT
+    behind = linked & ((layer == 0) if clean else (layer == 0) | (layer > _CONTINUED))
+    values = np.zeros((2, *index.shape), np.float32)
+    place, pixel = np.nonzero(linked)
+    values[:, place, pixel] = normals.reshape(-1, 3)[index[place, pixel], :2].T
+    nearness = _nearness(_CLEAN_SPREAD if clean else _FITTED_SPREAD)
+    line = _line(np.where(behind, nearness, np.float32(0)), values)
+    here, slope, doubt = line.here, line.slope, line.doubt
+    narrow = np.flatnonzero(~(doubt <= _MOST_DOUBT))  # a stem, say: as far behind as there is
+    if len(narrow):
+        second = _line(np.where((linked & (layer != 1))[:, narrow], nearness, np.float32(0)), values[:, :, narrow])
+        here[:, narrow], slope[:, :, narrow], doubt[narrow] = second.here, second.slope, second.doubt
+    # the second layer tells whether the line holds there
+    close = _CLOSE * (linked & (layer == _CONTINUED))
+    off = values - here[:, None]
+    off -= slope[:, :1] * _X[:, None]
+    off -= slope[:, 1:] * _Y[:, None]
+    apart = (np.hypot(off[0], off[1]) * close).sum(axis=0) / np.maximum(close.sum(axis=0), np.float32(1e-6))
+    share = ((_CREASED - apart) / (_CREASED - _BENT)).clip(0, 1) * (doubt <= _MOST_DOUBT)
+    return _upright(values[:, 0] + share * (here - values[:, 0]))
+
+
+def _upright(xy: Float32) -> Float32:
+    """(K, 3) float32 unit normals of (2, K) x and y, turned away no more than is kept."""
+    size = np.maximum(np.hypot(xy[0], xy[1]), _MOST_XY)
+    xy = xy * (_MOST_XY / size)
+    return np.stack([xy[0], xy[1], np.sqrt(1 - xy[0] * xy[0] - xy[1] * xy[1])], axis=1)
