@@ -21,7 +21,7 @@ from nmaptool.depth.window import DOWN, RIGHT, WINDOW_X, WINDOW_Y, around, reach
 from nmaptool.vectors import unit
 
 # pixels at once, which stay in the processor's cache
-_CHUNK = 512
+_CHUNK = 1024
 _MOST_THREADS = 4
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 # layers of pixels from a jump on that are continued; on clean heights the next one is spoilt too
@@ -36,19 +36,23 @@ _MOST_XY = np.sqrt(1 - _LEAST_Z * _LEAST_Z)
 # px^2: how far the pixels behind must be spread for a turn to be seen in them
 _STIFF = np.float32(1e-3)
 # fewer or narrower pixels behind do not say how normals go on
-_MOST_DOUBT = np.float32(1.0)
+_MOST_DOUBT = np.float32(2.0)
+_NO_WEIGHT = np.float32(1e-5)
 # how far normals of the last layer but one may be off the line: from here on less and less of it is taken
-_BENT, _CREASED = np.float32(0.15), np.float32(0.3)
+_BENT, _CREASED = np.float32(0.12), np.float32(0.25)
 _X, _Y = WINDOW_X, WINDOW_Y
-_XX, _XY, _YY = _X * _X, _X * _Y, _Y * _Y
+_DISTANCE2 = _X * _X + _Y * _Y
+_PLANE = np.stack([np.ones_like(_X), _X, _Y])
+_MOMENTS = np.concatenate([_PLANE, [_X * _X, _X * _Y, _Y * _Y]])
+_CLOSE_PLACES = int(np.flatnonzero(_DISTANCE2 < 7)[-1]) + 1  # nearer ones come first
 
 
 def _nearness(spread: float) -> Float32:
     """(M, 1) float32 weights of the places around a pixel."""
-    return np.asarray(np.exp((_XX + _YY) / np.float32(-2 * spread * spread))[:, None])
+    return np.asarray(np.exp(_DISTANCE2 / np.float32(-2 * spread * spread))[:, None])
 
 
-_CLOSE = _nearness(1.5) * (_XX + _YY < 7)[:, None]
+_CLOSE = _nearness(1.5)[:_CLOSE_PLACES]
 
 
 def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | None, *, clean: bool) -> None:
@@ -154,25 +158,25 @@ class _Line:
 
 def _line(weight: Float32, values: Float32) -> _Line:
     """Fit (2, M, K) values by (M, K) weights."""
-    total = np.maximum(weight.sum(axis=0), np.float32(1e-6))
-    weight = weight / total
-    x, y = _X @ weight, _Y @ weight
-    xx, xy, yy = _XX @ weight, _XY @ weight, _YY @ weight
+    total, x, y, xx, xy, yy = _MOMENTS @ weight
+    nothing = total < _NO_WEIGHT
+    share = 1 / np.maximum(total, _NO_WEIGHT)
+    x, y, xx, xy, yy = (moment * share for moment in (x, y, xx, xy, yy))
     xx += _STIFF - x * x
     yy += _STIFF - y * y
     xy -= x * y
     area = xx * yy - xy * xy
-    weighted = values * weight
-    mean = weighted.sum(axis=1)
-    along_x = np.einsum("m,vmk->vk", _X, weighted, optimize=True) - mean * x
-    along_y = np.einsum("m,vmk->vk", _Y, weighted, optimize=True) - mean * y
+    sums = np.stack([_PLANE @ (value * weight) for value in values]) * share
+    mean = sums[:, 0]
+    along_x, along_y = sums[:, 1] - mean * x, sums[:, 2] - mean * y
     slope = np.stack([yy * along_x - xy * along_y, xx * along_y - xy * along_x], axis=1) / area
     turn = -(slope[:, 0] * x + slope[:, 1] * y)
     size = np.hypot(turn[0], turn[1])
     turn *= np.minimum(np.float32(1), _MOST_TURN / np.maximum(size, _MOST_TURN))
     lever = 1 + (yy * x * x - 2 * xy * x * y + xx * y * y) / area
-    doubt = lever * np.einsum("mk,mk->k", weight, weight)
-    return _Line(mean + turn, slope, np.where(total > 1e-5, doubt, np.float32(np.inf)).astype(np.float32))
+    doubt: Float32 = lever * np.einsum("mk,mk->k", weight, weight) * share * share
+    doubt[nothing] = np.inf
+    return _Line(mean + turn, slope, doubt)
 
 
 def _continued(
@@ -184,9 +188,9 @@ def _continued(
     linked = reached(there, inside)
     layer = there >> _LAYER_BIT
     behind = linked & ((layer == 0) if clean else (layer == 0) | (layer > _CONTINUED))
-    values = np.zeros((2, *index.shape), np.float32)
-    place, pixel = np.nonzero(linked)
-    values[:, place, pixel] = normals.reshape(-1, 3)[index[place, pixel], :2].T
+    index *= np.int32(3)
+    components = normals.reshape(-1)
+    values = np.stack([components.take(index), components.take(index + np.int32(1))])
     nearness = _nearness(_CLEAN_SPREAD if clean else _FITTED_SPREAD)
     line = _line(np.where(behind, nearness, np.float32(0)), values)
     here, slope, doubt = line.here, line.slope, line.doubt
@@ -195,11 +199,12 @@ def _continued(
         second = _line(np.where((linked & (layer != 1))[:, narrow], nearness, np.float32(0)), values[:, :, narrow])
         here[:, narrow], slope[:, :, narrow], doubt[narrow] = second.here, second.slope, second.doubt
     # the second layer tells whether the line holds there
-    close = _CLOSE * (linked & (layer == _CONTINUED))
-    off = values - here[:, None]
-    off -= slope[:, :1] * _X[:, None]
-    off -= slope[:, 1:] * _Y[:, None]
-    apart = (np.hypot(off[0], off[1]) * close).sum(axis=0) / np.maximum(close.sum(axis=0), np.float32(1e-6))
+    close = slice(_CLOSE_PLACES)
+    weight = _CLOSE * (linked[close] & (layer[close] == _CONTINUED))
+    off = values[:, close] - here[:, None]
+    off -= slope[:, :1] * _X[close, None]
+    off -= slope[:, 1:] * _Y[close, None]
+    apart = (np.hypot(off[0], off[1]) * weight).sum(axis=0) / np.maximum(weight.sum(axis=0), _NO_WEIGHT)
     share = ((_CREASED - apart) / (_CREASED - _BENT)).clip(0, 1) * (doubt <= _MOST_DOUBT)
     return _upright(values[:, 0] + share * (here - values[:, 0]))
 
