@@ -6,7 +6,9 @@ Eye space throughout: +x right, +y up, +z to the viewer, picture row 0 at the to
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,6 +20,9 @@ from nmaptool.errors import InputError
 from nmaptool.grid import corner_mean, touching
 
 UNIT_TOLERANCE = 1e-3
+# rows that are looked at together: they stay in the processor's cache
+_STRIP_ROWS = 64
+_MOST_THREADS = 4
 DEFAULT_LONGER_SIDE_MM = 100.0
 
 
@@ -148,6 +153,23 @@ class Decoding:
     warnings: tuple[str, ...] = ()
 
 
+def _all_unit(normals: Float32) -> bool:
+    """Whether all vectors are finite and of unit length; strips of rows at a time, in several threads."""
+
+    def strip_is_unit(first: int) -> bool:
+        strip = normals[first : first + _STRIP_ROWS]
+        length2 = np.einsum("ijk,ijk->ij", strip, strip)
+        length2 -= 1
+        np.abs(length2, out=length2)
+        return bool(length2.max(initial=0) <= 2 * UNIT_TOLERANCE)  # also False for NaN
+
+    starts = range(0, len(normals), _STRIP_ROWS)
+    if len(starts) <= _MOST_THREADS:
+        return all(map(strip_is_unit, starts))
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
+        return all(pool.map(strip_is_unit, starts))
+
+
 @dataclass(frozen=True, eq=False)
 class NormalMap:
     """Unit normals in eye space and where they are defined.
@@ -191,8 +213,7 @@ class NormalMap:
             raise InputError(
                 f"{self.name}: coverage is {self.coverage.dtype} {self.coverage.shape}, expected float32 {shape}"
             )
-        length2 = np.einsum("ijk,ijk->ij", self.normals, self.normals)
-        if not np.all(np.abs(length2 - 1) <= 2 * UNIT_TOLERANCE):  # also False for NaN
+        if not _all_unit(self.normals):
             raise InputError(f"{self.name}: normals must be finite and of unit length; use nmaptool.vectors.unit")
         if not (self.coverage.min() >= 0 and self.coverage.max() <= 1):
             raise InputError(f"{self.name}: coverage must lie in [0, 1]")

@@ -29,8 +29,6 @@ from nmaptool.depth.tiles import Tile, along, for_tiles
 
 _HALO = 6
 _SIDE = 192  # many tiles hold no jump
-# a jump's largest step is such a share of the least jump at least
-_SMALLEST_PART = 0.2
 # fewer candidates than this share are looked at one by one
 _FEW = 0.1
 _CROSS = np.ones((3, 3), np.uint8)
@@ -98,7 +96,7 @@ def _lines(heights: Float32, known: Mask, rule: JumpRule) -> NDArray[np.uint8] |
     found = np.zeros(heights.shape, np.uint8)  # 1 weak, 3 strong
 
     def work(tile: Tile) -> None:
-        if np.ptp(heights[tile.outer]) < _SMALLEST_PART * rule.least:
+        if np.ptp(heights[tile.outer]) < rule.least_step:
             return
         marks = np.zeros(heights[tile.outer].shape, np.uint8)
         for axis in (0, 1):
@@ -116,7 +114,7 @@ def _lines(heights: Float32, known: Mask, rule: JumpRule) -> NDArray[np.uint8] |
 def _mark(marks: NDArray[np.uint8], heights: Float32, known: Mask, rule: JumpRule, axis: int) -> None:
     """Mark the two pixels of each jump along an axis: 1 nearly, 3 surely; in place."""
     steps = steps_along(heights, known, axis)
-    large = np.abs(steps) >= np.float32(_SMALLEST_PART * rule.least)
+    large = np.abs(steps) >= np.float32(rule.least_step)
     count = int(np.count_nonzero(large))
     if not count:
         return

@@ -27,6 +27,9 @@ _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 # layers of pixels from a jump on that are continued; on clean heights the next one is spoilt too
 _CONTINUED = 2
 _LAYER_BIT = 2
+# which layer a pixel is in, by how many of them hold it once the deeper ones hold the others
+_LAYER_OF_COUNT = np.zeros(256, np.uint8)
+_LAYER_OF_COUNT[1:4] = 3, 2, 1
 # px: normals count the less the further away they are; stepped heights need more of them
 _CLEAN_SPREAD, _FITTED_SPREAD = 2.5, 3.5
 # how far (length of the difference) normals may turn from those behind, and from the very last one
@@ -131,10 +134,9 @@ def _layers(across: Mask, down: Mask) -> NDArray[np.uint8]:
         return beside
     second = cv2.dilate(beside, _CROSS)
     third = cv2.dilate(second, _CROSS)
-    # 3 layers deep: 3, 2, 1 from the jump on; counted the other way round
-    depth = beside + second
-    depth += third
-    return np.where(depth > 0, np.uint8(4) - depth, np.uint8(0))
+    third += second
+    third += beside
+    return np.asarray(cv2.LUT(third, _LAYER_OF_COUNT))
 
 
 @dataclass(frozen=True, eq=False)

@@ -105,11 +105,11 @@ def normals_of(
         scale += np.float32(1)
         np.sqrt(scale, out=scale)
         np.divide(np.float32(1), scale, out=scale)
-        target = out[tile.core]
-        np.multiply(-p, scale, out=target[..., 0])
-        np.multiply(q, scale, out=target[..., 1])  # rows run down: q is the negative slope
-        target[..., 2] = scale
-        target[..., :2] += np.float32(0)  # flat gives 0, not -0
+        p = np.float32(0) - p  # flat gives 0, not -0
+        p *= scale
+        q = q * scale  # rows run down: q is the negative slope
+        q += np.float32(0)
+        cv2.merge([p, q, scale], out[tile.core])
 
     for_tiles(heights.shape, _HALO, work)
     return out

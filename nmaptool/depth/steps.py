@@ -45,6 +45,11 @@ class JumpRule:
     least_line: int = 5
     by_hand: bool = False
 
+    @property
+    def least_step(self) -> float:
+        """Smallest step that is the largest of a jump, or nearly so."""
+        return float(_PEAK) / 2 * self.least * (1.0 if self.by_hand else _SOFT_LEAST)
+
 
 @dataclass(frozen=True, eq=False)
 class Steps:
