@@ -156,7 +156,10 @@ def _descend(
 ) -> Float32:
     """Accelerated projected descent of the bending energy, ``surface`` being where it starts."""
     low, high = values - tolerance, values + tolerance
-    cuts = [cut for cut in (_cut_bends(down, 0), _cut_bends(across, 1)) if cut is not None]
+    alone = ~(across | down)
+    alone[:, 1:] &= ~across[:, :-1]
+    alone[1:] &= ~down[:-1]
+    cuts = [cut for cut in (_cut_bends(down, alone, 0), _cut_bends(across, alone, 1)) if cut is not None]
     surface = np.minimum(np.maximum(surface, low), high)
     moved, next_surface = surface.copy(), np.empty_like(surface)
     pace = 1.0
@@ -174,14 +177,12 @@ def _descend(
     return surface
 
 
-def _cut_bends(links: Mask, axis: int) -> tuple[NDArray[np.intp], int] | None:
+def _cut_bends(links: Mask, alone: Mask, axis: int) -> tuple[NDArray[np.intp], int] | None:
     """Pixels whose second difference along an axis crosses a broken link, and how far apart their neighbours lie."""
     before, middle, after = along(axis, None, -2), along(axis, 1, -1), along(axis, 2, None)
     broken = np.zeros(links.shape, bool)
     broken[middle] = ~(links[before] & links[middle])
-    alone = ~links
-    alone[along(axis, 1, None)] &= ~links[along(axis, None, -1)]
-    # between pixels that are joined to nothing it does not matter
+    # between pixels that are joined to nothing, on any side, it does not matter
     broken[middle] &= ~(alone[before] & alone[middle] & alone[after])
     found = np.flatnonzero(broken)
     return (found, links.shape[1] if axis == 0 else 1) if len(found) else None

@@ -18,6 +18,8 @@ _GREY_MEAN, _GREY_MOST, _GREY_FEW = 4.0, 16.0, 1e-3
 # so many pixels of a sample to a value make values steps
 _PIXELS_A_LEVEL = 8
 _SAMPLE = 1 << 17
+# fewer values than this are terraces, not the steps of a slope
+_LEAST_STEPS = 8
 # floats that are steps: so many, so even, so few of them left out
 _LEAST_LEVELS, _UNEVEN, _FILLED = 48, 0.05, 0.5
 # a depth so many times the middle one, or beyond all measure, stands for nothing
@@ -144,7 +146,7 @@ def step_of(grey: GreyValues) -> float:
     sample = grey.values[grey.known]
     sample = sample[:: max(1, sample.size // _SAMPLE)]
     levels, counts = np.unique(sample, return_counts=True)
-    if len(levels) < 2:
+    if len(levels) < _LEAST_STEPS:
         return 0.0 if grey.is_float else 1.0
     if np.median(counts) < _PIXELS_A_LEVEL:
         return 0.0 if grey.is_float else 1.0
