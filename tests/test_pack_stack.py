@@ -77,6 +77,15 @@ def test_pack_unpack_stack_is_the_composition(scene, run, ending, bound_deg):
     assert np.array_equal(made.coverage, expected.coverage)
 
 
+def test_the_ground_of_a_recipe_comes_back(scene, run):
+    (scene / "flat.toml").write_text('[canvas]\nsize = "50x45"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n')
+    run("compose", "pack", scene / "flat.toml", "-o", scene / "work.psd")
+    run("compose", "unpack", scene / "work.psd", "-o", scene / "parts")
+    assert nm.read_recipe(scene / "parts" / "recipe.toml").canvas == nm.CanvasOptions(
+        "50x45", nm.length("25mm"), "flat"
+    )
+
+
 def test_layers_lie_where_they_are_composed(scene):
     stack = nm.read_stack(scene / "scene.toml")
     placed, frame = nm.place_layers(stack.layers, stack.canvas)

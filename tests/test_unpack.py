@@ -40,7 +40,7 @@ def test_there_and_back(maps, run, ending):
         ("base", "base.exr", "0px,0px"),
         ("detail", "detail.exr", "-12px,40px"),
     ]
-    assert all(one["anchor"] == "top-left" and one["mode"] == "over" for one in recipe["layer"])
+    assert all(one["anchor"] == "top-left" and one.get("mode", "over") == "over" for one in recipe["layer"])
 
 
 def test_png_masks_names_and_the_report(maps, run, png):
@@ -82,7 +82,7 @@ def test_groups_become_nested_layers(tmp_path):
     nm.write_unpacked(nm.unpack(workspace), tmp_path / "out")
     recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
     (group,) = recipe["layer"]
-    assert (group["name"], group["strength"], group["mode"]) == ("outer", 0.5, "over")
+    assert (group["name"], group.get("strength", 1.0), group.get("mode", "over")) == ("outer", 0.5, "over")
     assert [one["name"] for one in group["layer"]] == ["bumpy", 'in"ner', "last"]
     assert group["layer"][1]["hidden"] is True
     assert group["layer"][1]["layer"][0]["mode"] == "rnm"
@@ -93,7 +93,7 @@ def test_groups_that_only_keep_layers_together_are_none_in_the_recipe(tmp_path, 
     group = nm.WorkspaceGroup("kept together", blend_mode="pass through", opacity=0.5, visible=False)
     nm.write_unpacked(nm.unpack(packed(groups=(group,))), tmp_path / "out")
     recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
-    assert [(one["name"], one["strength"], one.get("hidden", False)) for one in recipe["layer"]] == [
+    assert [(one["name"], one.get("strength", 1.0), one.get("hidden", False)) for one in recipe["layer"]] == [
         ("bumpy", 0.5, True),
         ("small", 1.0, False),
     ]

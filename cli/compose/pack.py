@@ -128,10 +128,12 @@ def pack(
         stack = nm.read_stack(recipe, reading)
         read = list(stack.maps)
         placed, frame = nm.place_layers(stack.layers, stack.canvas)
+        ground: str = stack.canvas.ground
     else:
         refuse_inputs([target], (*maps, *layering.mask))
         read, placed, frame = _read(maps, layering, reading)
-    workspace = nm.pack(placed, dataclasses.replace(options, bits=bits), frame=frame)
+        ground = "clear"
+    workspace = nm.pack(placed, dataclasses.replace(options, bits=bits), frame=frame, ground=ground)
     nm.write_workspace(target, workspace, overwrite=output.overwrite)
     _say(session, read, target, workspace)
     if run.json:

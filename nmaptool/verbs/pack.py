@@ -73,7 +73,11 @@ class PackedMap:
 
 
 def pack(
-    maps: Sequence[NormalMap | PackedMap], options: PackOptions | None = None, *, frame: Frame | None = None
+    maps: Sequence[NormalMap | PackedMap],
+    options: PackOptions | None = None,
+    *,
+    frame: Frame | None = None,
+    ground: str = "clear",
 ) -> Workspace:
     """Lay normal maps over each other as the layers of one file for an image editor.
 
@@ -85,6 +89,8 @@ def pack(
         ``bits`` None is 16.
     frame : Frame, optional
         The canvas. Default: `common_frame`.
+    ground : str
+        What lies below the lowest layer when they are composed again: ``clear`` or ``flat``.
 
     Returns
     -------
@@ -109,6 +115,7 @@ def pack(
         "canvas": [frame.cols, frame.rows],
         "pitch_mm": frame.pitch_mm,
         "bits": bits,
+        "ground": ground,
         "layers": [dict(layer.facts) for layer in layers],
     }
     return Workspace(frame, layers, bits, options.half, metadata=words)
