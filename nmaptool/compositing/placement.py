@@ -106,7 +106,11 @@ def turn_vectors(normals: Float32, linear: Float64, height_factor: float) -> Flo
 
 
 def map_piece(
-    source: Piece, matrix: Float64, window: tuple[int, int, int, int], height_factor: float | None = None
+    source: Piece,
+    matrix: Float64,
+    window: tuple[int, int, int, int],
+    height_factor: float | None = None,
+    name: str = "a picture",
 ) -> Piece:
     """A map on its way to a canvas, cut to a window of it.
 
@@ -119,6 +123,8 @@ def map_piece(
         Of the canvas; at least one pixel.
     height_factor : float, optional
         Default: `default_height_factor`.
+    name : str
+        What to call it in messages.
 
     Returns
     -------
@@ -137,7 +143,10 @@ def map_piece(
         piece = _move_pixels(source, np.round(matrix), window)
         return Piece(turn_vectors(piece.normals, linear, k), piece.coverage, piece.foreground, piece.left, piece.top)
     if max(*source.coverage.shape, window[2], window[3]) > _LONGEST_SIDE:
-        raise LimitError(f"a picture with a side of more than {_LONGEST_SIDE} px cannot be turned or stretched; cut it")
+        raise LimitError(
+            f"{name}: with a side of more than {_LONGEST_SIDE} px it cannot be turned or stretched; crop it, or make "
+            "it smaller"
+        )
     return _resample(source, matrix, window, k)
 
 
