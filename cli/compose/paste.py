@@ -94,9 +94,8 @@ def _spread(name: str, given: Sequence[Any], count: int) -> Sequence[Any]:
 
 def paste(
     background: str,
-    layers: Annotated[tuple[str, ...], Parameter(negative="")],
     /,
-    *,
+    *layers: str,
     outputs: Annotated[MapOutputs, Parameter(name="*", group=OUTPUTS)] = MapOutputs(),
     placed: Annotated[Path | None, Parameter(group=OUTPUTS)] = None,
     writing: Annotated[WriteOptions, Parameter(name="*", group=OUTPUTS)] = WriteOptions(),
@@ -124,6 +123,8 @@ def paste(
         says.
     """
     session = Session(run)
+    if not layers:
+        raise UsageError("nothing to paste: give one or more layers after the background, such as plate.exr motif.exr")
     each = placing.of_each(len(layers))
     masks = [flags.pop("mask", None) for flags in each]
     options = [LayerOptions(**flags) for flags in each]
