@@ -23,6 +23,8 @@ def inspect(
 
     Exit code 0: clean; 1: there are findings.
 
+    Example: nmap inspect lion.png
+
     Parameters
     ----------
     map:

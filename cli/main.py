@@ -6,6 +6,8 @@ import os
 import re
 import sys
 from collections.abc import Sequence
+from types import FunctionType
+from typing import Any
 
 from cyclopts import App, Parameter
 
@@ -76,10 +78,23 @@ def _plain_words(arguments: list[str]) -> list[str]:
     return joined
 
 
+def _call(words: list[str]) -> Any:
+    """Run a command; its own --help shows its docstring with the example, lists of commands its one line."""
+    named = [each for each in app.parse_commands(words)[1] if isinstance(each.default_command, FunctionType)]
+    lines = [command.help for command in named]
+    for command in named:
+        command.help = command.default_command.__doc__
+    try:
+        return app(words, exit_on_error=False, print_error=False)
+    finally:
+        for command, line in zip(named, lines, strict=True):
+            command.help = line
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    code: int = guarded(lambda: app(_plain_words(words), exit_on_error=False, print_error=False))
+    code: int = guarded(lambda: _call(_plain_words(words)))
     return code
 
 

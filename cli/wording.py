@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from nmaptool import Composition, Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport
+    from nmaptool import Composition, ConvertReport, Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport
+
+
+_COMPONENTS = {"xyz": "x, y and z", "xy": "x and y, z made from them", "octahedral": "octahedral codes"}
 
 
 def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
@@ -14,6 +17,8 @@ def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
     parts = [f"background {decoding.background} ({decoding.background_from})", f"motif {foreground_share:.0%}"]
     if decoding.swizzle != "r,g,b":
         parts.append(f"channels {decoding.swizzle}")
+    if decoding.components != "xyz":
+        parts.append(f"{_COMPONENTS[decoding.components]} ({decoding.components_from})")
     parts.append(f"green {decoding.green} ({decoding.green_from})")
     parts.append(f"zero at {decoding.zero_code} ({decoding.zero_code_from})")
     return ", ".join(parts)
@@ -27,6 +32,8 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
     sure = "too little curl to tell" if d.curl_ratio is None else f"the other way has {_ratio(d)} times the curl"
     yield f"  green        {d.green} ({d.green_from}; {sure})"
     yield f"  channels     x,y,z = {d.swizzle}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
+    if d.components != "xyz":
+        yield f"  components   {_COMPONENTS[d.components]} ({d.components_from})"
     yield f"  background   {d.background} ({d.background_from}); motif {seen.foreground_share:.1%} of the picture"
     yield f"  coverage     {seen.coverage_mean:.1%} of the picture is defined"
     if d.rim_pixels:
@@ -139,3 +146,29 @@ def describe_composition(composition: Composition) -> Iterator[str]:
     before = "" if report.curl_before is None else f" (before {report.curl_before:.4f})"
     pitch = "" if frame.pitch_mm is None else f", pitch {frame.pitch_mm:.4g} mm"
     yield f"  {report.command}: {frame}{pitch}, mean |curl| {report.curl_after:.4f} slope per px{before}"
+
+
+def describe_conversion(report: ConvertReport) -> Iterator[str]:
+    """What a conversion changed, a line each."""
+    was, now = report.source, report.target
+    lossy = ", compressed with loss" if was["lossy"] else ""
+    yield f"  was: {_kind(was)}{lossy}; now: {_kind(now)}"
+    if was["components"] != "xyz":
+        yield f"  {_COMPONENTS[was['components']]}: all three are written"
+    if report.off_length:
+        off = f"{report.off_length} of {report.vectors} vectors were off unit length"
+        yield f"  {off}, by up to {report.off_length_largest:.2g}: normalised"
+    else:
+        yield "  no vector was off unit length by more than rounding"
+    if report.rim_pixels:
+        yield f"  {report.rim_pixels} anti-aliased pixels took the normals just inside them"
+    if report.flattened:
+        yield f"  {report.flattened} pixels of noise in the flat background are flat now"
+    if now["alpha"]:
+        yield f"  background {was['background']}: coverage is in alpha"
+
+
+def _kind(facts: Mapping[str, Any]) -> str:
+    bits, zero = facts["bits"], facts["zero_code"]
+    codes = f"{bits} bit, zero at {zero}" if bits in ("8", "16") else bits
+    return f"{codes}, green {facts['green']}"

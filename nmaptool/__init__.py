@@ -18,6 +18,7 @@ from nmaptool._version import __version__
 
 if TYPE_CHECKING:
     from nmaptool.cleaning import MeshFindings, clean_mesh
+    from nmaptool.conversion import ConvertReport
     from nmaptool.curl_picture import curl_picture
     from nmaptool.decoding import decode_normal_map
     from nmaptool.decompose.rolling import Decomposition
@@ -30,12 +31,15 @@ if TYPE_CHECKING:
         RendererError,
         UsageError,
     )
+    from nmaptool.io.conversion import convert
     from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.layer_files import write_layers
     from nmaptool.io.map_files import write_composition
     from nmaptool.io.mesh_reader import read_mesh
     from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
     from nmaptool.io.outputs import write_relief
+    from nmaptool.io.recipe_files import read_recipe
+    from nmaptool.io.stacks import Stack, read_stack
     from nmaptool.layer_set import LayerReport, LayerSet, Mixture
     from nmaptool.layer_stack import Layer, LayerGroup
     from nmaptool.mesh import Mesh
@@ -55,6 +59,9 @@ if TYPE_CHECKING:
         WriteOptions,
     )
     from nmaptool.orientation import doubts
+    from nmaptool.recipe import Recipe, RecipeGroup, RecipeLayer, RecipeLink
+    from nmaptool.recipe_parsing import parse_recipe
+    from nmaptool.recipe_toml import to_toml
     from nmaptool.results import ComposeReport, Composition, Relief, SolveReport
     from nmaptool.shading import preview
     from nmaptool.tessellate import surface_mesh
@@ -73,6 +80,7 @@ if TYPE_CHECKING:
 _HOME = {
     "MeshFindings": "cleaning",
     "clean_mesh": "cleaning",
+    "ConvertReport": "conversion",
     "curl_picture": "curl_picture",
     "decode_normal_map": "decoding",
     "Decomposition": "decompose.rolling",
@@ -83,6 +91,7 @@ _HOME = {
     "OutputError": "errors",
     "RendererError": "errors",
     "UsageError": "errors",
+    "convert": "io.conversion",
     "read_height": "io.heights",
     "read_surface": "io.heights",
     "write_layers": "io.layer_files",
@@ -93,6 +102,9 @@ _HOME = {
     "read_raster": "io.normal_maps",
     "write_normal_map": "io.normal_maps",
     "write_relief": "io.outputs",
+    "read_recipe": "io.recipe_files",
+    "Stack": "io.stacks",
+    "read_stack": "io.stacks",
     "LayerReport": "layer_set",
     "LayerSet": "layer_set",
     "Mixture": "layer_set",
@@ -117,6 +129,12 @@ _HOME = {
     "TransformOptions": "options",
     "WriteOptions": "options",
     "doubts": "orientation",
+    "Recipe": "recipe",
+    "RecipeGroup": "recipe",
+    "RecipeLayer": "recipe",
+    "RecipeLink": "recipe",
+    "parse_recipe": "recipe_parsing",
+    "to_toml": "recipe_toml",
     "ComposeReport": "results",
     "Composition": "results",
     "Relief": "results",
@@ -148,6 +166,7 @@ __all__ = [
     "ComposeReport",
     "Composition",
     "ConvergenceError",
+    "ConvertReport",
     "Decoding",
     "Decomposition",
     "FilterOptions",
@@ -173,11 +192,16 @@ __all__ = [
     "OutputError",
     "RasterImage",
     "ReadOptions",
+    "Recipe",
+    "RecipeGroup",
+    "RecipeLayer",
+    "RecipeLink",
     "Relief",
     "ReliefOptions",
     "RendererError",
     "SolveReport",
     "SplitOptions",
+    "Stack",
     "TransformOptions",
     "UsageError",
     "WriteOptions",
@@ -187,6 +211,7 @@ __all__ = [
     "blend",
     "clean_mesh",
     "compose",
+    "convert",
     "curl_picture",
     "decode_normal_map",
     "decompose_normals",
@@ -194,6 +219,7 @@ __all__ = [
     "inspect_map",
     "integrate",
     "length",
+    "parse_recipe",
     "paste",
     "pitch_of",
     "preview",
@@ -202,10 +228,13 @@ __all__ = [
     "read_mesh",
     "read_normal_map",
     "read_raster",
+    "read_recipe",
+    "read_stack",
     "read_surface",
     "relief",
     "split",
     "surface_mesh",
+    "to_toml",
     "transform",
     "write_composition",
     "write_layers",

@@ -160,7 +160,7 @@ def _find_odd(image: RasterImage, xyz: NDArray[Any], order: tuple[int, ...]) -> 
 
 
 def find_background(
-    image: RasterImage, xyz: NDArray[Any], wanted: str, order: tuple[int, ...] = (0, 1, 2)
+    image: RasterImage, xyz: NDArray[Any], wanted: str, order: tuple[int, ...] = (0, 1, 2), components: int = 3
 ) -> Background:
     """Find the background of a picture.
 
@@ -174,6 +174,8 @@ def find_background(
         "auto", "none", a kind, or "#rrggbb".
     order : tuple of int
         Which of the channels R, G, B each component came from.
+    components : int
+        2 where the third is made from the first two: a colour is then told by those.
 
     Returns
     -------
@@ -191,7 +193,7 @@ def find_background(
     low, top, step = _range(image, xyz)
     slack = (_LOSSY_TOLERANCE if image.lossy else _TOLERANCE) * step
     if wanted.startswith("#"):
-        codes = _hex_codes(wanted, image, order)
+        codes = _hex_codes(wanted, image, order)[:components]
         return Background(wanted, _near(xyz, codes, slack), codes)
     best, best_score = nothing, 0.0
     for kind, codes in _impossible(image, xyz):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 from nmaptool import background as bg
 from nmaptool import codec, rim
 from nmaptool.arrays import Float32, Mask
-from nmaptool.errors import InputError
+from nmaptool.components import as_three_channels, completed, find_components, is_unsigned_pair, pair_of_channels
+from nmaptool.errors import InputError, UsageError
 from nmaptool.model import Decoding, NormalMap, RasterImage
 from nmaptool.options import ReadOptions
 from nmaptool.orientation import SURE_CURL_RATIO, green_evidence
@@ -31,9 +33,10 @@ def color_channels(image: RasterImage) -> NDArray[Any]:
         If the picture has fewer than three.
     """
     if not {"R", "G", "B"} <= set(image.channels):
+        two = "; if the two are x and y, say --components xy" if len(image.channels) == 2 else ""
         raise InputError(
             f"{image.name}: has {len(image.channels)} channel(s) ({', '.join(image.channels)}); "
-            "a normal map needs red, green and blue; a grey picture is a height or depth image"
+            f"a normal map needs red, green and blue; a grey picture is a height or depth image{two}"
         )
     if image.channels[:3] == ("R", "G", "B"):
         return image.pixels[..., :3]
@@ -123,7 +126,7 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     Parameters
     ----------
     image : RasterImage
-        Three or four channels R, G, B(, A).
+        Channels R, G, B(, A), or two where it holds x and y or octahedral codes.
     options : ReadOptions, optional
 
     Returns
@@ -134,7 +137,7 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     Raises
     ------
     InputError
-        If it has fewer than three colour channels, or NaN or infinity where it is defined.
+        If it has too few channels, or NaN or infinity where it is defined.
     UsageError
         If the swizzle cannot be meant.
     """
@@ -144,11 +147,18 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     if options.encoding != "signed":
         image = codec.narrowed(image)
     order = tuple(channel for channel, _ in swizzle)
+    facts["components"], facts["components_from"] = find_components(image, options.components, order)
+    if facts["components"] == "xy" and swizzle[2][1] < 0:
+        raise UsageError(f"--swizzle {options.swizzle!r}: z is made from x and y and points up; give it no minus sign")
+    image, options = _with_blue(image, order, facts["components"], options)
     xyz = _check_finite(image, color_channels(image))
     if order != (0, 1, 2):
         xyz = xyz[..., list(order)]
-    vectors = _to_vectors(image, xyz, options, facts)
-    found = bg.find_background(image, xyz, options.background_color, order)
+    stored = vectors = _to_vectors(image, xyz, options, facts)
+    if facts["components"] != "xyz":
+        stored = stored[..., :2]
+        vectors = completed(stored, facts["components"])
+    found = bg.find_background(image, xyz, options.background_color, order, stored.shape[2])
     facts.update(background=found.kind, background_from="found" if options.background_color == "auto" else "given")
     alpha = image.alpha
     if options.background_color not in ("auto", "none") and not found.mask.any():
@@ -157,7 +167,7 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
         facts["warnings"] += (found.doubt,)
     if alpha is not None and options.background_color == "auto" and bg.alpha_is_data(image):
         facts["warnings"] += ("alpha looks like data (a height or gloss channel), not coverage: ignored",)
-    vectors, coverage, outside = _cover(vectors, found, alpha, facts, _decode_like(image, facts))
+    vectors, coverage, outside = _cover(vectors, stored, found, alpha, facts, _decode_like(image, facts))
     off = off_length_share(vectors[~outside])
     if off >= NOT_NORMALS_SHARE:
         facts["warnings"] += (f"does not look like a normal map: {off:.0%} of its vectors are not of unit length",)
@@ -183,12 +193,37 @@ def raw_vectors(image: RasterImage, decoding: Decoding) -> Float32:
     """(H, W, 3) float32 stored vectors by a decoding already settled, neither normalised nor repaired."""
     if decoding.encoding != "signed":
         image = codec.narrowed(image)
-    order = [channel for channel, _ in codec.parse_swizzle(decoding.swizzle)]
-    xyz = color_channels(image)[..., order]
-    if not image.is_float:
-        return codec.decode_codes(xyz, decoding.zero_code)
-    finite: Float32 = np.nan_to_num(xyz, nan=0.0, posinf=0.0, neginf=0.0)
-    return finite * 2 - 1 if decoding.encoding == "unsigned" else finite
+    xyz = color_channels(in_three_channels(image, decoding))[..., list(_order(decoding))]
+    if image.is_float:
+        vectors: Float32 = np.nan_to_num(xyz, nan=0.0, posinf=0.0, neginf=0.0)
+        vectors = vectors * 2 - 1 if decoding.encoding == "unsigned" else vectors
+    else:
+        vectors = codec.decode_codes(xyz, decoding.zero_code)
+    return vectors if decoding.components == "xyz" else completed(vectors[..., :2], decoding.components)
+
+
+def _order(decoding: Decoding) -> tuple[int, ...]:
+    return tuple(channel for channel, _ in codec.parse_swizzle(decoding.swizzle))
+
+
+def in_three_channels(image: RasterImage, decoding: Decoding) -> RasterImage:
+    """A picture of two components with the blue that one of three would have, others as they are."""
+    if decoding.components == "xyz":
+        return image
+    return as_three_channels(image, decoding.components, _order(decoding), decoding.encoding)
+
+
+def _with_blue(
+    image: RasterImage, order: tuple[int, ...], components: str, options: ReadOptions
+) -> tuple[RasterImage, ReadOptions]:
+    """A picture of two components as one of three, and options that say how its floats are to be read."""
+    if components == "xyz":
+        return image, options
+    encoding = options.encoding
+    if image.is_float and encoding == "auto":
+        encoding = "unsigned" if is_unsigned_pair(pair_of_channels(image, order)) else "signed"
+    image = as_three_channels(image, components, order, encoding)
+    return image, replace(options, encoding=encoding)
 
 
 def _decode_like(image: RasterImage, facts: Mapping[str, Any]) -> Any:
@@ -205,7 +240,7 @@ def _decode_like(image: RasterImage, facts: Mapping[str, Any]) -> Any:
 
 
 def _cover(
-    vectors: Float32, found: bg.Background, alpha: Float32 | None, facts: dict[str, Any], decode: Any
+    vectors: Float32, stored: Float32, found: bg.Background, alpha: Float32 | None, facts: dict[str, Any], decode: Any
 ) -> tuple[Float32, Float32, Mask]:
     """Vectors with the rim repaired, coverage by the kind of background, and where it is background in the end."""
     everywhere = np.ones(vectors.shape[:2], np.float32)
@@ -222,5 +257,6 @@ def _cover(
         vectors, _, facts["rim_pixels"] = rim.repair_rim(vectors, alpha <= 0.02, None)
         return vectors, alpha.copy(), found.mask
     assert found.codes is not None
-    vectors, coverage, facts["rim_pixels"] = rim.repair_rim(vectors, found.mask, decode(found.codes))
+    behind = decode(found.codes)[: stored.shape[2]]
+    vectors, coverage, facts["rim_pixels"] = rim.repair_rim(vectors, found.mask, behind, mixed=stored)
     return vectors, coverage, found.mask

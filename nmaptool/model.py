@@ -142,6 +142,8 @@ class Decoding:
     zero_code: str = "127.5"
     zero_code_from: str = "assumed"
     encoding: str = "unsigned"
+    components: str = "xyz"
+    components_from: str = "assumed"
     background: str = "none"
     background_from: str = "found"
     rim_pixels: int = 0

@@ -19,7 +19,12 @@ _EIGHT = np.ones((3, 3), bool)
 
 
 def repair_rim(
-    vectors: Float32, outside: Mask, background: Float32 | None, *, is_normal: bool = False
+    vectors: Float32,
+    outside: Mask,
+    background: Float32 | None,
+    *,
+    is_normal: bool = False,
+    mixed: Float32 | None = None,
 ) -> tuple[Float32, Float32, int]:
     """Give the anti-aliased rim of a motif the normals just inside it, and its coverage by un-mixing.
 
@@ -33,10 +38,12 @@ def repair_rim(
         Decoded vectors, not yet normalised.
     outside : (H, W) bool
         Background.
-    background : (3,) float32 or None
-        Vector that the background decodes to; None where alpha tells coverage already.
+    background : (K,) float32 or None
+        Vector, or its K stored components, that the background decodes to; None where alpha tells coverage already.
     is_normal : bool
         The background is a normal itself (flat): the way to it may be surface, so only lengths tell.
+    mixed : (H, W, K) float32, optional
+        The stored components that anti-aliasing mixed, where the vectors were made from them. Default: the vectors.
 
     Returns
     -------
@@ -47,6 +54,7 @@ def repair_rim(
     count : int
         Rim pixels replaced.
     """
+    mixed = vectors if mixed is None else mixed
     coverage = (~outside).astype(np.float32)
     near = ndimage.binary_dilation(outside, _EIGHT, iterations=_RIM_PX) & ~outside
     if not near.any():
@@ -57,8 +65,8 @@ def repair_rim(
     wide = ndimage.binary_propagation(near & ~sound, _EIGHT, mask=zone & ~sound)
     if background is not None and not is_normal and (sound & ~near).any():
         at = near & sound
-        inner = _nearest(vectors, sound & ~near, at)
-        share, off_line = _unmix(vectors[at], inner, background)
+        inner = _nearest(mixed, sound & ~near, at)
+        share, off_line = _unmix(mixed[at], inner, background)
         sound[at] = (1 - share < _MIXTURE_ALONG) | (off_line > _MIXTURE_OFF_LINE)
     rim = (near & ~sound) | wide
     if not rim.any() or not sound.any():
@@ -67,7 +75,8 @@ def repair_rim(
     fixed = vectors.copy()
     fixed[rim] = inner
     if background is not None:
-        coverage[rim] = _unmix(vectors[rim], inner, background)[0]
+        inner = inner if mixed is vectors else _nearest(mixed, sound, rim)
+        coverage[rim] = _unmix(mixed[rim], inner, background)[0]
     return fixed, coverage, int(rim.sum())
 
 

@@ -46,7 +46,7 @@ class Length:
             raise UsageError(f"length {self}: must lie between {_SMALLEST:g} and {_LARGEST:g}, such as 3mm")
 
     def __str__(self) -> str:
-        return f"{self.value:g}{self.unit}"
+        return f"{self.value:.12g}{self.unit}"
 
     def to_mm(self, pitch_mm: float, longer_side_px: int) -> float:
         """Length in mm on a grid of ``pitch_mm`` mm per px whose longer side has ``longer_side_px`` px.
@@ -114,7 +114,7 @@ class Offset:
             raise UsageError(f"distance {self}: must be a number of at most {_LARGEST:g}, such as 12mm")
 
     def __str__(self) -> str:
-        return f"{self.value:g}{self.unit}"
+        return f"{self.value:.12g}{self.unit}"
 
     @property
     def is_absolute(self) -> bool:

@@ -36,4 +36,12 @@ echo "== a leaf on a rolled background"
 nmap relief "$samples/leaf_on_roll.png" --mask "$samples/leaf_mask.png" --background surface --surface "$samples/roll.png" \
     --width 60mm --height 3mm -o "$gallery/leaf.stl" --preview "$gallery/leaf.png" --overwrite
 
+echo "== maps composed: a recipe of a medal and a shell; a head, mirrored, and a vase, turned, on one plate"
+nmap compose stack "$samples/scene.toml" -o "$gallery/scene.exr" --curl "$gallery/scene_curl.png" --overwrite
+nmap relief "$gallery/scene.exr" --height 3mm -o "$gallery/scene.stl" --preview "$gallery/scene.png" --overwrite
+nmap compose transform "$gallery/portrait/original.exr" -o "$gallery/mirrored.exr" --flip-h --pad 40%,0,0,0 --overwrite
+nmap compose paste "$gallery/mirrored.exr" "$gallery/vase/original.exr" -o "$gallery/pair.exr" \
+    --scale 0.8 --at 19%,55% --rotate -10 --overwrite
+nmap relief "$gallery/pair.exr" --height 5mm -o "$gallery/pair.stl" --preview "$gallery/pair.png" --overwrite
+
 echo "== done: open the previews, contact sheets (sheet.png) and meshes in $(cd "$gallery" && pwd)"

@@ -161,6 +161,15 @@ def test_pixels_of_another_size_are_reported(ground, sticker):
     assert not paste(ground, laid(coarse, scale=2)).report.warnings
 
 
+def test_a_stretched_layer_is_warned_of(ground, sticker):
+    (warning,) = paste(ground, laid(sticker, scale="0.4,0.5")).report.warnings
+    assert warning == (
+        "sticker: is stretched, so its heights stay and its slopes change by 2.5 across and 2 down; the height factor "
+        "0.447 keeps them on the whole"
+    )
+    assert not paste(ground, laid(sticker, scale="0.4,0.5", height_factor=0.447)).report.warnings
+
+
 def test_masks_hide_and_must_fit(ground, sticker):
     mask = np.zeros((20, 30), np.float32)
     mask[:, :15] = 1
@@ -251,11 +260,13 @@ def test_blend_wants_one_size_or_stretches(ground, sticker):
         ({"at": "5,6"}, "--at distance '5': expected a number with a unit"),
         ({"strength": 1.5}, '--strength 1.5: must lie between 0 and 1 where the mode is "over"'),
         ({"strength": -1}, "--strength -1: must be zero or more"),
+        ({"feather": "x"}, "--feather distance 'x': expected a number with a unit"),
+        ({"scale": "big"}, "--scale 'big': expected a factor, two with a comma, or a width such as 30mm"),
         ({"feather": "-2px"}, "--feather -2px: must be zero or more, such as 6px"),
         ({"scale": 0}, "--scale 0: expected one or two factors"),
         ({"rotate": 1e9}, "--rotate 1e\\+09: must lie between"),
         ({"clip": "maybe"}, "--clip 'maybe': use one of auto, yes, no"),
-        ({"at": "1e9px,0"}, "distance 1e\\+09px: must be a number of at most 1e\\+06"),
+        ({"at": "1e9px,0"}, "--at distance 1000000000px: must be a number of at most 1e\\+06"),
     ],
 )
 def test_layer_options_that_cannot_be_meant(how, message):

@@ -54,13 +54,25 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
 
 
-COMPOSE = ("compose blend", "compose paste", "compose split", "compose transform")
+COMPOSE = tuple(f"compose {name}" for name in ("blend", "convert", "paste", "split", "stack", "transform"))
 COMMANDS = ("bake", "compose", *COMPOSE, "inspect", "relief")
 
 
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])
 def test_help_loads_nothing_heavy(arguments):
     assert not loaded_by(f"from nmaptool_cli.main import main\nassert main({arguments.split()!r}) == 0") & HEAVY
+
+
+@pytest.mark.parametrize("command", [c for c in COMMANDS if c != "compose"])
+def test_a_commands_own_help_has_its_example_and_lists_have_one_line(command, run, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "600")
+    assert f"Example: nmap {command} " in run(*command.split(), "--help").out
+    for words in (["--help"], [*command.split()[:-1], "--help"]):
+        shown = run(*words).out
+        name = command.split()[len(words) - 1]
+        (line,) = [line for line in shown.splitlines() if line.startswith(f"│ {name} ")]
+        assert line.rstrip(" │").endswith(".")
+        assert "Example" not in shown
 
 
 def test_every_public_name_loads_and_has_a_docstring():
@@ -87,7 +99,7 @@ IO = (nm.ReadOptions, nm.WriteOptions)
         ("compose split", nm.SplitOptions),
         ("compose blend", nm.BlendOptions),
         ("compose transform", nm.TransformOptions),
-        *((command, options) for command in ("compose blend", "compose paste", "compose transform") for options in IO),
+        *((f"compose {name}", options) for name in ("blend", "convert", "paste", "transform") for options in IO),
     ],
 )
 def test_every_option_is_a_documented_flag_with_the_librarys_default(command, options, capsys, monkeypatch):

@@ -53,6 +53,9 @@ def faulty(tmp_path, dome, codes, png):
             pixels = with_alpha(vectors * (1, -1, 1), d)
         elif code == "green-wrong":
             pixels, options = with_alpha(vectors, d), {"green": "down"}
+        elif code == "two-components":
+            pixels = with_alpha(vectors, d)
+            pixels[..., 2] = 0
         elif code == "truncated-codes":
             pixels = np.floor((on_flat(d) + 1) / 2 * 255).astype(np.uint8)
         elif code == "premultiplied":

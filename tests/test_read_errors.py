@@ -160,7 +160,7 @@ def test_too_few_channels(tmp_path, dome, codes, png, picture, count, said):
         png(tmp_path / "map.png", codes(normals, 16)[..., :count]),
         picture(tmp_path / "map.tif", codes(normals, 16)[..., :count], names),
         picture(tmp_path / "map.exr", normals[..., :count], names),
-        picture(tmp_path / "xy.exr", normals[..., :count], ("N.X", "N.Y")[:count]),
+        picture(tmp_path / "xz.exr", normals[..., :count], ("N.X", "N.Z")[:count]),
     ]
     for path in paths:
         with pytest.raises(nm.InputError, match=rf"{path.name}: {said}.*needs red, green and blue"):

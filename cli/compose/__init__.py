@@ -11,6 +11,8 @@ for _name, _help in (
     ("split", "Split a map that has no mesh into base and detail."),
     ("blend", "Blend a detail map with a base map."),
     ("paste", "Paste layers on a background."),
+    ("stack", "Compose the layers of a recipe."),
     ("transform", "Crop, mirror, resize, turn or pad a map."),
+    ("convert", "Write a map as another kind of file."),
 ):
     app.command(f"nmaptool_cli.compose.{_name}:{_name}", name=_name, help=_help)

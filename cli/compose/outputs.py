@@ -99,9 +99,9 @@ class MapWriter:
             outputs.overwrite,
         )
         self._account: Mapping[str, Any] = {}
-        refuse_inputs(self.files.targets, inputs)
         with self._placed_files() as files:
             files.check()
+        refuse_inputs(self.files.targets, inputs)
 
     @contextlib.contextmanager
     def _placed_files(self) -> Iterator[MapFiles]:
@@ -126,26 +126,32 @@ class MapWriter:
         pictures: Mapping[str, Callable[[], Picture]],
         account: Mapping[str, Any],
         recipe: str,
+        attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write everything."""
         from nmaptool.io.map_files import write_map_files
 
         self._account = {**account, "outputs": self.named_targets}
         with self._placed_files() as files:
-            write_map_files(files, normal_map, pictures, self._account, recipe)
+            write_map_files(files, normal_map, pictures, self._account, recipe, attributes)
             if self.map_to_stdout:
                 with files.output.open("rb") as made, standard_output() as stream:
                     shutil.copyfileobj(made, stream)
 
     def write_composition(
-        self, composition: nm.Composition, account: Mapping[str, Any], recipe: str | None = None
+        self,
+        composition: nm.Composition,
+        account: Mapping[str, Any],
+        recipe: str | None = None,
+        attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write a composition, with its picture of where layers lie."""
         from nmaptool.io.map_files import composition_recipe, placed_picture
 
         everything = {**account, **composition.report.to_dict()}
         recipe = composition_recipe(composition) if recipe is None else recipe
-        self.write(composition.normal_map, {"placed": lambda: placed_picture(composition)}, everything, recipe)
+        pictures = {"placed": lambda: placed_picture(composition)}
+        self.write(composition.normal_map, pictures, everything, recipe, attributes)
 
     def finish(self) -> None:
         """Say what was written; print the report where it goes to standard output."""

@@ -6,6 +6,7 @@ coordinates to the canvas's. Slopes follow as k A^-T g, A being the matrix with 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +73,13 @@ def is_exact(linear: Float64) -> bool:
 def default_height_factor(linear: Float64) -> float:
     """Factor on heights in px: the scale where it is the same in all directions, so that slopes stay; else 1."""
     stretch = np.linalg.svd(linear, compute_uv=False)
-    return float(np.sqrt(stretch.prod())) if stretch[0] <= stretch[1] * (1 + _UNEVEN) else 1.0
+    return 1.0 if is_uneven(stretch) else float(np.sqrt(stretch.prod()))
+
+
+def is_uneven(scales: Iterable[float]) -> bool:
+    """Whether two scales differ by more than the rounding of sizes in px."""
+    low, high = sorted(scales)
+    return high > low * (1 + _UNEVEN)
 
 
 def turn_vectors(normals: Float32, linear: Float64, height_factor: float) -> Float32:

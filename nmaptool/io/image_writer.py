@@ -12,7 +12,7 @@ import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
 from numpy.typing import NDArray
 
 from nmaptool.errors import InputError, OutputError
-from nmaptool.io.images import PREFIX, error_text, read_image
+from nmaptool.io.images import PREFIX, error_text, one_line, read_image
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +98,8 @@ def _spec(kind: str, picture: Picture) -> Any:
     if kind == ".png":
         spec.attribute("png:compressionLevel", 5)
     if kind in (".tif", ".tiff"):
-        spec.attribute("ImageDescription", "\n".join(f"{PREFIX}{k}={v}" for k, v in picture.attributes.items()))
+        lines = (f"{PREFIX}{key}={one_line(value)}" for key, value in picture.attributes.items())
+        spec.attribute("ImageDescription", "\n".join(lines))
     else:
         for key, value in picture.attributes.items():
             spec.attribute(PREFIX + key, value)

@@ -34,6 +34,8 @@ _ENDINGS = {
     "jpeg": (".jpg", ".jpeg"),
     "bmp": (".bmp",),
 }
+_BREAKS = {"n": "\n", "r": "\r", "\\": "\\"}
+_ESCAPED = re.compile(r"\\([nr\\])")
 _NAMES = {"png": "PNG", "openexr": "EXR", "tiff": "TIFF", "jpeg": "JPEG", "bmp": "BMP"}
 _LARGEST_PIXEL_BYTES = 16  # four float channels
 _ACCEPTED = "PNG, EXR, TIFF, JPEG or BMP"
@@ -46,6 +48,11 @@ def error_text(source: Any) -> str:
     except UnicodeDecodeError:
         text = ""
     return " ".join(str(text).split()) or "unreadable data"
+
+
+def is_picture(head: bytes) -> bool:
+    """Whether a file's first bytes are those of a picture that is read here."""
+    return any(head.startswith(magic) for magic in _MAGIC if len(magic) > 2)
 
 
 def sniff(path: Path) -> str:
@@ -207,9 +214,14 @@ def _on_canvas(spec: Any, pixels: NDArray[Any], chosen: layers.Layer) -> tuple[N
 
 def _own_attributes(spec: Any) -> dict[str, str]:
     own = {a.name[len(PREFIX) :]: str(a.value) for a in spec.extra_attribs if a.name.startswith(PREFIX)}
-    if not own:  # TIFF has no free-form attributes: they travel in its description
-        for line in str(spec.getattribute("ImageDescription") or "").splitlines():
-            key, mark, value = line.partition("=")
+    if not own:  # TIFF has no free-form attributes: they travel in its description, a line each
+        for line in str(spec.getattribute("ImageDescription") or "").split("\n"):
+            key, mark, value = line.removesuffix("\r").partition("=")
             if mark and key.startswith(PREFIX):
-                own[key[len(PREFIX) :]] = value
+                own[key[len(PREFIX) :]] = _ESCAPED.sub(lambda found: _BREAKS[found[1]], value)
     return own
+
+
+def one_line(text: str) -> str:
+    """A value as a line of a TIFF's description; reading gives it back."""
+    return text.replace("\\", "\\\\").replace("\n", "\\n").replace("\r", "\\r")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from nmaptool.errors import InputError
 
 # sets of component names that writers use for R, G, B; never mixed, since Z beside R, G, B is depth
 _TRIPLES = (("r", "g", "b"), ("x", "y", "z"), ("red", "green", "blue"))
+# maps of x and y alone; only where a file has no three of a kind, since others store motion so
+_PAIRS = (("r", "g"), ("x", "y"), ("red", "green"))
 _ALPHA = ("a", "alpha")
 # layer names that are taken where several are there and none was asked for
 _FIRST_CHOICE = ("original", "n", "normal", "normals", "")
@@ -37,27 +40,52 @@ def find(parts: list[Any]) -> list[Layer]:
     parts : list of ImageSpec
     """
     found: list[Layer] = []
-    for number, spec in enumerate(parts):
+    for number, (spec, part_name, groups) in enumerate(_grouped(parts)):
+        layers = _of_names(_TRIPLES, groups, part_name, number) or _of_names(_PAIRS, groups, part_name, number)
+        found += layers or [_plain(part_name, number, spec)]
+    return found
+
+
+def _grouped(parts: list[Any]) -> Iterator[tuple[Any, str, dict[str, dict[str, int]]]]:
+    """Each part's spec, its name, and its channels' positions by layer and lower-case component."""
+    for spec in parts:
         part_name = str(spec.getattribute("oiio:subimagename") or "") if len(parts) > 1 else ""
         groups: dict[str, dict[str, int]] = {}
         for index, channel in enumerate(spec.channelnames):
             prefix, _, component = channel.rpartition(".")
             groups.setdefault(prefix, {})[component.lower()] = index
-        shared_alpha = _alpha(groups.get("", {}))
-        for prefix, members in groups.items():
-            triple = next((names for names in _TRIPLES if set(names) <= set(members)), None)
-            if triple is None:
-                continue
-            indices = [members[name] for name in triple]
-            alpha = _alpha(members)
-            alpha = shared_alpha if alpha is None else alpha
-            channels: tuple[str, ...] = ("R", "G", "B")
-            if alpha is not None:
-                indices.append(alpha)
-                channels = ("R", "G", "B", "A")
-            found.append(Layer(_label(part_name, prefix), number, tuple(indices), channels))
-        if not any(layer.part == number for layer in found):
-            found.append(_plain(part_name, number, spec))
+        yield spec, part_name, groups
+
+
+def _pairs_beside(parts: list[Any]) -> list[Layer]:
+    """Layers of two components that lie beside some of three: often motion, so they are taken by name only."""
+    return [
+        layer
+        for number, (_, part_name, groups) in enumerate(_grouped(parts))
+        if _of_names(_TRIPLES, groups, part_name, number)
+        for layer in _of_names(_PAIRS, groups, part_name, number)
+        if layer.name or not any(set(names) <= set(groups.get("", {})) for names in _TRIPLES)
+    ]
+
+
+def _of_names(
+    sets: tuple[tuple[str, ...], ...], groups: dict[str, dict[str, int]], part_name: str, number: int
+) -> list[Layer]:
+    """The layers of a part whose components have the names of one of the sets."""
+    found: list[Layer] = []
+    shared_alpha = _alpha(groups.get("", {}))
+    for prefix, members in groups.items():
+        chosen = next((names for names in sets if set(names) <= set(members)), None)
+        if chosen is None:
+            continue
+        indices = [members[name] for name in chosen]
+        channels = ("R", "G", "B")[: len(chosen)]
+        alpha = _alpha(members)
+        alpha = shared_alpha if alpha is None else alpha
+        if alpha is not None:
+            indices.append(alpha)
+            channels = (*channels, "A")
+        found.append(Layer(_label(part_name, prefix), number, tuple(indices), channels))
     return found
 
 
@@ -98,7 +126,7 @@ def choose(path: Path, parts: list[Any], wanted: str | None) -> Layer:
         raise InputError(f"{path}: holds no picture")
     names = ", ".join(layer.name or _UNNAMED for layer in found)
     if wanted is not None:
-        for layer in found:
+        for layer in (*found, *_pairs_beside(parts)):
             if (layer.name or _UNNAMED).lower() == wanted.lower():
                 return layer
         raise InputError(f"{path}: has no layer {wanted!r}; it holds: {names}")

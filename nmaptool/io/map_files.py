@@ -78,6 +78,7 @@ def write_map_files(
     pictures: Mapping[str, Callable[[], Picture]],
     account: Mapping[str, Any],
     recipe: str,
+    attributes: Mapping[str, str] | None = None,
 ) -> None:
     """Write a map, pictures and a report: all files appear, or none.
 
@@ -91,6 +92,8 @@ def write_map_files(
         What to put in the report.
     recipe : str
         How the map came about, for its metadata.
+    attributes : mapping, optional
+        More metadata of the map.
 
     Raises
     ------
@@ -106,8 +109,8 @@ def write_map_files(
                     temporary.write_text(json.dumps(account, indent=2) + "\n")
                 elif target is files.output:
                     picture = map_picture(normal_map, target.suffix.lower(), files.options)
-                    attributes = {**picture.attributes, "recipe": recipe}
-                    write_pictures(temporary, [replace(picture, attributes=attributes)])
+                    facts = {**(attributes or {}), **picture.attributes, "recipe": recipe}
+                    write_pictures(temporary, [replace(picture, attributes=facts)])
                 else:
                     kind = next(kind for kind, path in files.pictures.items() if path is target)
                     write_pictures(temporary, [known[kind]()])

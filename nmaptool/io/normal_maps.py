@@ -20,10 +20,10 @@ from nmaptool.io.image_writer import Picture, write_pictures
 from nmaptool.io.images import read_image
 from nmaptool.io.replace import named, written_beside
 from nmaptool.model import NormalMap, RasterImage
-from nmaptool.options import ReadOptions, WriteOptions
+from nmaptool.options import Bits, ReadOptions, WriteOptions
 
 # what each ending can hold, the default first
-_BITS = {
+_BITS: dict[str, tuple[Bits, ...]] = {
     ".png": ("16", "8"),
     ".exr": ("float", "half"),
     ".tif": ("16", "8", "float"),
@@ -137,6 +137,16 @@ def read_grey(path: str | Path, max_megapixels: float = 270.0) -> Float32:
     return values
 
 
+def _bits(ending: str, options: WriteOptions) -> Bits:
+    return _BITS[ending][0] if options.bits == "auto" else options.bits
+
+
+def bits_of(path: Path, options: WriteOptions) -> Bits:
+    """The bits that a normal map is written with there: "8", "16", "half" or "float"."""
+    check_ending(path, options)
+    return _bits(path.suffix.lower(), options)
+
+
 def check_ending(path: Path, options: WriteOptions) -> None:
     """Refuse an ending that no normal map is written with, or bits that it cannot hold.
 
@@ -191,11 +201,10 @@ def write_normal_map(
 
 def map_picture(normal_map: NormalMap, ending: str, options: WriteOptions) -> Picture:
     """A normal map as a file of that ending holds it."""
-    bits = _BITS[ending][0] if options.bits == "auto" else options.bits
+    bits = _bits(ending, options)
     depth = 32 if bits in ("half", "float") else int(bits)
-    return normal_picture(
-        normal_map, depth, half=bits == "half", green=options.write_green, zero_code=options.write_zero_code
-    )
+    zero_code = "127.5" if options.write_zero_code == "auto" else options.write_zero_code
+    return normal_picture(normal_map, depth, half=bits == "half", green=options.write_green, zero_code=zero_code)
 
 
 def normal_picture(

@@ -16,7 +16,7 @@ from nmaptool.options.compose import (
     LayerOptions,
 )
 from nmaptool.options.filter import FilterOptions, SplitOptions
-from nmaptool.options.reading import Encoding, Green, ReadOptions, ZeroCode
+from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
 from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.write import Bits, WriteOptions, WrittenGreen, WrittenZeroCode
@@ -30,6 +30,7 @@ __all__ = [
     "BlendOptions",
     "CanvasOptions",
     "Clip",
+    "Components",
     "DetailEncoding",
     "Encoding",
     "Energy",

@@ -50,7 +50,10 @@ def parse_scale(text: str, flag: str = "--scale") -> tuple[float, float] | Lengt
         factors = [float(part) for part in parts]
     except ValueError:
         if len(parts) == 1:
-            return length(text)
+            try:
+                return length(text)
+            except UsageError:
+                pass
         raise UsageError(f"{flag} {text!r}: expected a factor, two with a comma, or a width such as 30mm") from None
     if len(factors) > 2 or not all(_SMALLEST_SCALE <= f <= _LARGEST_SCALE for f in factors):
         raise UsageError(
@@ -137,7 +140,10 @@ class LayerOptions:
             ("mode", self.mode, LAYER_MODES), ("anchor", self.anchor, tuple(ANCHORS)), ("clip", self.clip, _CLIPS)
         )
         if isinstance(self.feather, str):  # text is as good as an Offset
-            object.__setattr__(self, "feather", offset(self.feather))
+            try:
+                object.__setattr__(self, "feather", offset(self.feather))
+            except UsageError as error:
+                raise UsageError(f"--feather {error}") from None
         if not isinstance(self.scale, str):
             object.__setattr__(self, "scale", f"{self.scale:.12g}")
         require_at_least_zero(strength=self.strength)

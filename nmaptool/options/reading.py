@@ -15,6 +15,7 @@ from nmaptool.options.checks import require_choices
 Green = Literal["auto", "up", "down"]
 ZeroCode = Literal["auto", "127", "127.5", "128"]
 Encoding = Literal["auto", "signed", "unsigned"]
+Components = Literal["auto", "xyz", "xy", "octahedral"]
 
 _BACKGROUND_WORDS = ("auto", "none", "alpha", "white", "grey", "black", "flat")
 
@@ -40,6 +41,11 @@ class ReadOptions:
         The 8-bit code that means zero: "127.5" (the middle), "128", "127" (truncated when it was written), or "auto".
     encoding:
         How floating-point files store a normal: "signed" (-1 to 1), "unsigned" (0 to 1), or "auto".
+    components:
+        What a pixel holds: "xyz" (red, green and blue); "xy": red and green only, z is made from them and blue is
+        ignored, for two-channel and BC5 maps and where blue is not to be trusted (x and y too long together become a
+        vertical wall); "octahedral": two octahedral codes in red and green; or "auto": "xy" for a file with two
+        channels and where blue is constant and cannot be z, else "xyz".
     background_color:
         What the background looks like: "auto", "none" (every pixel is surface), "alpha", "white", "grey", "black",
         "flat", or a colour such as "#7f7fff".
@@ -52,6 +58,7 @@ class ReadOptions:
     swizzle: str | None = None
     zero_code: ZeroCode = "auto"
     encoding: Encoding = "auto"
+    components: Components = "auto"
     background_color: str = "auto"
     max_megapixels: float = 270.0
 
@@ -60,6 +67,7 @@ class ReadOptions:
             ("green", self.green, ("auto", "up", "down")),
             ("zero-code", self.zero_code, ("auto", "127", "127.5", "128")),
             ("encoding", self.encoding, ("auto", "signed", "unsigned")),
+            ("components", self.components, ("auto", "xyz", "xy", "octahedral")),
         )
         if self.background_color not in _BACKGROUND_WORDS and not _is_hex_color(self.background_color):
             raise UsageError(

@@ -12,7 +12,7 @@ from nmaptool.options.checks import require_choices
 
 Bits = Literal["auto", "8", "16", "half", "float"]
 WrittenGreen = Literal["up", "down"]
-WrittenZeroCode = Literal["127", "127.5", "128"]
+WrittenZeroCode = Literal["auto", "127", "127.5", "128"]
 
 
 @dataclass(frozen=True)
@@ -28,16 +28,16 @@ class WriteOptions:
         Which way green points in the file: "up" (+Y, OpenGL) or "down" (DirectX).
     write_zero_code:
         The 8-bit code that stands for zero: "127.5" (the middle), "128" or "127". What is flat is then exactly flat for
-        programs that take that code for zero.
+        programs that take that code for zero. "auto" is the middle; in nmap compose convert, what the file had.
     """
 
     bits: Bits = "auto"
     write_green: WrittenGreen = "up"
-    write_zero_code: WrittenZeroCode = "127.5"
+    write_zero_code: WrittenZeroCode = "auto"
 
     def __post_init__(self) -> None:
         require_choices(
             ("bits", self.bits, ("auto", "8", "16", "half", "float")),
             ("write-green", self.write_green, ("up", "down")),
-            ("write-zero-code", self.write_zero_code, ("127", "127.5", "128")),
+            ("write-zero-code", self.write_zero_code, ("auto", "127", "127.5", "128")),
         )

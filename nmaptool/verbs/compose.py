@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from nmaptool.compositing.compositor import Canvas, canvas_of, clear_canvas, compose_onto
+from nmaptool.compositing.placement import is_uneven
 from nmaptool.errors import InputError, LimitError
 from nmaptool.layer_stack import Layer, LayerGroup
 from nmaptool.model import Frame, NormalMap
@@ -131,7 +132,7 @@ def _composed(
         curl_before=before,
         curl_after=mean_abs_curl(result.normals, result.coverage >= 0.5),
         seconds={"compose": round(time.perf_counter() - start, 4)},
-        warnings=tuple(_pitch_doubts(layers, canvas.frame)),
+        warnings=tuple(_doubts(layers, canvas.frame)),
     )
     return Composition(result, canvas.placed, report)
 
@@ -165,20 +166,26 @@ def _is_ground(layer: Layer, frame: Frame) -> bool:
     return layer.mask is None and layer.normal_map.frame.shape == frame.shape and plain == LayerOptions()
 
 
-def _pitch_doubts(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
-    """Layers whose pixels are of another size than the canvas's, taken pixel for pixel."""
+def _doubts(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
+    """What may not be meant: pixels of another size taken pixel for pixel, heights kept under a stretched picture."""
     doubts: list[str] = []
     for layer in layers:
         if isinstance(layer, LayerGroup):
-            doubts += _pitch_doubts(layer.layers, frame)
+            doubts += _doubts(layer.layers, frame)
             continue
-        own = layer.normal_map.frame.pitch_mm
-        if own is None or frame.pitch_mm is None or layer.options.scale != "1":
-            continue
-        factor = own / frame.pitch_mm
-        if abs(factor - 1) > _SAME_PITCH:
+        own, o = layer.normal_map.frame.pitch_mm, layer.options
+        if own is not None and frame.pitch_mm is not None and o.scale == "1":
+            factor = own / frame.pitch_mm
+            if abs(factor - 1) > _SAME_PITCH:
+                doubts.append(
+                    f"{layer.name}: its pixels are {own:.4g} mm, the canvas's {frame.pitch_mm:.4g} mm; to keep its "
+                    f"size in mm, give it the scale {factor:.4g}"
+                )
+        factors = o.factors
+        if not isinstance(factors, Length) and o.height_factor is None and is_uneven(factors):
+            even = (factors[0] * factors[1]) ** 0.5
             doubts.append(
-                f"{layer.name}: its pixels are {own:.4g} mm, the canvas's {frame.pitch_mm:.4g} mm; to keep its size in "
-                f"mm, give it the scale {factor:.4g}"
+                f"{layer.name}: is stretched, so its heights stay and its slopes change by {1 / factors[0]:.3g} across "
+                f"and {1 / factors[1]:.3g} down; the height factor {even:.3g} keeps them on the whole"
             )
     return doubts

@@ -90,6 +90,16 @@ def _green_wrong(f: Inspection) -> Told:
     return (f"green was said to point {d.green}, but {other} has far less curl", f"try --green {other}")
 
 
+def _two_components(f: Inspection) -> Told:
+    if f.decoding.components_from != "found":
+        return None
+    what = "its blue is constant and cannot be z" if "B" in f.channels else "it has no blue"
+    return (
+        f"holds x and y only: {what}",
+        "z is made from them on reading; nmap compose convert writes all three for programs that do not",
+    )
+
+
 def _truncated_codes(f: Inspection) -> Told:
     if f.decoding.zero_code != "127" or f.neutral_bias_px is None:
         return None
@@ -151,6 +161,7 @@ RULES: dict[str, Callable[[Inspection], Told]] = {
     "inverted": _inverted,
     "green-down": _green_down,
     "green-wrong": _green_wrong,
+    "two-components": _two_components,
     "truncated-codes": _truncated_codes,
     "premultiplied": _premultiplied,
     "eight-bit-data": _eight_bit_data,

@@ -12,7 +12,14 @@ from scipy import ndimage
 from nmaptool import background as bg
 from nmaptool import codec
 from nmaptool.arrays import Float32, Mask
-from nmaptool.decoding import LENGTH_OFF, code_step, color_channels, decode_normal_map, raw_vectors
+from nmaptool.decoding import (
+    LENGTH_OFF,
+    code_step,
+    color_channels,
+    decode_normal_map,
+    in_three_channels,
+    raw_vectors,
+)
 from nmaptool.errors import InputError
 from nmaptool.model import Decoding, RasterImage
 from nmaptool.options import ReadOptions
@@ -144,7 +151,7 @@ def inspect_map(
         unit_length_error=_mean(error),
         off_length_share=_mean(error > LENGTH_OFF),
         away_share=_mean(normal_map.normals[..., 2][core] <= 0),
-        neutral_bias_px=_neutral_bias_px(image),
+        neutral_bias_px=_neutral_bias_px(in_three_channels(image, normal_map.decoding)),
         mean_abs_curl=mean_abs_curl(normal_map.normals, core),
         outline_sign=outline_sign(normal_map.normals, foreground),
         better_swizzle=better_swizzle(normal_map, code_step(image)),
@@ -175,7 +182,7 @@ def _neutral_bias_px(image: RasterImage) -> float | None:
 def _is_premultiplied(image: RasterImage, decoding: Decoding) -> bool:
     """Whether colours were multiplied by alpha: dividing by it gives the unit vectors back."""
     alpha = image.alpha
-    if alpha is None or bg.alpha_is_data(image) or decoding.encoding == "signed":
+    if alpha is None or bg.alpha_is_data(image) or decoding.encoding == "signed" or decoding.components != "xyz":
         return False
     partial = (alpha > 0.1) & (alpha < 0.9)
     if partial.sum() < _PARTIAL_ALPHA_PIXELS:

@@ -1,0 +1,64 @@
+"""``nmap compose convert``."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from nmaptool.errors import UsageError
+from nmaptool.options import ReadOptions, WriteOptions
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
+from nmaptool_cli.session import OUTPUTS, READING, RUN, RunOptions, Session, input_files, said_name
+
+
+def convert(
+    map: str,
+    out: Path | None = None,
+    /,
+    *,
+    outputs: Annotated[MapOutputs, Parameter(name="*", group=OUTPUTS)] = MapOutputs(),
+    writing: Annotated[WriteOptions, Parameter(name="*", group=OUTPUTS)] = WriteOptions(),
+    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
+    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
+) -> None:
+    """Write a normal map as another kind of file: format, bits, green up or down, zero code, all three components.
+
+    Codes that are sound stay as they are; vectors off unit length are normalised; a background that is white, grey,
+    black or no normal at all becomes alpha.
+
+    Example: nmap compose convert bricks-dx.png bricks.exr --green down
+
+    Parameters
+    ----------
+    map:
+        Normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
+    out:
+        What is written, .png, .exr or .tif; the same as -o.
+    """
+    session = Session(run)
+    if out is not None and outputs.output is not None:
+        raise UsageError(f"{out}: the output is also named by -o {outputs.output}; name it once")
+    outputs = dataclasses.replace(outputs, output=outputs.output if out is None else out)
+    writer = MapWriter(session, outputs, writing, run, (map,))
+    import nmaptool as nm
+    from nmaptool.conversion import convert_image
+    from nmaptool.io.conversion import conversion_recipe, kept_attributes
+    from nmaptool.io.normal_maps import bits_of
+    from nmaptool_cli.wording import describe_conversion
+
+    with input_files(map) as (source,):
+        assert source is not None
+        image = nm.read_raster(source, reading)
+        image = dataclasses.replace(image, name=said_name(image.name))
+        result, settled = convert_image(image, bits_of(writer.files.output, writing), reading, writing)
+    writer.files = dataclasses.replace(writer.files, options=settled)
+    say_map(session, result.normal_map)
+    for line in describe_conversion(result.report):
+        session.say(line)
+    account = account_of((result.normal_map,), files={"map": map}, reading=dataclasses.asdict(reading))
+    writer.write_composition(result, account, conversion_recipe(image, result.report), kept_attributes(image))
+    say_composition(session, result)
+    writer.finish()

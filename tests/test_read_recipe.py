@@ -1,0 +1,158 @@
+"""Recipes from files: TOML that is broken, recipes in recipes, and the one in a picture's metadata."""
+
+import pytest
+from stack_cases import SCENE, waves, write_maps
+
+import nmaptool as nm
+
+ONE = '[[layer]]\nfile = "plate.exr"\n'
+
+
+@pytest.fixture
+def folder(tmp_path, png):
+    return write_maps(tmp_path, png)
+
+
+def write(folder, name, text):
+    path = folder / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def link(name, more=""):
+    return f'[[layer]]\nrecipe = "{name}"\n{more}\n'
+
+
+def test_a_file_is_read_as_its_text(folder):
+    path = write(folder, "scene.toml", SCENE)
+    recipe = nm.read_recipe(path)
+    assert recipe.folder == str(folder)
+    assert recipe.name == str(path)
+    assert recipe.layers[1].origin == f"{path}: layer 2 (bunny)"
+    crlf = folder / "crlf.toml"
+    crlf.write_bytes(b"\xef\xbb\xbf" + SCENE.replace("\n", "\r\n").encode())
+    assert nm.read_recipe(crlf) == recipe
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            '[[layer]]\nat = 30%,50%\nfile = "a"',
+            "not valid TOML at line 2, column 8: found at = 30%,50%; look for quotes",
+        ),
+        ('[[layer]]\nfile = "a', 'not valid TOML at line 2, column 10: found file = "a; look for quotes'),
+        ("[[layer]\n", "not valid TOML at line 1, column .: found .*layer"),
+        ("\n\nx =", "not valid TOML at line 3, column 4: found x ="),
+        ('[[layer]]\nfile = "a"\nfile = "b"', 'not valid TOML: a key or table is there twice, at line 3: file = "b"'),
+        ("[canvas]\n[canvas]\n", "not valid TOML: a key or table is there twice"),
+        (f"x = {'[' * 5000}", "lists or tables lie too deep in each other"),
+        (f"x = {'9' * 5000}", "not valid TOML: a number is too long"),
+        (f"{'a' * 100} b", r"found a{57}\.\.\.;"),
+        ("x = \x01", "not valid TOML at line 1, column 5: found x =;"),
+    ],
+)
+def test_toml_that_is_broken(folder, text, message):
+    path = write(folder, "scene.toml", text)
+    with pytest.raises(nm.InputError, match=message) as caught:
+        nm.read_recipe(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_files_that_are_no_recipes(folder):
+    latin = folder / "latin.toml"
+    latin.write_bytes('# a\nname = "é"'.encode("latin-1"))
+    (folder / "empty.toml").touch()
+    nm.write_normal_map(folder / "json.png", waves(8, 8, 1), attributes={"recipe": '{"command": "paste"}'})
+    for path, message in (
+        (latin, r"latin.toml: is not UTF-8 text \(line 2\); save the recipe as UTF-8"),
+        (folder / "empty.toml", "empty.toml: is empty"),
+        (folder / "no.toml", "no.toml: no such file"),
+        (folder, "is a folder; give a recipe, such as scene.toml"),
+        (folder / "plate.exr", "plate.exr: is a picture without a recipe in its metadata; give a recipe"),
+        (folder / "json.png", "json.png: was not made by nmap compose stack"),
+    ):
+        with pytest.raises(nm.InputError, match=message):
+            nm.read_recipe(path)
+    with pytest.raises(nm.LimitError, match=r"plate.exr: 80 x 60 is .*more than the limit of 0.001"):
+        nm.read_recipe(folder / "plate.exr", max_megapixels=0.001)
+    with pytest.raises(nm.LimitError, match=r"is 1.2 MB, more than the limit of 1 MB for a recipe"):
+        nm.read_recipe(write(folder, "large.toml", ONE + "#" * 1_200_000))
+
+
+def test_a_recipe_in_a_recipe_is_a_group_with_files_from_the_outer_folder(folder):
+    write(folder, "parts/leaves.toml", '[[layer]]\nfile = "../leaf.png"\nmask = "m.png"\n' + link("more/one.toml"))
+    write(folder / "parts", "more/one.toml", ONE)
+    path = write(folder, "scene.toml", ONE + link("parts/leaves.toml", 'name = "leaves"\nstrength = 0.5\nmask="w.png"'))
+    recipe = nm.read_recipe(path)
+    assert recipe.layers == (
+        nm.RecipeLayer("plate.exr"),
+        nm.RecipeGroup(
+            (
+                nm.RecipeLayer("parts/../leaf.png", mask="parts/m.png"),
+                nm.RecipeGroup((nm.RecipeLayer("parts/more/plate.exr"),), nm.GroupOptions("more/one.toml")),
+            ),
+            nm.GroupOptions("leaves", strength=0.5),
+            "w.png",
+        ),
+    )
+    assert recipe.sources == ("parts/leaves.toml", "parts/more/one.toml")
+    assert recipe.layers[1].layers[0].origin == f"{folder / 'parts/leaves.toml'}: layer 1 (leaf.png)"
+    assert recipe.notes == ()
+
+
+def test_absolute_names_stay_and_an_inner_canvas_is_noted(folder):
+    inner = write(folder, "sub/inner.toml", f'[canvas]\nsize = "9x9"\n[[layer]]\nfile = "{folder}/leaf.png"\n')
+    path = write(folder, "scene.toml", ONE + link(inner))
+    recipe = nm.read_recipe(path)
+    assert recipe.layers[1].layers[0].file == f"{folder}/leaf.png"
+    assert recipe.notes == (f"{inner}: its canvas is left aside; its layers lie on that of {path}",)
+
+
+def test_a_hidden_recipe_is_not_read(folder):
+    path = write(folder, "scene.toml", ONE + link("missing.toml", "hidden = true"))
+    assert nm.read_recipe(path).layers[1].recipe == "missing.toml"
+    with pytest.raises(nm.InputError, match=r"scene.toml: layer 2 \(missing.toml\): .*missing.toml: no such file"):
+        nm.read_recipe(write(folder, "scene.toml", ONE + link("missing.toml")))
+    write(folder, "broken.toml", "x")
+    with pytest.raises(nm.InputError, match=r"scene.toml: layer 2 \(broken.toml\): .*broken.toml: is not valid TOML"):
+        nm.read_recipe(write(folder, "scene.toml", ONE + link("broken.toml")))
+
+
+def test_recipes_that_hold_each_other(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    write(folder, "b.toml", ONE + link("sub/../a.toml"))
+    (folder / "sub").mkdir()
+    write(folder, "a.toml", ONE + link("b.toml"))
+    write(folder, "top.toml", link("a.toml"))
+    write(folder, "self.toml", link("alias.toml"))
+    (folder / "alias.toml").symlink_to("self.toml")
+    for name, circle in (
+        ("a.toml", "b.toml: layer 2 .a.toml.: recipes hold each other: a.toml -> b.toml -> sub/../a.toml; take one"),
+        ("top.toml", "recipes hold each other: a.toml -> b.toml -> sub/../a.toml; take one of them out"),
+        ("self.toml", "recipes hold each other: self.toml -> alias.toml; take one of them out"),
+    ):
+        with pytest.raises(nm.InputError, match=circle):
+            nm.read_recipe(name)
+
+
+def test_recipes_that_lie_too_deep_or_hold_too_much(folder):
+    for i in range(20):
+        write(folder, f"deep{i}.toml", link(f"deep{i + 1}.toml"))
+        write(folder, f"wide{i}.toml", link(f"wide{i + 1}.toml") * 10)
+    with pytest.raises(nm.LimitError, match=r"deep15.toml: .*recipes and groups lie more than 16 deep in each other"):
+        nm.read_recipe(folder / "deep0.toml")
+    write(folder, "wide12.toml", ONE)
+    with pytest.raises(nm.LimitError, match="there are more than 1000 layers in all; compose in steps"):
+        nm.read_recipe(folder / "wide0.toml")
+    write(folder, "deep15.toml", ONE)
+    assert nm.read_recipe(folder / "deep0.toml").files == ("plate.exr",)
+
+
+def test_names_that_no_file_can_have(folder):
+    for name in ("a\\u0000.toml", "x" * 300):
+        path = write(folder, "scene.toml", link(name))
+        with pytest.raises(nm.InputError, match=r"scene.toml: layer 1 .*(no name that a file can have|cannot be read)"):
+            nm.read_recipe(path)

@@ -1,0 +1,96 @@
+"""docs/recipes.md: every key with its default, and an example that runs."""
+
+import dataclasses
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from stack_cases import waves
+
+import nmaptool as nm
+from nmaptool.recipe import READ_KEYS
+from nmaptool.recipe_parsing import GROUP_KEYS, LAYER_KEYS
+from nmaptool.units import Length, Offset
+
+TEXT = (Path(__file__).parents[1] / "docs" / "recipes.md").read_text(encoding="utf-8")
+BESIDE = {"hidden": "`false`"}  # keys that are no option of a layer
+
+
+def table(title):
+    """Key and default of each row below a title."""
+    part = TEXT.split(f"\n## {title}\n")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| `(\w+)` \| (.*?) ?\| (.+) \|$", part, re.MULTILINE)
+    return {key: (default, words) for key, default, words in rows}
+
+
+def written(key, value):
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "`true`" if value else "`false`"
+    return f'`"{value}"`' if isinstance(value, str) and key != "scale" else f"`{value:g}`" if key != "scale" else "`1`"
+
+
+@pytest.mark.parametrize(
+    ("title", "options", "keys"),
+    [
+        ("[canvas]", nm.CanvasOptions, ("size", "width", "ground")),
+        ("[[layer]] with a file", nm.LayerOptions, LAYER_KEYS),
+        ("[[layer]] as a group", nm.GroupOptions, GROUP_KEYS),
+        ("[layer.read]", nm.ReadOptions, READ_KEYS),
+    ],
+)
+def test_every_key_is_documented_with_its_default(title, options, keys):
+    rows = table(title)
+    assert sorted(rows) == sorted(keys)
+    defaults = {field.name: written(field.name, field.default) for field in dataclasses.fields(options)} | BESIDE
+    for key, (default, words) in rows.items():
+        assert default == defaults.get(key, ""), key
+        assert words.endswith("."), key
+
+
+def test_every_word_that_a_key_takes_is_documented():
+    rows = table("[[layer]] with a file")
+    for key, words in (
+        ("mode", ("over", "rnm", "pd", "whiteout", "udn", "linear", "overlay")),
+        (
+            "anchor",
+            ("center", "top-left", "top", "top-right", "left", "right", "bottom-left", "bottom", "bottom-right"),
+        ),
+        ("clip", ("yes", "no", "auto")),
+    ):
+        assert set(re.findall(r'`"([a-z-]+)"`', rows[key][1])) >= set(words)
+        for word in words:
+            nm.LayerOptions(**{key: word})
+
+
+def test_the_example_runs(tmp_path, png, run):
+    (example,) = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
+    (tmp_path / "scene.toml").write_text(example)
+    nm.write_normal_map(tmp_path / "plate.exr", waves(90, 120, 3))
+    nm.write_normal_map(tmp_path / "leaf.png", waves(40, 50, 6, disc=True))
+    bunny = waves(64, 64, 9, disc=True)
+    nm.write_layers(nm.split(bunny), tmp_path / "bunny.exr")
+    png(tmp_path / "bunny_mask.png", np.full((64, 64), 255, np.uint8))
+    (tmp_path / "border.toml").write_text('[[layer]]\nfile = "leaf.png"\nat = "8%,10%"\nscale = 0.2\n')
+    done = run("compose", "stack", tmp_path / "scene.toml", "-o", tmp_path / "scene.exr")
+    assert done.code == 0, done.err
+    for line in (
+        "layer 5 (idea): hidden, left out",
+        "  bunny: over at",
+        "  ornaments: rnm, strength 0.5",
+        "  border.toml",
+    ):
+        assert line in done.err
+    recipe = nm.read_recipe(tmp_path / "scene.toml")
+    used = {key for layer in recipe.layers for key in re.findall(r"(\w+) =", nm.to_toml(nm.Recipe((layer,))))}
+    assert used >= {"file", "at", "anchor", "scale", "rotate", "feather", "mask", "strength", "mode", "green", "hidden"}
+
+
+def test_a_length_in_a_recipe_is_one_in_every_bit():
+    canvas = nm.CanvasOptions(width=Length(1e-5 / 3, "in"))
+    layer = nm.RecipeLayer("a.png", nm.LayerOptions(feather=Offset(1 / 3, "%")))
+    text = nm.to_toml(nm.Recipe((layer,), canvas))
+    assert f'width = "{1e-5 / 3!r}in"' in text
+    assert f'feather = "{1 / 3!r}%"' in text

@@ -1,0 +1,129 @@
+"""What is wrong with a recipe, in one line each: where, which key, what was found, what is accepted."""
+
+import re
+import tomllib
+
+import pytest
+
+import nmaptool as nm
+
+BUNNY = '[[layer]]\nfile = "plate.exr"\n[[layer]]\nname = "bunny"\nfile = "b.exr"\n'
+
+
+def message_of(text, kind=nm.InputError):
+    with pytest.raises(kind) as caught:
+        nm.parse_recipe(tomllib.loads(text), "scene.toml")
+    (message,) = caught.value.args
+    assert "\n" not in message
+    return message
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("rotation = 3", "unknown key 'rotation'; did you mean 'rotate'?"),
+        ("Scale = 3", "unknown key 'Scale'; did you mean 'scale'?"),
+        ("xyz = 3", "unknown key 'xyz'; use one of file, name, mode, strength, at, anchor, scale, rotate"),
+        ("flip-h = true\nflip_h = true", "flip_h: is there twice, with _ and with -; take one out"),
+        ('strength = "0.8"', "strength: found the text '0.8', expected a number such as 0.8"),
+        ("strength = true", "strength: found true, expected a number such as 0.8"),
+        ("strength = -1", "strength -1: must be zero or more"),
+        ("strength = 2", 'strength 2: must lie between 0 and 1 where the mode is "over"'),
+        ("strength = nan", "strength nan: must be zero or more"),
+        ("rotate = [30]", "rotate: found a list, expected a number such as 30"),
+        ("rotate = inf", "rotate inf: must lie between -3600 and 3600"),
+        (f"rotate = 1{'0' * 400}", "rotate: found a number of more than 30 digits, which is too large"),
+        ("height_factor = 5000", "height_factor 5000: must lie between -1000 and 1000, such as 1"),
+        ("at = 5", 'at: found the number 5, expected text in quotes, such as "30%,50%"'),
+        ('at = "30%"', "at '30%': expected 2 distances with commas, such as 30%,12mm"),
+        ('at = "3,4"', "at distance '3': expected a number with a unit"),
+        ('anchor = "middle"', "anchor 'middle': use one of center, top-left"),
+        ('mode = "multiply"', "mode 'multiply': use one of over, rnm, pd"),
+        ("mode = {}", 'mode: found a table, expected text in quotes, such as "over"'),
+        ('clip = "maybe"', "clip 'maybe': use one of auto, yes, no"),
+        ("feather = 6", 'feather: found the number 6, expected text in quotes, such as "6px"'),
+        ('feather = "wide"', "feather: distance 'wide': expected a number with a unit"),
+        ('feather = "-2px"', "feather -2px: must be zero or more"),
+        ("scale = 0", "scale 0: expected one or two factors between 0.001 and 1000"),
+        ('scale = "1,2,3"', "scale 1,2,3: expected one or two factors"),
+        ('scale = "a,b"', "scale 'a,b': expected a factor, two with a comma, or a width such as 30mm"),
+        ("scale = false", 'scale: found false, expected a number such as 0.5, text such as "0.5,0.7" or "30mm"'),
+        ('flip_h = "yes"', "flip_h: found the text 'yes', expected true or false"),
+        ("hidden = 1", "hidden: found the number 1, expected true or false"),
+        ("mask = 2026-01-01", "mask: found the date or time 2026-01-01, expected text in quotes"),
+        ('mask = ""', "mask: found nothing, expected the name of a grey picture"),
+        ("read = 1", "read: found the number 1, expected a table [layer.read]"),
+        ('read.gren = "up"', "read: unknown key 'gren'; did you mean 'green'?"),
+        ('read.green = "left"', "read: green 'left': use one of auto, up, down"),
+        ("read.zero_code = 128", "read: zero_code: found the number 128, expected text in quotes"),
+        ('read.background_color = "pink"', "read: background_color 'pink': use one of auto, none"),
+        ("read.max_megapixels = 1000", "read: unknown key 'max_megapixels'; use one of layer, green"),
+    ],
+)
+def test_a_layers_key(line, message):
+    assert f"scene.toml: layer 2 (bunny): {message}" in message_of(BUNNY + line)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "scene.toml: holds no layer; start one with [[layer]]"),
+        ("layer = []", "scene.toml: holds no layer"),
+        ('layers = "a"', "scene.toml: unknown key 'layers'; did you mean 'layer'?"),
+        ('[layer]\nfile = "a"', "scene.toml: [layer] is one table; write [[layer]], with double brackets"),
+        ("layer = 3", "scene.toml: layer: found the number 3, expected tables [[layer]]"),
+        ("layer = [3]", "scene.toml: layer 1: found the number 3, expected a table [[layer]]"),
+        ("canvas = 3", "scene.toml: canvas: found the number 3, expected a table [canvas]"),
+        ("[canvas]\nsise = 3", "scene.toml: canvas: unknown key 'sise'; did you mean 'size'?"),
+        ("[canvas]\nsize = 3", 'scene.toml: canvas: size: found the number 3, expected text in quotes, such as "1000x'),
+        ('[canvas]\nsize = "0x9"', "scene.toml: canvas: size '0x9': expected columns x rows in px"),
+        ('[canvas]\nwidth = "9px"', "scene.toml: canvas: width 9px: the size of a pixel follows from it"),
+        ('[canvas]\nwidth = "9"', "scene.toml: canvas: length '9': expected a number with a unit"),
+        ('[canvas]\nground = "wood"', "scene.toml: canvas: ground 'wood': use one of clear, flat"),
+        (
+            "[[layer]]",
+            "scene.toml: layer 1: holds neither file, recipe nor layers; give one of them: file (a normal map), ",
+        ),
+        (
+            '[[layer]]\nname = "x"\nlayer = []',
+            "scene.toml: layer 1 (x): holds neither file, recipe nor layers; give one of",
+        ),
+        ('[[layer]]\nfile = "a"\nrecipe = "b"', "scene.toml: layer 1 (a): holds file and recipe; give one of them"),
+        ('[[layer]]\nfile = ""', "scene.toml: layer 1: file: found nothing, expected the name of a normal map"),
+        ('[[layer]]\nrecipe = ""', "scene.toml: layer 1: recipe: found nothing, expected the name of a recipe"),
+        ("[[layer]]\nfile = 1", "scene.toml: layer 1: file: found the number 1, expected text"),
+        (
+            '[[layer]]\nat = "1px,1px"\n[[layer.layer]]\nfile = "a"',
+            "scene.toml: layer 1: at: is for a layer with a file, not for a group; give it to its layers",
+        ),
+        (
+            '[[layer]]\nrecipe = "a.toml"\nscale = 2',
+            "scene.toml: layer 1 (a.toml): scale: is for a layer with a file, not for a recipe; give it to its layers",
+        ),
+        (
+            '[[layer]]\n[layer.layer]\nfile = "a"',
+            "scene.toml: layer 1: [layer.layer] is one table; write [[layer.layer]], with double brackets",
+        ),
+        (
+            '[[layer]]\nname = "g"\n[[layer.layer]]\nfile = "sub/a.png"\nmood = 1',
+            "scene.toml: layer 1.1 (a.png): unknown key 'mood'; did you mean 'mode'?",
+        ),
+        ('[[layer]]\nmode = "x"\n[[layer.layer]]\nfile = "a"', "scene.toml: layer 1: mode 'x': use one of over"),
+    ],
+)
+def test_the_recipe(text, message):
+    assert message in message_of(text)
+
+
+def test_groups_too_deep_in_each_other():
+    depth = 17
+    tables = "".join(f"[[{'.'.join(['layer'] * (i + 1))}]]\n" for i in range(depth))
+    where = re.escape("layer " + ".".join(["1"] * (depth - 1)))
+    message = message_of(f'{tables}file = "a"', nm.LimitError)
+    assert re.match(f"scene.toml: {where}: groups lie more than 16 deep in each other; flatten them", message)
+
+
+def test_names_in_messages_are_short_and_printable():
+    message = message_of(f'[[layer]]\nname = "a\\n\\u001b[31m{"b" * 90}"\nfile = 1')
+    assert message.startswith("scene.toml: layer 1 (a [31mbbb")
+    assert "...): file" in message
