@@ -5,9 +5,7 @@ Formulas: C. Barre-Brisebois and S. Hill, "Blending in Detail" (2012); a is the 
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32
+from nmaptool.bands import each_band
 
 # detail that grazes or faces away is brought down to this slope where slopes are added or faded
 _STEEPEST = 50.0
@@ -82,10 +81,11 @@ def _rnm(a: _Triple, b: _Triple) -> _Triple:
     towards = 1 + a[2]
     away = towards < 1e-6
     across = a[0] * b[0] + a[1] * b[1]
-    share = (towards * b[2] - across) / np.where(away, 1, towards)
-    x = np.where(away, b[0], a[0] * share + b[0])
-    y = np.where(away, -b[1], a[1] * share + b[1])
-    z = np.where(away, -b[2], a[2] * b[2] - across)
+    any_away = away.any()
+    share = (towards * b[2] - across) / (np.where(away, 1, towards) if any_away else towards)
+    x, y, z = a[0] * share + b[0], a[1] * share + b[1], a[2] * b[2] - across
+    if any_away:
+        x, y, z = np.where(away, b[0], x), np.where(away, -b[1], y), np.where(away, -b[2], z)
     return x, y, z
 
 
@@ -130,26 +130,22 @@ def blend(base: Float32, detail: Float32, mode: str = "rnm", strength: float | N
     if base.shape != detail.shape or base.shape[-1] != 3:
         raise ValueError(f"base {base.shape} and detail {detail.shape} must have one shape (..., 3)")
     weight = np.asarray(strength, np.float32)
-    if not (np.isfinite(weight).all() and (weight >= 0).all()):
+    if weight.size and not (weight.min() >= 0 and weight.max() < np.inf):  # also for NaN
         raise ValueError("strength must be finite and zero or more")
     out = np.empty(base.shape, np.float32)
     a, b, o = (np.ascontiguousarray(v, np.float32).reshape(-1, 3) for v in (base, detail, out))
     each = None if weight.ndim == 0 else np.broadcast_to(weight, base.shape[:-1]).reshape(-1)
 
-    def part(first: int) -> None:
-        chunk = slice(first, first + _VECTORS_AT_ONCE)
+    def part(chunk: slice) -> None:
         _blend_chunk(a[chunk], b[chunk], MODES[mode], weight if each is None else each[chunk], o[chunk])
 
-    # NumPy lets other threads run while it computes
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
-        for _ in pool.map(part, range(0, len(a), _VECTORS_AT_ONCE)):
-            pass
+    each_band(len(a), _VECTORS_AT_ONCE, part)
     return out
 
 
 def _blend_chunk(base: Float32, detail: Float32, mode: Mode, strength: NDArray[Any], out: Float32) -> None:
     """Blend (N, 3) vectors into ``out``."""
-    a, b = _components(base), _components(detail)
+    a, b = under, over = _components(base), _components(detail)
     whole = strength.ndim == 0 and float(strength) == 1
     if mode.adds_slopes:
         a, b = _upright(a), _upright(b)
@@ -160,41 +156,45 @@ def _blend_chunk(base: Float32, detail: Float32, mode: Mode, strength: NDArray[A
     x, y, z = mode.kernel(a, b)
     if mode.fades == "result" and not whole:
         size = _length(x, y, z)
-        x, y, z = (under + strength * (c / size - under) for under, c in zip(a, (x, y, z), strict=True))
+        x, y, z = (first + strength * (c / size - first) for first, c in zip(a, (x, y, z), strict=True))
     size = _length(x, y, z)
     for axis, component in enumerate((x, y, z)):
         np.divide(component, size, out=out[:, axis])
-    _keep_identities(base, detail, mode, strength, out)
-    lost = size <= _SHORTEST  # opposite normals leave no direction
-    if lost.any():
-        out[lost] = base[lost]
-
-
-def _keep_identities(base: Float32, detail: Float32, mode: Mode, strength: NDArray[Any], out: Float32) -> None:
-    """Copy what must come out as it went in."""
-    unchanged = np.broadcast_to(strength == 0, len(base))
+    if mode.flat_base:  # what must come out as it went in
+        _copy_where(_flat(under) & (strength == 1), detail, out)
+    _copy_where(strength == 0, base, out)
     if mode.keeps_flat:
-        unchanged = unchanged | _flat(detail)
-    if mode.flat_base:
-        alone = _flat(base) & (strength == 1)
-        if alone.any():
-            out[alone] = detail[alone]
-    if unchanged.any():
-        out[unchanged] = base[unchanged]
+        _copy_where(_flat(over), base, out)
+    _copy_where(size <= _SHORTEST, base, out)  # opposite normals leave no direction
 
 
-def _flat(vectors: Float32) -> NDArray[np.bool_]:
-    flat: NDArray[np.bool_] = (vectors[:, 0] == 0) & (vectors[:, 1] == 0) & (vectors[:, 2] > 0)
+def _copy_where(chosen: Any, vectors: Float32, out: Float32) -> None:
+    if not np.any(chosen):
+        return
+    if np.all(chosen):
+        out[...] = vectors
+    else:
+        out[chosen] = vectors[chosen]
+
+
+def _flat(v: _Triple) -> NDArray[np.bool_]:
+    flat: NDArray[np.bool_] = v[0] == 0
+    if flat.any():
+        flat &= v[1] == 0
+        flat &= v[2] > 0
     return flat
 
 
 def _components(vectors: Float32) -> _Triple:
-    x, y, z = np.ascontiguousarray(vectors.T)
-    return x, y, z
+    return vectors[:, 0].copy(), vectors[:, 1].copy(), vectors[:, 2].copy()
 
 
 def _length(x: _Component, y: _Component, z: _Component) -> _Component:
-    size: _Component = np.sqrt(x * x + y * y + z * z)
+    size: _Component = x * x
+    square = y * y
+    size += square
+    size += np.multiply(z, z, out=square)
+    np.sqrt(size, out=size)
     return np.maximum(size, np.float32(_SHORTEST), out=size)
 
 
@@ -204,7 +204,8 @@ def _upright(v: _Triple) -> _Triple:
     least = np.sqrt(x * x + y * y)
     least /= np.float32(_STEEPEST)
     np.maximum(least, z, out=least)
-    return x, y, np.where(least == 0, np.float32(1), least)
+    least[least == 0] = 1
+    return x, y, least
 
 
 def _faded(v: _Triple, strength: NDArray[Any], upright: bool) -> _Triple:
@@ -212,6 +213,8 @@ def _faded(v: _Triple, strength: NDArray[Any], upright: bool) -> _Triple:
     x, y, z = _upright(v) if upright else v
     x, y = x * strength, y * strength
     size = _length(x, y, z)
+    x, y, z = x / size, y / size, z / size
     kept = strength == 1
-    x, y, z = (np.where(kept, whole, part / size) for whole, part in zip(v, (x, y, z), strict=True))
+    if kept.any():
+        x, y, z = (np.where(kept, whole, part) for whole, part in zip(v, (x, y, z), strict=True))
     return x, y, z

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Float64, Mask
+from nmaptool.bands import each_band
 from nmaptool.errors import LimitError
 from nmaptool.vectors import FLAT, unit
 
@@ -20,6 +23,7 @@ _UNEVEN = 0.01
 _EXACT = 1e-7
 _LEAST_COVERAGE = 1 / 512
 _RINGING = 0.04
+_PIXELS_AT_ONCE = 1 << 18
 _LONGEST_SIDE = 32_000  # what OpenCV can address
 
 
@@ -202,29 +206,56 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
     left, top, cols, rows = window
     # OpenCV counts from the centre of the first pixel
     centred = np.column_stack([matrix[:, :2], matrix[:, :2] @ [0.5, 0.5] + matrix[:, 2] - (left + 0.5, top + 0.5)])
-
-    def warp(array: Float32, how: int) -> Float32:
-        out: Float32 = cv2.warpAffine(array, centred, (cols, rows), flags=how)
-        return out
-
     inside = (mixed[..., 3] >= 1 - 1e-6).astype(np.uint8)
     inside = cv2.erode(inside, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    out = Piece(
+        np.empty((rows, cols, 3), np.float32),
+        np.empty((rows, cols), np.float32),
+        np.empty((rows, cols), bool),
+        left,
+        top,
+    )
+
+    def fill(band: slice) -> None:
+        """In bands, since what interpolation needs besides its result is several times as large."""
+        moved = centred - np.array([[0, 0, 0], [0, 0, band.start]])
+        size = (cols, band.stop - band.start)
+        vectors, coverage = _interpolated(mixed, inside, moved, size)
+        out.normals[band] = turn_vectors(vectors, linear, height_factor)
+        out.coverage[band] = coverage
+        out.foreground[band] = coverage >= 0.5
+        if motif is not None:
+            shown = cv2.warpAffine(motif, moved, size, flags=cv2.INTER_LINEAR)
+            out.foreground[band] = (shown >= 0.5 * coverage) & (coverage > 0)
+
+    each_band(rows, max(1, _PIXELS_AT_ONCE // cols), fill)
+    return out
+
+
+def _interpolated(
+    mixed: Float32, inside: NDArray[np.uint8], centred: Float64, size: tuple[int, int]
+) -> tuple[Float32, Float32]:
+    """Unit normals, not turned yet, and coverage, of (h, w, 4) vectors times coverage and coverage."""
+    import cv2
+
+    def warp(array: NDArray[Any], how: int) -> NDArray[Any]:
+        out: NDArray[Any] = cv2.warpAffine(array, centred, size, flags=how)
+        return out
+
     vectors = warp(mixed, cv2.INTER_LINEAR)
-    coverage = np.ascontiguousarray(vectors[..., 3]).clip(0, 1)
-    sharp = warp(mixed, cv2.INTER_LANCZOS4)
-    # next to a jump within the map the sharper one would ring
+    coverage = vectors[..., 3].clip(0, 1)
     smooth = warp(inside, cv2.INTER_NEAREST).astype(bool)
-    for off in cv2.split(cv2.absdiff(sharp, vectors)):
-        smooth &= off < _RINGING
-    np.copyto(vectors, sharp, where=smooth[..., None])
-    coverage[smooth] = 1
+    if smooth.any():
+        sharp = warp(mixed, cv2.INTER_LANCZOS4)
+        # next to a jump within the map the sharper one would ring
+        for off in cv2.split(cv2.absdiff(sharp, vectors)):
+            smooth &= off < _RINGING
+        np.copyto(vectors, sharp, where=smooth[..., None])
+        coverage[smooth] = 1
     coverage[coverage < _LEAST_COVERAGE] = 0
     normals = unit(vectors[..., :3])
     normals[coverage == 0] = FLAT
-    foreground = coverage >= 0.5
-    if motif is not None:
-        foreground = (warp(motif, cv2.INTER_LINEAR) >= 0.5 * coverage) & (coverage > 0)
-    return Piece(turn_vectors(normals, linear, height_factor), coverage, foreground, left, top)
+    return normals, coverage
 
 
 def _shrunk_size(matrix: Float64, shape: tuple[int, ...]) -> tuple[int, int]:
