@@ -19,7 +19,7 @@ from nmaptool.errors import InputError
 from nmaptool.grid import corner_mean, touching
 
 UNIT_TOLERANCE = 1e-3
-_VECTORS_AT_ONCE = 1 << 15
+_VECTORS_AT_ONCE = 1 << 16
 DEFAULT_LONGER_SIDE_MM = 100.0
 
 

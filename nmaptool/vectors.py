@@ -12,7 +12,7 @@ from nmaptool.bands import each_band
 
 FLAT = (0.0, 0.0, 1.0)
 # bands that stay in the cache
-_VECTORS_AT_ONCE = 1 << 15
+_VECTORS_AT_ONCE = 1 << 16
 
 
 def unit(vectors: NDArray[Any]) -> Float32:

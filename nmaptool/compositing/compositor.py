@@ -55,10 +55,10 @@ def clear_canvas(frame: Frame, ground: str) -> Canvas:
     return Canvas(frame, normals, coverage, np.zeros(frame.shape, bool), np.zeros(frame.shape, np.float32), [])
 
 
-def canvas_of(base: NormalMap) -> Canvas:
-    """A canvas with a map on it, as it is."""
+def canvas_of(base: NormalMap, frame: Frame) -> Canvas:
+    """A canvas with a map of its size on it, as it is."""
     copies = (base.normals.copy(), base.coverage.copy(), base.foreground.copy())
-    return Canvas(base.frame, *copies, np.zeros(base.frame.shape, np.float32), [])
+    return Canvas(frame, *copies, np.zeros(frame.shape, np.float32), [])
 
 
 def compose_onto(

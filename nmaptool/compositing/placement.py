@@ -23,7 +23,8 @@ _UNEVEN = 0.01
 _EXACT = 1e-7
 _LEAST_COVERAGE = 1 / 512
 _RINGING = 0.04
-_PIXELS_AT_ONCE = 1 << 18
+_TILE = 128
+_PIXELS_AT_ONCE = 1 << 16  # fits one band of `unit`
 _LONGEST_SIDE = 32_000  # what OpenCV can address
 
 
@@ -184,9 +185,19 @@ def _move_pixels(source: Piece, matrix: Float64, window: tuple[int, int, int, in
         x0, x1 = max(x, 0), min(x + moved.shape[1], cols)
         y0, y1 = max(y, 0), min(y + moved.shape[0], rows)
         if x0 < x1 and y0 < y1:
-            out[y0:y1, x0:x1] = moved[y0 - y : y1 - y, x0 - x : x1 - x]
+            _copy_in_tiles(moved[y0 - y : y1 - y, x0 - x : x1 - x], out[y0:y1, x0:x1])
         arrays.append(out)
     return Piece(arrays[0], arrays[1], arrays[2], left, top)
+
+
+def _copy_in_tiles(source: NDArray[Any], out: NDArray[Any]) -> None:
+    """Copy a picture that may lie on its side: long rows would touch new memory at every pixel."""
+
+    def copy(band: slice) -> None:
+        for first in range(0, out.shape[1], _TILE):
+            out[band, first : first + _TILE] = source[band, first : first + _TILE]
+
+    each_band(len(out), _TILE, copy)
 
 
 def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int], height_factor: float) -> Piece:
