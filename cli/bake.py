@@ -28,6 +28,8 @@ class LayerOutputs:
         Of the files in a folder: "exr" (float) or "png" (16 bit).
     plot:
         Figure of the residuals, the two Gaussians and the threshold, .png.
+    curl:
+        Picture of where the base stops being a surface, .png: black is sound, yellow is torn.
     report:
         Full account of the run as JSON; - for standard output.
     overwrite:
@@ -37,6 +39,7 @@ class LayerOutputs:
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None
     format: Literal["exr", "png"] = "exr"
     plot: Path | None = None
+    curl: Path | None = None
     report: Path | None = None
     overwrite: bool = False
 
@@ -86,7 +89,15 @@ def bake(
     if mesh == STREAM:
         raise UsageError("-: a mesh is read from a file, whose ending tells what it is")
     files = LayerFiles(
-        output, outputs.format, drawn.depth, drawn.faces, outputs.plot, report, options.views, outputs.overwrite
+        output,
+        outputs.format,
+        drawn.depth,
+        drawn.faces,
+        outputs.plot,
+        report,
+        outputs.curl,
+        options.views,
+        outputs.overwrite,
     )
     files.check()
     import nmaptool as nm
@@ -109,6 +120,7 @@ def bake(
         faces=drawn.faces,
         plot=outputs.plot,
         report=report,
+        curl=outputs.curl,
         overwrite=outputs.overwrite,
         account=account,
     )
@@ -122,8 +134,8 @@ def destination(outputs: LayerOutputs) -> tuple[Path, Path | None, bool]:
     """Where layers go, the report's file, and whether the report goes to standard output."""
     if outputs.output is None:
         raise UsageError("nothing to write: say where, such as -o maps or -o maps.exr")
-    if STREAM in (str(outputs.output), str(outputs.plot)):
-        raise UsageError("-: layers and plots are written to files, such as -o maps")
+    if STREAM in (str(outputs.output), str(outputs.plot), str(outputs.curl)):
+        raise UsageError("-: layers and pictures are written to files, such as -o maps")
     to_stdout = str(outputs.report) == STREAM
     return outputs.output, None if to_stdout else outputs.report, to_stdout
 

@@ -49,7 +49,7 @@ _SIGNED = (
     *("--swizzle", "--height", "--width", "--target", "--azimuth", "--elevation", "--roll"),
     *("--size", "--margin", "--pitch", "--sigma-s"),
     *("--at", "--rotate", "--feather", "--scale", "--strength", "--height-factor"),
-    *("--crop", "--pad", "--affine", "--resize", "--depth-scale", "--jump"),
+    *("--crop", "--pad", "--affine", "--resize", "--depth-scale", "--jump", "--smooth", "--fov"),
 )
 # flags that take whole numbers: the parser would round
 _WHOLE = ("--max-iterations", "--iterations", "--max-faces")

@@ -6,7 +6,18 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from nmaptool import Composition, ConvertReport, Decoding, Inspection, LayerReport, LayerSet, Mesh, SolveReport
+    from nmaptool import (
+        Composition,
+        ConvertReport,
+        Decoding,
+        DepthReport,
+        Inspection,
+        LayerReport,
+        LayerSet,
+        Mesh,
+        SolveReport,
+        Unpacked,
+    )
 
 
 _COMPONENTS = {"xyz": "x, y and z", "xy": "x and y, z made from them", "octahedral": "octahedral codes"}
@@ -107,6 +118,8 @@ def describe_split(report: LayerReport) -> Iterator[str]:
         f"  {o['filter']}{where}: sigma_s {size} = {report.sigma_s_px:.1f} px, sigma_r {o['sigma_r']:g}, "
         f"{o['iterations']} passes"
     )
+    if report.curl:
+        yield f"  mean |curl| {', '.join(f'{name} {size:.4f}' for name, size in report.curl.items())} slope per px"
     if m.form == "none":
         yield "  nothing to speak of is finer than that: the filter turns no normal by half a degree"
         return
@@ -148,6 +161,27 @@ def describe_composition(composition: Composition) -> Iterator[str]:
     yield f"  {report.command}: {frame}{pitch}, mean |curl| {report.curl_after:.4f} slope per px{before}"
 
 
+def describe_depth(report: DepthReport) -> Iterator[str]:
+    """How a depth picture was read, a line each."""
+    near = "near is dark or small" if report.inverted else "near is bright or large"
+    lens = f", {report.fov:g} degrees across ({report.fov_from})" if report.fov else ""
+    kind = f"{report.bits} bit {report.kind}"
+    yield f"  {kind}, {near} ({report.inverted_from}), scale {report.scale_px:.4g} px ({report.scale_from}){lens}"
+    steps = f"steps of {report.step_px:.3g} px" if report.step_px else "no steps"
+    noise = f"noise {report.noise_px:.3g} px" if report.noise_px else "no noise"
+    fitted = f"fitted within {report.tolerance_px:.3g} px" if report.tolerance_px else "slopes taken as they are"
+    yield f"  {steps}, {noise}: {fitted}"
+    if report.jump_px is None:
+        yield "  jumps were not looked for"
+    else:
+        mixed = f", {report.mixed_pixels} mixed pixels put on one side" if report.mixed_pixels else ""
+        yield f"  jumps of {report.jump_px:.3g} px or more beside {report.jump_share:.1%} of the surface{mixed}"
+    yield f"  background {report.background}, {report.background_share:.0%} of the picture"
+    yield f"  mean |curl| {report.curl:.4f} slope per px"
+    if report.scale_from == "assumed":
+        yield "  no depth was given: white stands 10% of the width above black; say --depth-scale 5% for your own"
+
+
 def describe_conversion(report: ConvertReport) -> Iterator[str]:
     """What a conversion changed, a line each."""
     was, now = report.source, report.target
@@ -172,3 +206,22 @@ def _kind(facts: Mapping[str, Any]) -> str:
     bits, zero = facts["bits"], facts["zero_code"]
     codes = f"{bits} bit, zero at {zero}" if bits in ("8", "16") else bits
     return f"{codes}, green {facts['green']}"
+
+
+def describe_unpacked(unpacked: Unpacked) -> Iterator[str]:
+    """A workspace taken apart, a line each."""
+    yield f"{unpacked.name}: {unpacked.frame}, {unpacked.bits} bit, {len(unpacked.layers)} layers, bottom to top"
+    for layer in unpacked.layers:
+        groups = f" in {' / '.join(group.name for group in layer.groups)}" if layer.groups else ""
+        more = f"{', mask' if layer.mask is not None else ''}{'' if layer.visible else ', hidden'}"
+        place = f"{layer.normal_map.frame} at {layer.left},{layer.top}"
+        yield f"  {layer.name}{groups}: {place}, {layer.mode}, strength {layer.strength:.3g}{more}"
+        for repair in layer.repairs:
+            yield f"    repaired: {repair}"
+    if not unpacked.has_words:
+        yield "  nmaptool's own words are not in the file: moves, mirrorings and fitted curves cannot be told"
+    for finding in unpacked.findings:
+        yield f"! {f'{finding.layer}: ' if finding.layer is not None else ''}{finding.message}"
+        yield f"    -> {finding.remedy}"
+    if not unpacked.findings:
+        yield "  clean: nothing to report"

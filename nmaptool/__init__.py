@@ -19,9 +19,10 @@ from nmaptool._version import __version__
 if TYPE_CHECKING:
     from nmaptool.cleaning import MeshFindings, clean_mesh
     from nmaptool.conversion import ConvertReport
-    from nmaptool.curl_picture import curl_picture
+    from nmaptool.curl_shading import curl_picture
     from nmaptool.decoding import decode_normal_map
     from nmaptool.decompose.rolling import Decomposition
+    from nmaptool.depth.report import DepthNormals, DepthReport
     from nmaptool.errors import (
         ConvergenceError,
         InputError,
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
     from nmaptool.io.outputs import write_relief
     from nmaptool.io.recipe_files import read_recipe
     from nmaptool.io.stacks import Stack, read_stack
+    from nmaptool.io.unpacked import write_unpacked
+    from nmaptool.io.workspaces import read_workspace, write_workspace
     from nmaptool.layer_set import LayerReport, LayerSet, Mixture
     from nmaptool.layer_stack import Layer, LayerGroup
     from nmaptool.mesh import Mesh
@@ -48,10 +51,12 @@ if TYPE_CHECKING:
         BakeOptions,
         BlendOptions,
         CanvasOptions,
+        DepthOptions,
         FilterOptions,
         GroupOptions,
         LayerOptions,
         MeshReadOptions,
+        PackOptions,
         ReadOptions,
         ReliefOptions,
         SplitOptions,
@@ -66,98 +71,72 @@ if TYPE_CHECKING:
     from nmaptool.shading import preview
     from nmaptool.tessellate import surface_mesh
     from nmaptool.units import Length, length
+    from nmaptool.unpacked import Unpacked, UnpackedLayer
     from nmaptool.verbs.bake import bake, bake_views
     from nmaptool.verbs.blend import blend
     from nmaptool.verbs.compose import compose, paste
     from nmaptool.verbs.decompose import decompose_normals
+    from nmaptool.verbs.depth import depth_to_normals
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
     from nmaptool.verbs.integrate import integrate
+    from nmaptool.verbs.pack import PackedMap, pack
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
     from nmaptool.verbs.split import split
     from nmaptool.verbs.transform import transform
+    from nmaptool.verbs.unpack import unpack
+    from nmaptool.workspace import Workspace, WorkspaceFinding, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
 
-_HOME = {
-    "MeshFindings": "cleaning",
-    "clean_mesh": "cleaning",
-    "ConvertReport": "conversion",
-    "curl_picture": "curl_picture",
-    "decode_normal_map": "decoding",
-    "Decomposition": "decompose.rolling",
-    "ConvergenceError": "errors",
-    "InputError": "errors",
-    "LimitError": "errors",
-    "NmaptoolError": "errors",
-    "OutputError": "errors",
-    "RendererError": "errors",
-    "UsageError": "errors",
-    "convert": "io.conversion",
-    "read_height": "io.heights",
-    "read_surface": "io.heights",
-    "write_layers": "io.layer_files",
-    "write_composition": "io.map_files",
-    "read_mesh": "io.mesh_reader",
-    "read_grey": "io.normal_maps",
-    "read_normal_map": "io.normal_maps",
-    "read_raster": "io.normal_maps",
-    "write_normal_map": "io.normal_maps",
-    "write_relief": "io.outputs",
-    "read_recipe": "io.recipe_files",
-    "Stack": "io.stacks",
-    "read_stack": "io.stacks",
-    "LayerReport": "layer_set",
-    "LayerSet": "layer_set",
-    "Mixture": "layer_set",
-    "Layer": "layer_stack",
-    "LayerGroup": "layer_stack",
-    "Mesh": "mesh",
-    "Decoding": "model",
-    "Frame": "model",
-    "Height": "model",
-    "NormalMap": "model",
-    "RasterImage": "model",
-    "BakeOptions": "options",
-    "BlendOptions": "options",
-    "CanvasOptions": "options",
-    "FilterOptions": "options",
-    "GroupOptions": "options",
-    "LayerOptions": "options",
-    "MeshReadOptions": "options",
-    "ReadOptions": "options",
-    "ReliefOptions": "options",
-    "SplitOptions": "options",
-    "TransformOptions": "options",
-    "WriteOptions": "options",
-    "doubts": "orientation",
-    "Recipe": "recipe",
-    "RecipeGroup": "recipe",
-    "RecipeLayer": "recipe",
-    "RecipeLink": "recipe",
-    "parse_recipe": "recipe_parsing",
-    "to_toml": "recipe_toml",
-    "ComposeReport": "results",
-    "Composition": "results",
-    "Relief": "results",
-    "SolveReport": "results",
-    "preview": "shading",
-    "surface_mesh": "tessellate",
-    "Length": "units",
-    "length": "units",
-    "bake": "verbs.bake",
-    "bake_views": "verbs.bake",
-    "blend": "verbs.blend",
-    "compose": "verbs.compose",
-    "paste": "verbs.compose",
-    "decompose_normals": "verbs.decompose",
-    "Finding": "verbs.inspect",
-    "Inspection": "verbs.inspect",
-    "inspect_map": "verbs.inspect",
-    "integrate": "verbs.integrate",
-    "relief": "verbs.relief",
-    "pitch_of": "verbs.relief_inputs",
-    "split": "verbs.split",
-    "transform": "verbs.transform",
+_MODULES = {
+    "cleaning": "MeshFindings clean_mesh",
+    "conversion": "ConvertReport",
+    "curl_shading": "curl_picture",
+    "decoding": "decode_normal_map",
+    "decompose.rolling": "Decomposition",
+    "depth.report": "DepthNormals DepthReport",
+    "errors": "ConvergenceError InputError LimitError NmaptoolError OutputError RendererError UsageError",
+    "io.conversion": "convert",
+    "io.heights": "read_height read_surface",
+    "io.layer_files": "write_layers",
+    "io.map_files": "write_composition",
+    "io.mesh_reader": "read_mesh",
+    "io.normal_maps": "read_grey read_normal_map read_raster write_normal_map",
+    "io.outputs": "write_relief",
+    "io.recipe_files": "read_recipe",
+    "io.stacks": "Stack read_stack",
+    "io.unpacked": "write_unpacked",
+    "io.workspaces": "read_workspace write_workspace",
+    "layer_set": "LayerReport LayerSet Mixture",
+    "layer_stack": "Layer LayerGroup",
+    "mesh": "Mesh",
+    "model": "Decoding Frame Height NormalMap RasterImage",
+    "options": "BakeOptions BlendOptions CanvasOptions DepthOptions FilterOptions GroupOptions LayerOptions "
+    "MeshReadOptions PackOptions ReadOptions ReliefOptions SplitOptions TransformOptions WriteOptions",
+    "orientation": "doubts",
+    "recipe": "Recipe RecipeGroup RecipeLayer RecipeLink",
+    "recipe_parsing": "parse_recipe",
+    "recipe_toml": "to_toml",
+    "results": "ComposeReport Composition Relief SolveReport",
+    "shading": "preview",
+    "tessellate": "surface_mesh",
+    "units": "Length length",
+    "unpacked": "Unpacked UnpackedLayer",
+    "verbs.bake": "bake bake_views",
+    "verbs.blend": "blend",
+    "verbs.compose": "compose paste",
+    "verbs.decompose": "decompose_normals",
+    "verbs.depth": "depth_to_normals",
+    "verbs.inspect": "Finding Inspection inspect_map",
+    "verbs.integrate": "integrate",
+    "verbs.pack": "PackedMap pack",
+    "verbs.relief": "relief",
+    "verbs.relief_inputs": "pitch_of",
+    "verbs.split": "split",
+    "verbs.transform": "transform",
+    "verbs.unpack": "unpack",
+    "workspace": "Workspace WorkspaceFinding WorkspaceGroup WorkspaceLayer WorkspaceMask",
 }
+_HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
 __all__ = [
     "BakeOptions",
@@ -169,6 +148,9 @@ __all__ = [
     "ConvertReport",
     "Decoding",
     "Decomposition",
+    "DepthNormals",
+    "DepthOptions",
+    "DepthReport",
     "FilterOptions",
     "Finding",
     "Frame",
@@ -190,6 +172,8 @@ __all__ = [
     "NmaptoolError",
     "NormalMap",
     "OutputError",
+    "PackOptions",
+    "PackedMap",
     "RasterImage",
     "ReadOptions",
     "Recipe",
@@ -203,7 +187,14 @@ __all__ = [
     "SplitOptions",
     "Stack",
     "TransformOptions",
+    "Unpacked",
+    "UnpackedLayer",
     "UsageError",
+    "Workspace",
+    "WorkspaceFinding",
+    "WorkspaceGroup",
+    "WorkspaceLayer",
+    "WorkspaceMask",
     "WriteOptions",
     "__version__",
     "bake",
@@ -215,10 +206,12 @@ __all__ = [
     "curl_picture",
     "decode_normal_map",
     "decompose_normals",
+    "depth_to_normals",
     "doubts",
     "inspect_map",
     "integrate",
     "length",
+    "pack",
     "parse_recipe",
     "paste",
     "pitch_of",
@@ -231,15 +224,19 @@ __all__ = [
     "read_recipe",
     "read_stack",
     "read_surface",
+    "read_workspace",
     "relief",
     "split",
     "surface_mesh",
     "to_toml",
     "transform",
+    "unpack",
     "write_composition",
     "write_layers",
     "write_normal_map",
     "write_relief",
+    "write_unpacked",
+    "write_workspace",
 ]
 
 

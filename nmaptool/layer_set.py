@@ -104,6 +104,8 @@ class LayerReport:
     camera : mapping
         ``rotation`` (mesh to eye space), ``center`` (of the picture, in eye space), ``unit_per_px``, ``distance`` (of a
         perspective camera's eye from the picture plane, else None), all in units of the mesh.
+    curl : mapping of str to float
+        Mean |curl| of original, base and detail, in slope per px.
     seconds : mapping of str to float
         Time by stage.
     warnings : tuple of str
@@ -121,6 +123,7 @@ class LayerReport:
     sigma_s_px: float = 0.0
     renderer: str = ""
     camera: Mapping[str, Any] = field(default_factory=dict)
+    curl: Mapping[str, float] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
@@ -129,7 +132,7 @@ class LayerReport:
         out = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
         out["mixture"] = self.mixture.to_dict()
         out["findings"] = None if self.findings is None else dataclasses.asdict(self.findings)
-        out |= {key: dict(out[key]) for key in ("options", "camera", "seconds")}
+        out |= {key: dict(out[key]) for key in ("options", "camera", "curl", "seconds")}
         return out
 
 

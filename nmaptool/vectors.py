@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -131,6 +132,11 @@ def mean_abs_curl(normals: Float32, mask: Mask, cap: float = 1.0) -> float:
 
     each_band(len(inside), max(1, _VECTORS_AT_ONCE // mask.shape[1]), fill)
     return float(found.mean())
+
+
+def mean_abs_curls(layers: Mapping[str, Float32], mask: Mask) -> dict[str, float]:
+    """`mean_abs_curl` of several (H, W, 3) layers, by name."""
+    return {name: mean_abs_curl(normals, mask) for name, normals in layers.items()}
 
 
 def mean_angle_deg(first: Float32, second: Float32) -> float:

@@ -65,7 +65,8 @@ def test_several_views(bake, tree, tmp_path):
     done = bake("--view", "Front, left", "--format", "png")
     wanted = [f"m/{view}/{name}.png" for view in ("front", "left") for name in MAPS]
     assert sorted(tree()) == sorted(["m", "m/front", "m/left", "m/sheet.png", "plate.obj", *wanted])
-    assert [line.split(":")[0].strip() for line in done.err.splitlines()[3:5]] == ["front", "left"]
+    told = [line.split(":")[0].strip() for line in done.err.splitlines()]
+    assert [word for word in told if word in ("front", "left")] == ["front", "left"]
     assert nm.read_raster(tmp_path / "m" / "left" / "base.png").attributes["view"] == "left"
     one = cv2.imread(str(tmp_path / "m" / "sheet.png"))
     bake("--view", "front,left", "--faces", out="m.exr")

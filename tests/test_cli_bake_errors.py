@@ -94,7 +94,7 @@ BAD_WORDS = [
     ("--max-faces 1e3", r"--max-faces '1e3': must be a whole number"),
     ("--format tif", r"\"tif\" for --format"),
     ("--plot p.jpg", r"p\.jpg: a plot is written as \.png"),
-    ("--plot -", r"layers and plots are written to files"),
+    ("--plot -", r"layers and pictures are written to files"),
     ("--report r.txt", r"r\.txt: a report is written as \.json"),
     ("--plot m/sheet.png", r"m: two of the outputs have the same name"),
     ("--frobnicate", r"--frobnicate"),
@@ -110,7 +110,7 @@ def test_words_that_cannot_be_meant(refused, place, words, pattern):
 BAD_TARGETS = [
     (USAGE, "x.png", r"x\.png: layers are written into a folder, such as -o maps --format png .*, or into one .exr"),
     (USAGE, "plate.obj", r"plate\.obj: layers are written into a folder"),
-    (USAGE, "-", r"-: layers and plots are written to files, such as -o maps"),
+    (USAGE, "-", r"-: layers and pictures are written to files, such as -o maps"),
     (OUTPUT, "file", r"file: is a file; layers need a folder of that name"),
     (OUTPUT, "file/m", r"file/m: file is a file, not a folder"),
     (OUTPUT, "file/m.exr", r"file/m\.exr: file is a file, not a folder"),

@@ -129,7 +129,7 @@ def test_pictures_have_the_maps_size_and_mean_what_they_say(made, place):
     expected[:10, :10] = motif.coverage[10:, 10:]
     assert np.array_equal(placed.pixels[..., 0], expected * 65535)
     assert (curl.attributes["kind"], curl.attributes["black"], curl.attributes["white"]) == ("curl", "0.001", "1.0")
-    assert np.array_equal(curl.pixels, nm.curl_picture.curl_picture(result.map))
+    assert np.array_equal(curl.pixels, nm.curl_picture(result.map))
     assert (curl.pixels[12:, 12:] == curl.pixels[-1, -1]).all()  # a plate is sound: one dark colour
     assert curl.pixels[-1, -1].max() < 10 < 200 < curl.pixels[:9, :9].max()
     assert (made("paste", "plate.png", "motif.exr", "--mask", "top.png").map.coverage == 1).all()

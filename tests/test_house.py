@@ -26,9 +26,11 @@ HEAVY = {
     "OpenImageIO",
     "PIL",
     "pyamg",
+    "psd_tools",
     "pyrender",
     "scipy",
     "skimage",
+    "tifffile",
     "trimesh",
 }
 
@@ -54,8 +56,8 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
 
 
-COMPOSE = tuple(f"compose {name}" for name in ("blend", "convert", "paste", "split", "stack", "transform"))
-COMMANDS = ("bake", "compose", *COMPOSE, "inspect", "relief")
+COMPOSE = ("blend", "convert", "depth", "pack", "paste", "split", "stack", "transform", "unpack")
+COMMANDS = ("bake", "compose", *(f"compose {name}" for name in COMPOSE), "inspect", "relief")
 
 
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])
@@ -81,6 +83,8 @@ def test_every_public_name_loads_and_has_a_docstring():
         if name != "__version__":
             assert inspect.getdoc(value), name
     assert set(nm.__all__) - {"__version__"} == set(nm._HOME)
+    # a module of the same name would take the name's place once it is imported
+    assert not set(nm.__all__) & {path.stem for path in (ROOT / "nmaptool").iterdir()}
     with pytest.raises(AttributeError, match="no attribute 'carve'"):
         _ = nm.carve
 

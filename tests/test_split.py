@@ -145,3 +145,19 @@ def test_the_command_refuses(refused, bumpy, tmp_path):
     refused(5, "base.exr: exists already", "compose", "split", source, "-o", tmp_path / "full")
     refused(2, "layers are written into a folder", "compose", "split", source, "-o", tmp_path / "a.png")
     refused(5, "the folder .* does not exist; make it first", "compose", "split", source, "-o", tmp_path / "a" / "b")
+
+
+def test_curl_is_reported_and_shown(bumpy, tmp_path, run):
+    nm.write_normal_map(tmp_path / "map.exr", bumpy[0])
+    done = run("compose", "split", tmp_path / "map.exr", "-o", tmp_path / "maps", "--curl", tmp_path / "curl.png")
+    assert done.code == 0
+    layers = nm.split(bumpy[0])
+    assert set(layers.report.curl) == {"original", "base", "detail"}
+    assert layers.report.curl["base"] == pytest.approx(
+        nm.vectors.mean_abs_curl(layers.base.normals, layers.coverage > 0)
+    )
+    assert (
+        f"mean |curl| original {layers.report.curl['original']:.4f}, base {layers.report.curl['base']:.4f}" in done.err
+    )
+    shown = nm.read_raster(tmp_path / "curl.png").pixels
+    assert np.abs(shown.astype(int) - nm.curl_picture(layers.base)).max() <= 8

@@ -35,7 +35,9 @@ def split(
 
     session = Session(run)
     output, report, to_stdout = destination(outputs)
-    files = LayerFiles(output, outputs.format, plot=outputs.plot, report=report, overwrite=outputs.overwrite)
+    files = LayerFiles(
+        output, outputs.format, plot=outputs.plot, report=report, curl=outputs.curl, overwrite=outputs.overwrite
+    )
     files.check()
     import nmaptool as nm
     from nmaptool_cli.wording import describe_split
@@ -57,6 +59,7 @@ def split(
         format=outputs.format,
         plot=outputs.plot,
         report=report,
+        curl=outputs.curl,
         overwrite=outputs.overwrite,
         account=account,
     )

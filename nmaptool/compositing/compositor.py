@@ -11,17 +11,20 @@ import numpy as np
 from nmaptool.arrays import Float32, Mask
 from nmaptool.blending import blend
 from nmaptool.compositing.edges import feathered
-from nmaptool.compositing.placement import Piece, bounds, is_exact, linear_part, map_piece, with_fixed_point
+from nmaptool.compositing.placement import (
+    Piece,
+    bounds,
+    is_exact,
+    linear_part,
+    map_piece,
+    scale_factors,
+    with_fixed_point,
+)
 from nmaptool.errors import InputError, UsageError
 from nmaptool.layer_stack import Layer, LayerGroup, check_mask
 from nmaptool.model import Frame, NormalMap
-from nmaptool.options import LayerOptions
 from nmaptool.options.compose import ANCHORS
-from nmaptool.units import Length
 from nmaptool.vectors import FLAT, unit
-
-# a canvas of this many layers' sizes at most: beyond it a scale is a slip of the hand
-_LARGEST_FACTOR = 1e3
 
 
 @dataclass(eq=False)
@@ -131,7 +134,7 @@ def place(layer: Layer, frame: Frame) -> Piece:
     if layer.mask is not None:
         coverage = coverage * layer.mask
     rows, cols = source.frame.shape
-    linear = linear_part(_factors(o, frame, cols), o.flip_h, o.flip_v, o.rotate)
+    linear = linear_part(scale_factors(o.factors, frame, cols), o.flip_h, o.flip_v, o.rotate)
     share_across, share_down = ANCHORS[o.anchor]
     try:
         across, down = (
@@ -157,21 +160,6 @@ def place(layer: Layer, frame: Frame) -> Piece:
     if feather:
         piece = replace(piece, coverage=feathered(piece.coverage, feather))
     return _cut(piece, frame)
-
-
-def _factors(options: LayerOptions, frame: Frame, cols: int) -> tuple[float, float]:
-    factors = options.factors
-    if isinstance(factors, Length):
-        if factors.is_absolute and frame.pitch_mm is None:
-            raise UsageError(
-                f"--scale {factors}: the size of the canvas's pixels is not known; say --width 100mm for the canvas"
-            )
-        pitch = frame.pitch_mm or 1.0
-        factor = factors.to_mm(pitch, frame.cols) / pitch / cols
-        if not 1 / _LARGEST_FACTOR <= factor <= _LARGEST_FACTOR:
-            raise UsageError(f"--scale {factors}: is {factor:.3g} times the layer's size; use 0.001 to 1000 times")
-        return factor, factor
-    return factors
 
 
 def _cut(piece: Piece, frame: Frame) -> Piece:

@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Float64, Mask
 from nmaptool.bands import each_band
-from nmaptool.errors import LimitError
+from nmaptool.errors import LimitError, UsageError
+from nmaptool.model import Frame
+from nmaptool.units import Length
 from nmaptool.vectors import FLAT, unit
 
 # scales that differ by less are rounding of sizes in px, not stretching
 _UNEVEN = 0.01
 _EXACT = 1e-7
+_LARGEST_FACTOR = 1e3
 _LEAST_COVERAGE = 1 / 512
 _RINGING = 0.04
 _TILE = 128
@@ -67,6 +70,26 @@ def with_fixed_point(linear: Float64, source: tuple[float, float], target: tuple
     if is_exact(linear):
         move = np.floor(move + 0.5 + _EXACT)
     return np.column_stack([linear, move])
+
+
+def scale_factors(scale: tuple[float, float] | Length, frame: Frame, cols: int) -> tuple[float, float]:
+    """Factors across and down of a map of ``cols`` columns; a length is its new width, % being those of ``frame``.
+
+    Raises
+    ------
+    UsageError
+        If a length is in mm and the frame's pitch is not known, or it is less than a thousandth or more than a thousand
+        times the map's own width.
+    """
+    if not isinstance(scale, Length):
+        return scale
+    if scale.is_absolute and frame.pitch_mm is None:
+        raise UsageError(f"--scale {scale}: the size of a pixel is not known; say --width 100mm, or give a factor")
+    pitch = frame.pitch_mm or 1.0
+    factor = scale.to_mm(pitch, frame.cols) / pitch / cols
+    if not 1 / _LARGEST_FACTOR <= factor <= _LARGEST_FACTOR:
+        raise UsageError(f"--scale {scale}: is {factor:.3g} times the layer's size; use 0.001 to 1000 times")
+    return factor, factor
 
 
 def is_exact(linear: Float64) -> bool:

@@ -12,7 +12,7 @@ import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
 from numpy.typing import NDArray
 
 from nmaptool.errors import InputError, OutputError
-from nmaptool.io.images import PREFIX, error_text, one_line, read_image
+from nmaptool.io.images import PREFIX, PlacedImage, error_text, one_line, read_image, read_pages
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +31,8 @@ class Picture:
         Of the part.
     half : bool
         Store float32 as half.
+    window : tuple of int, optional
+        EXR: (left, top) of the picture in a display window of (cols, rows).
     """
 
     pixels: NDArray[Any]
@@ -38,6 +40,7 @@ class Picture:
     attributes: Mapping[str, str]
     name: str = ""
     half: bool = False
+    window: tuple[int, int, int, int] | None = None
 
 
 def write_image(
@@ -80,7 +83,9 @@ def write_pictures(path: Path, pictures: Sequence[Picture]) -> None:
     reason = "" if good else error_text(sink)
     good = bool(sink.close()) and good
     if good:  # the PNG writer calls a full disk a success
-        good = all(_same_on_disk(path, picture, named=len(specs) > 1) for picture in pictures)
+        placed = any(picture.window is not None for picture in pictures)
+        back = _placed_on_disk(path) if placed else None
+        good = all(_same_on_disk(path, picture, len(specs) > 1, back) for picture in pictures)
     if not good:
         raise OutputError(f"{path}: cannot be written ({reason or 'is the disk full?'})")
 
@@ -89,6 +94,8 @@ def _spec(kind: str, picture: Picture) -> Any:
     rows, cols, count = picture.pixels.shape
     stored = "half" if picture.half else {"u1": "uint8", "u2": "uint16", "f4": "float"}[picture.pixels.dtype.str[1:]]
     spec = oiio.ImageSpec(cols, rows, count, stored)
+    if picture.window is not None:
+        spec.x, spec.y, spec.full_width, spec.full_height = picture.window
     spec.channelnames = picture.channels
     spec.alpha_channel = picture.channels.index("A") if "A" in picture.channels else -1
     spec.attribute("oiio:UnassociatedAlpha", 1)
@@ -106,10 +113,25 @@ def _spec(kind: str, picture: Picture) -> Any:
     return spec
 
 
-def _same_on_disk(path: Path, picture: Picture, named: bool) -> bool:
+def _placed_on_disk(path: Path) -> list[PlacedImage]:
+    try:
+        return read_pages(path, max_megapixels=float("inf"))
+    except InputError:
+        return []
+
+
+def _same_on_disk(path: Path, picture: Picture, named: bool, placed: list[PlacedImage] | None) -> bool:
+    if placed is not None:
+        found = [page for page in placed if not named or page.image.layer == picture.name]
+        windows = [(page.left, page.top, page.cols, page.rows) for page in found]
+        return windows == [picture.window] and _equal(found[0].image.pixels, picture)
     try:
         back = read_image(path, picture.name if named else None, max_megapixels=float("inf")).pixels
     except InputError:
         return False
+    return _equal(back, picture)
+
+
+def _equal(back: NDArray[Any], picture: Picture) -> bool:
     expected = picture.pixels.astype(np.float16).astype(np.float32) if picture.half else picture.pixels
     return bool(back.shape == expected.shape and np.array_equal(back, expected, equal_nan=expected.dtype.kind == "f"))

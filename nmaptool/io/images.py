@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -154,6 +155,65 @@ def read_image(path: Path, layer: str | None = None, max_megapixels: float = 270
         source.close()
 
 
+@dataclass(frozen=True, eq=False)
+class PlacedImage:
+    """A part of a file at its place: not yet on the canvas.
+
+    Parameters
+    ----------
+    image : RasterImage
+    left, top : int
+        Of its data window in the display window.
+    cols, rows : int
+        Of the display window.
+    """
+
+    image: RasterImage
+    left: int
+    top: int
+    cols: int
+    rows: int
+
+
+def read_pages(path: Path, max_megapixels: float = 270.0) -> list[PlacedImage]:
+    """Read all layers, parts and pages of a file.
+
+    Raises
+    ------
+    InputError, LimitError
+        As `read_image`; the limit is on all of them together.
+    """
+    source, kind, structure = _open(path, max_megapixels)
+    try:
+        parts = _parts(source)
+        found = layers.find(parts)
+        total = 0
+        for layer in found:
+            spec = parts[layer.part]
+            if spec.deep:
+                raise InputError(f"{path}: holds deep data (many samples a pixel); flatten it on export")
+            png.check_size(path, spec.full_width, spec.full_height, max_megapixels)
+            total += spec.width * spec.height
+        if total > max_megapixels * 1e6:
+            raise LimitError(
+                f"{path}: its layers hold {total / 1e6:.3g} megapixels together, more than the limit of "
+                f"{max_megapixels:g}; crop them or raise --max-megapixels"
+            )
+        return [_read_placed(path, source, kind, structure, layer) for layer in found]
+    finally:
+        source.close()
+
+
+def _read_placed(
+    path: Path, source: Any, kind: str, structure: png.PngStructure | None, layer: layers.Layer
+) -> PlacedImage:
+    source.seek_subimage(layer.part, 0)
+    spec = source.spec()
+    layer = replace(layer, name=layer.name or None)
+    image = _read_layer(path, source, kind, structure, layer, placed=True)
+    return PlacedImage(image, spec.x - spec.full_x, spec.y - spec.full_y, spec.full_width, spec.full_height)
+
+
 def _parts(source: Any) -> list[Any]:
     """Specs of all parts, copied before the reader moves on."""
     parts: list[Any] = []
@@ -164,8 +224,15 @@ def _parts(source: Any) -> list[Any]:
 
 
 def _read_layer(
-    path: Path, source: Any, kind: str, structure: png.PngStructure | None, chosen: layers.Layer
+    path: Path,
+    source: Any,
+    kind: str,
+    structure: png.PngStructure | None,
+    chosen: layers.Layer,
+    *,
+    placed: bool = False,
 ) -> RasterImage:
+    """The layer on the canvas, or (``placed``) in its own data window."""
     spec = source.spec()
     stored = str(spec.format)
     wanted = {"uint8": oiio.UINT8, "uint16": oiio.UINT16}.get(stored, oiio.FLOAT)
@@ -177,7 +244,9 @@ def _read_layer(
         raise LimitError(f"{path}: {spec.width} x {spec.height} does not fit in memory; make it smaller") from None
     if pixels is None:
         raise InputError(f"{path}: the {_NAMES[kind]} file is cut short or damaged; export or download it again")
-    pixels, chosen = _on_canvas(spec, layers.pick(pixels, chosen), chosen)
+    pixels = layers.pick(pixels, chosen)
+    if not placed:
+        pixels, chosen = _on_canvas(spec, pixels, chosen)
     colors = structure.color_chunks if structure is not None else ()
     if structure is None and spec.getattribute("ICCProfile") is not None:
         colors = ("ICC profile",)

@@ -10,20 +10,17 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from nmaptool._version import __version__
 from nmaptool.contact_sheet import contact_sheet
-from nmaptool.errors import LimitError, OutputError, UsageError, reason_of
-from nmaptool.io.image_writer import Picture, write_image, write_pictures
-from nmaptool.io.normal_maps import grey_codes, normal_picture
+from nmaptool.errors import OutputError, UsageError, reason_of
+from nmaptool.io.image_writer import write_image, write_pictures
+from nmaptool.io.layer_pictures import NORMAL_LAYERS, layer_picture
+from nmaptool.io.map_files import curl_shot
 from nmaptool.io.replace import check_target, named, written_beside
 from nmaptool.layer_set import LayerSet
 from nmaptool.mixture_plot import mixture_plot
 
 FORMATS = ("exr", "png")
-_MOST_EXACT = 1 << 24  # whole numbers that float32 and three bytes hold
-_NORMAL_LAYERS = ("original", "base", "detail")
 
 
 @dataclass(frozen=True)
@@ -42,6 +39,8 @@ class LayerFiles:
         Figure of the mixture, .png.
     report : Path or None
         .json.
+    curl : Path or None
+        Picture of the base's |curl|, .png.
     views : tuple of str
         Names of the views; several get a folder, or a prefix in a multi-part EXR, each.
     overwrite : bool
@@ -54,6 +53,7 @@ class LayerFiles:
     faces: bool = False
     plot: Path | None = None
     report: Path | None = None
+    curl: Path | None = None
     views: tuple[str, ...] = ("",)
     overwrite: bool = False
 
@@ -66,7 +66,7 @@ class LayerFiles:
     def layers(self) -> tuple[str, ...]:
         """Names of the layers that are written."""
         extra = tuple(name for name in ("depth", "faces") if getattr(self, name))
-        return (*_NORMAL_LAYERS, "coverage", *extra)
+        return (*NORMAL_LAYERS, "coverage", *extra)
 
     @property
     def sheet(self) -> Path:
@@ -82,9 +82,9 @@ class LayerFiles:
 
     @property
     def targets(self) -> list[Path]:
-        """All files: maps first, then the contact sheet, the plot and the report."""
+        """All files: maps first, then the contact sheet, the plot, the picture of the curl and the report."""
         maps = [self.output] if self.is_one_file else [self.place(v, name) for v in self.views for name in self.layers]
-        return [*maps, self.sheet, *(p for p in (self.plot, self.report) if p is not None)]
+        return [*maps, self.sheet, *(p for p in (self.plot, self.curl, self.report) if p is not None)]
 
     def check(self) -> None:
         """Refuse what could not be written, before any work is done.
@@ -115,7 +115,8 @@ class LayerFiles:
                 f"{self.output}: layers are written into a folder, such as -o maps --format png (make it first if its "
                 "name has a dot), or into one .exr"
             )
-        for path, kind, what in ((self.plot, ".png", "a plot"), (self.report, ".json", "a report")):
+        pictures = ((self.plot, ".png", "a plot"), (self.curl, ".png", "a picture of the curl"))
+        for path, kind, what in (*pictures, (self.report, ".json", "a report")):
             if path is not None and path.suffix.lower() != kind:
                 raise UsageError(f"{path}: {what} is written as {kind}")
         targets = self.targets
@@ -169,6 +170,7 @@ def write_layers(
     faces: bool = False,
     plot: str | Path | None = None,
     report: str | Path | None = None,
+    curl: str | Path | None = None,
     overwrite: bool = False,
     account: Mapping[str, Any] | None = None,
 ) -> list[Path]:
@@ -190,6 +192,8 @@ def write_layers(
         Figure of the mixture, .png.
     report : str or Path, optional
         JSON account of the run.
+    curl : str or Path, optional
+        Picture of the |curl| of the first view's base, .png: see `nmaptool.curl_picture`.
     overwrite : bool
         Replace files that exist.
     account : mapping, optional
@@ -211,8 +215,8 @@ def write_layers(
     """
     sets = [layer_sets] if isinstance(layer_sets, LayerSet) else list(layer_sets)
     views = tuple(layers.report.view for layers in sets)
-    plot, report = (Path(p) if p is not None else None for p in (plot, report))
-    files = LayerFiles(Path(output), format, depth, faces, plot, report, views, overwrite)
+    plot, report, curl = (Path(p) if p is not None else None for p in (plot, report, curl))
+    files = LayerFiles(Path(output), format, depth, faces, plot, report, curl, views, overwrite)
     files.check()
     values = account or {"version": __version__, "layers": [layers.report.to_dict() for layers in sets]}
     jobs: list[Callable[[Path], object]] = []
@@ -225,6 +229,8 @@ def write_layers(
     jobs.append(partial(_write_look, pixels=lambda: contact_sheet(sets), kind="contact sheet"))
     if files.plot is not None:
         jobs.append(partial(_write_look, pixels=lambda: mixture_plot(sets[0].report.mixture), kind="plot"))
+    if files.curl is not None:
+        jobs.append(lambda path: write_pictures(path, [curl_shot(sets[0].base)]))
     if files.report is not None:
         jobs.append(lambda path: path.write_text(json.dumps(values, indent=2) + "\n"))
     with files.folders(), written_beside(files.targets, overwrite) as beside:
@@ -239,55 +245,10 @@ def _write_parts(path: Path, sets: Sequence[LayerSet], names: Sequence[str], flo
     parts = []
     for layers in sets:
         prefix = f"{layers.report.view}." if len(sets) > 1 else ""
-        pictures = (_picture(layers, name, floating) for name in names)
+        pictures = (layer_picture(layers, name, floating) for name in names)
         parts += [replace(picture, name=prefix + picture.name) for picture in pictures]
     write_pictures(path, parts)
 
 
 def _write_look(path: Path, pixels: Callable[[], Any], kind: str) -> None:
     write_image(path, pixels(), ("R", "G", "B"), {"kind": kind, "version": __version__})
-
-
-def _picture(layers: LayerSet, name: str, floating: bool) -> Picture:
-    """A layer as a file holds it."""
-    shared = {"version": __version__, "layer": name, "recipe": json.dumps(dict(layers.report.options))}
-    if layers.report.view:
-        shared["view"] = layers.report.view
-    if layers.frame.pitch_mm is not None:
-        shared["pitch_mm"] = repr(layers.frame.pitch_mm)
-    if name in _NORMAL_LAYERS:
-        picture = normal_picture(getattr(layers, name), 32 if floating else 16, name=name)
-    elif name == "coverage":
-        grey = layers.coverage if floating else grey_codes(layers.coverage, 16)
-        picture = Picture(grey[..., None], ("Y",), {"kind": "coverage"}, name)
-    elif name == "depth":
-        picture = _depth(layers, floating)
-    else:
-        picture = _faces(layers, floating)
-    return replace(picture, attributes={**picture.attributes, **shared})
-
-
-def _depth(layers: LayerSet, floating: bool) -> Picture:
-    if layers.depth_mm is None:
-        raise UsageError("--depth: these layers have no depth; only those of a mesh do")
-    seen = layers.coverage > 0
-    near, far = float(layers.depth_mm[seen].min()), float(layers.depth_mm[seen].max())
-    facts = {"kind": "depth", "near_mm": repr(near), "far_mm": repr(far)}
-    if floating:
-        return Picture(np.dstack([layers.depth_mm, seen.astype(np.float32)]), ("Z", "A"), facts, "depth")
-    behind = (layers.depth_mm - near).clip(0) / max(far - near, 1e-30)
-    shade = np.where(seen, 1 - behind, 0).clip(0, 1).astype(np.float32)
-    codes = np.dstack([grey_codes(shade, 16), grey_codes(seen.astype(np.float32), 16)])
-    return Picture(codes, ("Y", "A"), facts, "depth")
-
-
-def _faces(layers: LayerSet, floating: bool) -> Picture:
-    if layers.faces is None:
-        raise UsageError("--faces: these layers have no face numbers; only those of a mesh do")
-    if int(layers.faces.max()) + 1 >= _MOST_EXACT:
-        raise LimitError(f"--faces: a mesh of more than {_MOST_EXACT} faces has numbers too large for a picture")
-    facts = {"kind": "faces"}
-    if floating:
-        return Picture(layers.faces.astype(np.float32)[..., None], ("Y",), facts, "faces")
-    number = (layers.faces + 1).astype(np.uint32)
-    return Picture(np.dstack([number >> s & 255 for s in (0, 8, 16)]).astype(np.uint8), ("R", "G", "B"), facts, "faces")

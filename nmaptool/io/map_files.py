@@ -9,12 +9,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from nmaptool._version import __version__
-from nmaptool.curl_picture import BRIGHTEST, DARKEST, curl_picture
+from nmaptool.arrays import Float32
+from nmaptool.curl_shading import BRIGHTEST, DARKEST, curl_picture
 from nmaptool.errors import UsageError
 from nmaptool.io.image_writer import Picture, write_pictures
 from nmaptool.io.normal_maps import check_ending, grey_codes, map_picture
-from nmaptool.io.replace import check_target, named, written_beside
+from nmaptool.io.replace import check_targets, named, written_beside
 from nmaptool.model import NormalMap
 from nmaptool.options import WriteOptions
 from nmaptool.results import Composition
@@ -64,12 +67,7 @@ class MapFiles:
                 raise UsageError(f"{path}: the {kind} picture is written as .png")
         if self.report is not None and self.report.suffix.lower() != ".json":
             raise UsageError(f"{self.report}: a report is written as .json")
-        seen: set[Path] = set()
-        for path in self.targets:
-            if path.resolve() in seen:
-                raise UsageError(f"{path}: is named twice as an output")
-            seen.add(path.resolve())
-            check_target(path, self.overwrite)
+        check_targets(self.targets, self.overwrite)
 
 
 def write_map_files(
@@ -101,7 +99,7 @@ def write_map_files(
         As `MapFiles.check`, or if writing fails.
     """
     files.check()
-    known: dict[str, Callable[[], Picture]] = {"curl": partial(_curl, normal_map), **pictures}
+    known: dict[str, Callable[[], Picture]] = {"curl": partial(curl_shot, normal_map), **pictures}
     with written_beside(files.targets, files.overwrite) as beside:
         for target, temporary in zip(files.targets, beside, strict=True):
             with named(target, temporary):
@@ -116,7 +114,8 @@ def write_map_files(
                     write_pictures(temporary, [known[kind]()])
 
 
-def _curl(normal_map: NormalMap) -> Picture:
+def curl_shot(normal_map: NormalMap) -> Picture:
+    """`nmaptool.curl_picture` as a file holds it, its scale in the metadata."""
     scale = {"black": repr(DARKEST), "white": repr(BRIGHTEST), "unit": "slope per px"}
     facts = {"kind": "curl", "version": __version__, **scale}
     return Picture(curl_picture(normal_map), ("R", "G", "B"), facts)
@@ -180,3 +179,11 @@ def placed_picture(composition: Composition) -> Picture:
     """Where layers lie above the lowest, as a mask for a relief of them."""
     grey = grey_codes(composition.placed, 16)[..., None]
     return Picture(grey, ("Y",), {"kind": "mask", "version": __version__})
+
+
+def jumps_picture(jumps: Float32) -> Picture:
+    """Jumps of a depth picture: black is none, white the highest, which is in the metadata."""
+    highest = float(jumps.max())
+    grey = grey_codes(jumps / np.float32(highest or 1), 16)[..., None]
+    facts = {"kind": "jumps", "version": __version__, "black": "0", "white": repr(highest), "unit": "px"}
+    return Picture(grey, ("Y",), facts)

@@ -15,10 +15,12 @@ from nmaptool.options.compose import (
     LayerMode,
     LayerOptions,
 )
+from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
 from nmaptool.options.transform import NewGround, TransformOptions
+from nmaptool.options.workspace import PackOptions
 from nmaptool.options.write import Bits, WriteOptions, WrittenGreen, WrittenZeroCode
 
 __all__ = [
@@ -31,6 +33,8 @@ __all__ = [
     "CanvasOptions",
     "Clip",
     "Components",
+    "DepthBackground",
+    "DepthOptions",
     "DetailEncoding",
     "Encoding",
     "Energy",
@@ -43,6 +47,7 @@ __all__ = [
     "LayerOptions",
     "MeshReadOptions",
     "NewGround",
+    "PackOptions",
     "ReadOptions",
     "ReliefOptions",
     "Renderer",

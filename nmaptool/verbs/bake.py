@@ -29,7 +29,7 @@ from nmaptool.options import BakeOptions, FilterOptions
 from nmaptool.options.account import plain_values
 from nmaptool.progress import Progress
 from nmaptool.units import Length
-from nmaptool.vectors import mean_angle_deg
+from nmaptool.vectors import mean_abs_curls, mean_angle_deg
 from nmaptool.verbs.decompose import decompose_clean, sigma_s_of
 
 # sizes in mm beyond which a mesh's units are hardly millimetres
@@ -200,6 +200,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         sigma_s_px=sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
         renderer=drawn.platform,
         camera=_account(camera),
+        curl=mean_abs_curls({"original": original, "base": base, "detail": detail}, seen),
         warnings=_warnings(drawn, work, coverage),
     )
     maps = {

@@ -17,7 +17,7 @@ from nmaptool.options import SplitOptions
 from nmaptool.options.account import plain_values
 from nmaptool.progress import Progress
 from nmaptool.units import Length
-from nmaptool.vectors import mean_angle_deg
+from nmaptool.vectors import mean_abs_curls, mean_angle_deg
 
 _SMALLEST_PX = 0.3
 
@@ -77,6 +77,7 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
         detail_angle_deg=mean_angle_deg(original[seen], base[seen]),
         pitch_from="file" if normal_map.frame.pitch_mm is not None else "",
         sigma_s_px=sigma_s_px,
+        curl=mean_abs_curls({"original": original, "base": base, "detail": detail}, seen),
         seconds={"split": round(time.perf_counter() - start, 4)},
     )
     base_map = dataclasses.replace(normal_map, normals=base, name=f"{normal_map.name}: base")

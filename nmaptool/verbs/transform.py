@@ -16,14 +16,14 @@ from nmaptool.compositing.placement import (
     is_exact,
     linear_part,
     map_piece,
+    scale_factors,
     turn_vectors,
 )
-from nmaptool.errors import InputError, LimitError, UsageError
+from nmaptool.errors import InputError, LimitError
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import TransformOptions
 from nmaptool.options.account import plain_values
 from nmaptool.results import ComposeReport, Composition
-from nmaptool.units import Length
 from nmaptool.vectors import FLAT, mean_abs_curl
 
 
@@ -95,15 +95,7 @@ def _has_flat_background(normal_map: NormalMap) -> bool:
 
 def _linear(o: TransformOptions, frame: Frame) -> Float64:
     """Scale, mirrors, rotation and the given matrix as one, without a resize to a size in px."""
-    factors = o.factors
-    if isinstance(factors, Length):
-        if factors.is_absolute and frame.pitch_mm is None:
-            raise UsageError(
-                f"--scale {factors}: the size of a pixel is not known; say --width 100mm, or give a factor"
-            )
-        pitch = frame.pitch_mm or 1.0
-        factor = factors.to_mm(pitch, frame.longer_side) / pitch / frame.cols
-        factors = (factor, factor)
+    factors = scale_factors(o.factors, frame, frame.cols)
     if o.affine is None:
         return linear_part(factors, o.flip_h, o.flip_v, o.rotate)
     return np.array(o.matrix).reshape(2, 2) @ linear_part(factors, o.flip_h, o.flip_v, o.rotate)

@@ -1,0 +1,145 @@
+"""Where one surface hides another: links between neighbouring pixels that no slope is taken across.
+
+A step between two pixels is a jump where it is far outside the slopes beside it. Jumps make lines: a lone one is noise,
+and what is nearly a jump is one where a line goes on. Outlines that were smoothed hold pixels that are part of both
+sides; these are moved to the side they mostly belong to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float32, Mask
+from nmaptool.depth.mixed import unmixed
+from nmaptool.depth.steps import (
+    JumpRule,
+    all_steps,
+    crisp_steps,
+    jump_heights,
+    moved,
+    some_steps,
+    steps_along,
+    steps_at,
+)
+from nmaptool.depth.tiles import Tile, along, for_tiles
+
+_HALO = 6
+_SIDE = 192  # many tiles hold no jump
+# a jump's largest step is such a share of the least jump at least
+_SMALLEST_PART = 0.2
+# fewer candidates than this share are looked at one by one
+_FEW = 0.1
+_CROSS = np.ones((3, 3), np.uint8)
+
+
+@dataclass(frozen=True, eq=False)
+class Surfaces:
+    """Heights with their jumps known.
+
+    Attributes
+    ----------
+    heights : (H, W) float32
+        Mixed pixels moved to one side.
+    across, down : (H, W) bool
+        Whether a pixel is joined to the next one to the right, or below: both known, and no jump between.
+    mixed : int
+        Pixels moved.
+    """
+
+    heights: Float32
+    across: Mask
+    down: Mask
+    mixed: int = 0
+
+
+def join_all(known: Mask) -> tuple[Mask, Mask]:
+    """Links between all known neighbours: (H, W) bool to the right, and below."""
+    across, down = known.copy(), known.copy()
+    across[:, :-1] &= known[:, 1:]
+    down[:-1] &= known[1:]
+    across[:, -1] = False
+    down[-1] = False
+    return across, down
+
+
+def part_surfaces(heights: Float32, known: Mask, rule: JumpRule) -> Surfaces:
+    """Find jumps and cut the links across them.
+
+    Parameters
+    ----------
+    heights : (H, W) float32
+    known : (H, W) bool
+        Pixels that have a height.
+    rule : JumpRule
+    """
+    across, down = join_all(known)
+    lines = _lines(heights, known, rule)
+    if lines is None:
+        return Surfaces(heights, across, down)
+    heights, mixed = unmixed(heights, known, rule, lines)
+    lines = cv2.dilate(lines, _CROSS)
+    rows, cols = np.nonzero(lines)
+    for links, axis in ((down, 0), (across, 1)):
+        _, nearly = crisp_steps(some_steps(steps_at(heights, known, axis, (rows, cols))), rule)
+        first = (rows[nearly], cols[nearly])
+        joined = links[first]
+        first = (first[0][joined], first[1][joined])
+        both = lines[moved(first, axis, 1)] > 0
+        links[first[0][both], first[1][both]] = False
+    return Surfaces(heights, across, down, mixed)
+
+
+def _lines(heights: Float32, known: Mask, rule: JumpRule) -> NDArray[np.uint8] | None:
+    """(H, W) uint8, 1 beside jumps that make lines; None where there are none."""
+    found = np.zeros(heights.shape, np.uint8)  # 1 weak, 3 strong
+
+    def work(tile: Tile) -> None:
+        if np.ptp(heights[tile.outer]) < _SMALLEST_PART * rule.least:
+            return
+        marks = np.zeros(heights[tile.outer].shape, np.uint8)
+        for axis in (0, 1):
+            if marks.shape[axis] < 2:
+                continue
+            _mark(marks, heights[tile.outer], known[tile.outer], rule, axis)
+        found[tile.core] = marks[tile.inner]
+
+    for_tiles(heights.shape, _HALO, work, _SIDE)
+    if not (found > 1).any():
+        return None
+    return _long_lines(found, rule)
+
+
+def _mark(marks: NDArray[np.uint8], heights: Float32, known: Mask, rule: JumpRule, axis: int) -> None:
+    """Mark the two pixels of each jump along an axis: 1 nearly, 3 surely; in place."""
+    steps = steps_along(heights, known, axis)
+    large = np.abs(steps) >= np.float32(_SMALLEST_PART * rule.least)
+    count = int(np.count_nonzero(large))
+    if not count:
+        return
+    if count > _FEW * large.size:
+        strong, weak = jump_heights(all_steps(steps, axis), rule)
+        mark = (weak > 0).view(np.uint8) + np.uint8(2) * (strong > 0).view(np.uint8)
+        marks[along(axis, None, -1)] |= mark
+        marks[along(axis, 1, None)] |= mark
+        return
+    rows, cols = np.nonzero(large)
+    strong, weak = jump_heights(some_steps(steps_at(heights, known, axis, (rows, cols))), rule)
+    at = weak > 0
+    mark = np.uint8(1) + np.uint8(2) * (strong[at] > 0).view(np.uint8)
+    first = (rows[at], cols[at])
+    for place in (first, moved(first, axis, 1)):
+        marks[place] |= mark
+
+
+def _long_lines(found: NDArray[np.uint8], rule: JumpRule) -> NDArray[np.uint8] | None:
+    """The lines of marks that hold enough sure ones."""
+    count, labels = cv2.connectedComponents(found, connectivity=8, ltype=cv2.CV_32S)
+    strong = np.bincount(labels[found > 1], minlength=count)
+    keep = (strong >= (1 if rule.by_hand else rule.least_line)).astype(np.uint8)
+    keep[0] = 0
+    lines: NDArray[np.uint8] = keep[labels]
+    return lines if lines.any() else None

@@ -1,0 +1,112 @@
+"""Pixels of smoothed outlines that are part of both sides of a jump."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float32, Mask
+from nmaptool.depth.steps import JumpRule, Places, jump_heights, moved, some_steps, steps_at
+
+# a mixed pixel's step against the slope behind it: where it is plain, and where outlines are known to be smoothed
+_PLAIN, _SMOOTHED = 3.0, 1.5
+# outlines are smoothed where so many ends of jumps are plainly mixed
+_SMOOTHED_SHARE = 0.15
+# how much steeper than behind it a surface may become at a mixed pixel
+_STEEPEN = 1.6
+
+
+@dataclass(frozen=True, eq=False)
+class _Ends:
+    """The pixels on one side of jumps along one axis.
+
+    Attributes
+    ----------
+    pixel : pair of (K,) int
+        Rows and columns of the pixels next to the jump.
+    run : (K,) float32
+        Their step away from the jump, positive where it goes on in the jump's direction.
+    slope : (K,) float32
+        Size of the step behind that one.
+    continued : (K,) float32
+        The height that goes on from the pixels behind.
+    jump : (K,) float32
+        Height of the jump.
+    """
+
+    pixel: Places
+    run: Float32
+    slope: Float32
+    continued: Float32
+    jump: Float32
+
+    def mixed(self, rule: JumpRule, ratio: float) -> Mask:
+        """Which are part of both sides: their step is far outside the slope behind it."""
+        return np.asarray((self.run >= np.float32(rule.least_mixed)) & (self.run > np.float32(ratio) * self.slope))
+
+
+def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uint8]) -> tuple[Float32, int]:
+    """Heights with the mixed pixels of smoothed outlines moved to the side that they mostly belong to.
+
+    Parameters
+    ----------
+    heights : (H, W) float32
+    known : (H, W) bool
+        Pixels that have a height.
+    rule : JumpRule
+    lines : (H, W) uint8
+        1 beside jumps.
+
+    Returns
+    -------
+    heights : (H, W) float32
+        A copy where any was moved.
+    count : int
+        Pixels moved.
+    """
+    place = np.nonzero(lines)
+    ends = [end for axis in (0, 1) for end in _ends(heights, known, rule, axis, (place[0], place[1]))]
+    plain = sum(int(np.count_nonzero(end.mixed(rule, _PLAIN))) for end in ends)
+    if not plain:
+        return heights, 0
+    ratio = _SMOOTHED if plain >= _SMOOTHED_SHARE * sum(len(end.jump) for end in ends) else _PLAIN
+    chosen = [(end, end.mixed(rule, ratio)) for end in ends]
+    largest, moved_before = np.zeros(heights.shape, np.float32), np.zeros(heights.shape, bool)
+    for end, mixed in chosen:
+        pixel = (end.pixel[0][mixed], end.pixel[1][mixed])
+        largest[pixel] = np.maximum(largest[pixel], end.jump[mixed])
+    out = heights.copy()
+    for end, mixed in chosen:  # the larger jump decides; a pixel half way belongs to the side in front
+        decides = mixed & (end.jump >= largest[end.pixel])
+        pixel = (end.pixel[0][decides], end.pixel[1][decides])
+        new = end.continued[decides]
+        out[pixel] = np.where(moved_before[pixel], np.maximum(out[pixel], new), new)
+        moved_before[pixel] = True
+    return out, int(np.count_nonzero(moved_before))
+
+
+def _ends(heights: Float32, known: Mask, rule: JumpRule, axis: int, place: Places) -> list[_Ends]:
+    """Both sides of the jumps on lines."""
+    steps = steps_at(heights, known, axis, place)
+    _, main = jump_heights(some_steps(steps), rule)
+    found = np.nonzero(main)[0]
+    place = (place[0][found], place[1][found])
+    main = main[found]
+    steps = {by: step[found] for by, step in steps.items()}
+    sign = np.sign(steps[0])
+    limit = heights.shape[axis]
+    ends = []
+    for side in (1, -1):
+        # two pixels beyond this one must be there
+        fits = (place[axis] + 4 <= limit) if side > 0 else (place[axis] >= 2)
+        here = (place[0][fits], place[1][fits])
+        following, slope, behind = (steps[side * by][fits] for by in (1, 2, 3))
+        # the slope that goes on is no steeper than the one behind it allows
+        most = np.float32(_STEEPEN) * np.abs(behind) + np.float32(rule.noise / 2 + rule.least_mixed / 8)
+        beyond = moved(here, axis, 2 if side > 0 else -1)
+        continued = heights[beyond] - np.float32(side) * np.clip(slope, -most, most)
+        pixel = moved(here, axis, 1 if side > 0 else 0)
+        ends.append(_Ends(pixel, following * sign[fits], np.abs(slope), continued, main[fits]))
+    return ends

@@ -1,0 +1,198 @@
+"""Slopes and normals of heights, by differences that never cross a jump."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float32, Mask
+from nmaptool.depth.fit import linked_slope
+from nmaptool.depth.tiles import Tile, along, for_tiles
+from nmaptool.vectors import inner_vertices, mean_abs_curl, unit
+
+_HALO = 4
+_CENTRAL = np.array([-0.5, 0, 0.5], np.float32)
+_FINE = np.array([1, -8, 0, 8, -1], np.float32) / np.float32(12)
+_ONE = np.ones(1, np.float32)
+# how far (length of the difference) normals may turn over the last pixel, and how far they may turn away
+_MOST_TURN = np.float32(0.3)
+_LEAST_Z = np.float32(0.02)
+
+
+def slope_along(heights: Float32, links: Mask, axis: int, fine: bool) -> Float32:
+    """Slopes along an axis of the array.
+
+    Parameters
+    ----------
+    heights : (H, W) float32
+    links : (H, W) bool
+        Whether a pixel is joined to the next one along the axis.
+    axis : int
+    fine : bool
+        Of fourth order where two pixels on either side are joined, which keeps detail of few pixels.
+
+    Returns
+    -------
+    (H, W) float32
+        Central differences; beside a jump one-sided, bent as the next step says where there is one; 0 where a pixel
+        is alone.
+    """
+    out = linked_slope(heights, links, axis)
+    if heights.shape[axis] < 3:
+        return out
+    first, last = along(axis, None, -1), along(axis, 1, None)
+    before, after = along(axis, None, -2), along(axis, 2, None)
+    step = (heights[last] - heights[first]) * links[first]
+    bend = step[last] - step[first]
+    both = links[first][last] & links[first][first]
+    # one-sided: half the next bend, but never beyond the step itself
+    starts, ends = both.copy(), both.copy()
+    starts[last] &= ~links[before][first]  # the pixel before is across a jump
+    ends[first] &= ~links[after][first]
+    half = np.float32(0.5)
+    lowered = half * bend
+    least = np.minimum(np.abs(step[first]), np.abs(step[last]))
+    np.clip(lowered, -least, least, out=lowered)
+    out[before] -= lowered * starts
+    out[after] += lowered * ends
+    if fine and heights.shape[axis] >= 5:
+        both_sides = both[first][first] & both[last][last]
+        third = bend[along(axis, 2, None)] - bend[along(axis, None, -2)]
+        third *= np.float32(1 / 12)
+        out[along(axis, 2, -2)] -= third * both_sides
+    return out
+
+
+def normals_of(
+    heights: Float32, across: Mask, down: Mask, flat: Mask | None, *, fine: bool, factor: Float32 | None = None
+) -> Float32:
+    """Unit normals of heights, y up.
+
+    Parameters
+    ----------
+    heights : (H, W) float32
+        In px.
+    across, down : (H, W) bool
+        Links to the next pixel to the right, and below.
+    flat : (H, W) bool or None
+        Where normals are (0, 0, 1), whatever the heights.
+    fine : bool
+        See `slope_along`.
+    factor : (H, W) float32, optional
+        What slopes are multiplied by.
+
+    Returns
+    -------
+    (H, W, 3) float32
+    """
+    out = np.empty((*heights.shape, 3), np.float32)
+
+    def work(tile: Tile) -> None:
+        part = heights[tile.outer]
+        right, below = across[tile.outer], down[tile.outer]
+        if right.all() and below.all():  # inside the picture, and no jump
+            kernel = _FINE if fine else _CENTRAL
+            p = cv2.sepFilter2D(part, -1, kernel, _ONE)[tile.inner]
+            q = cv2.sepFilter2D(part, -1, _ONE, kernel)[tile.inner]
+        else:
+            p = slope_along(part, right, 1, fine)[tile.inner]
+            q = slope_along(part, below, 0, fine)[tile.inner]
+        if factor is not None:
+            p, q = p * factor[tile.core], q * factor[tile.core]
+        if flat is not None:
+            level = flat[tile.core]
+            p[level] = 0
+            q[level] = 0
+        scale = p * p
+        scale += q * q
+        scale += np.float32(1)
+        np.sqrt(scale, out=scale)
+        np.divide(np.float32(1), scale, out=scale)
+        target = out[tile.core]
+        np.multiply(-p, scale, out=target[..., 0])
+        np.multiply(q, scale, out=target[..., 1])  # rows run down: q is the negative slope
+        target[..., 2] = scale
+        target[..., :2] += np.float32(0)  # flat gives 0, not -0
+
+    for_tiles(heights.shape, _HALO, work)
+    return out
+
+
+def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | None) -> None:
+    """Give pixels beside a jump the normals that continue those behind them, in place.
+
+    Heights have no bounded slope at an outline where the surface turns away, but its normals go on evenly.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+    across, down : (H, W) bool
+    flat : (H, W) bool or None
+        Pixels that stay as they are.
+    """
+    rows, cols = across.shape
+    left, above = np.zeros_like(across), np.zeros_like(down)
+    left[:, 1:], above[1:] = across[:, :-1], down[:-1]
+    complete = across & down & left & above
+    # the picture's edge is no jump
+    edge = complete.copy()
+    edge[0], edge[-1] = left[0] & across[0], left[-1] & across[-1]
+    edge[:, 0], edge[:, -1] = above[:, 0] & down[:, 0], above[:, -1] & down[:, -1]
+    complete |= edge
+    wanted = ~complete
+    wanted &= across | down | left | above
+    if flat is not None:
+        wanted &= ~flat
+    row, col = np.nonzero(wanted)
+    inward_x = _inward(across, left, row, col, col == cols - 1, col == 0)
+    inward_y = _inward(down, above, row, col, row == rows - 1, row == 0)
+    near = (row + inward_y).clip(0, rows - 1), (col + inward_x).clip(0, cols - 1)
+    far = (row + 2 * inward_y).clip(0, rows - 1), (col + 2 * inward_x).clip(0, cols - 1)
+    sound = complete[near] & complete[far]
+    here = (row[sound], col[sound])
+    first, second = (normals[place[0][sound], place[1][sound]] for place in (near, far))
+    turn = first - second
+    size = np.sqrt(np.einsum("ij,ij->i", turn, turn))
+    turn *= np.minimum(np.float32(1), _MOST_TURN / np.maximum(size, _MOST_TURN))[:, None]
+    turned = first + turn
+    np.maximum(turned[:, 2], _LEAST_Z, out=turned[:, 2])
+    normals[here] = unit(turned)
+
+
+def _inward(
+    onward: Mask, backward: Mask, row: NDArray[np.intp], col: NDArray[np.intp], last: Mask, first: Mask
+) -> NDArray[np.intp]:
+    """Step of -1, 0 or 1 along an axis away from a jump; at the picture's edge there is none."""
+    forth, back = onward[row, col] | last, backward[row, col] | first
+    return forth.astype(np.intp) - back.astype(np.intp)
+
+
+def jump_sizes(heights: Float32, known: Mask, across: Mask, down: Mask) -> Float32:
+    """(H, W) float32: at each pixel the largest jump to a known neighbour, 0 where there is none."""
+    out = np.zeros_like(heights)
+    for axis, links in ((0, down), (1, across)):
+        cut = ~links[along(axis, None, -1)]
+        cut &= known[along(axis, None, -1)]
+        cut &= known[along(axis, 1, None)]
+        first = np.nonzero(cut)
+        last = (first[0] + (axis == 0), first[1] + (axis == 1))
+        size = np.abs(heights[last] - heights[first])
+        for place in (first, last):  # no pixel is in one of them twice
+            out[place] = np.maximum(out[place], size)
+    return out
+
+
+def mean_curl(normals: Float32, mask: Mask) -> float:
+    """`nmaptool.vectors.mean_abs_curl` in tiles."""
+    sums: list[tuple[float, int]] = []
+
+    def work(tile: Tile) -> None:
+        # vertices between this tile's pixels and the next ones
+        rows, cols = (slice(part.start, part.stop + 1) for part in tile.core)
+        count = int(np.count_nonzero(inner_vertices(mask[rows, cols])))
+        if count:
+            sums.append((count * mean_abs_curl(normals[rows, cols], mask[rows, cols]), count))
+
+    for_tiles(mask.shape, 0, work)
+    return sum(total for total, _ in sums) / max(sum(count for _, count in sums), 1)

@@ -1,0 +1,72 @@
+"""Work on a large picture in tiles that stay in the processor's cache, several at a time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import product
+
+_SIDE = 384
+_MOST_THREADS = 4
+Window = tuple[slice, slice]
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A tile of a picture: its own pixels, and those that are read to work on them.
+
+    Attributes
+    ----------
+    core : (slice, slice)
+        Rows and columns that the tile answers for.
+    outer : (slice, slice)
+        The same with a halo, cut off at the picture's edge.
+    inner : (slice, slice)
+        Where the core lies in the outer window.
+    """
+
+    core: Window
+    outer: Window
+    inner: Window
+
+
+def _spans(length: int, halo: int, side: int) -> list[tuple[slice, slice, slice]]:
+    spans = []
+    for start in range(0, length, side):
+        stop = min(start + side, length)
+        low, high = max(start - halo, 0), min(stop + halo, length)
+        spans.append((slice(start, stop), slice(low, high), slice(start - low, stop - low)))
+    return spans
+
+
+def for_tiles(shape: tuple[int, int], halo: int, work: Callable[[Tile], object], side: int = _SIDE) -> None:
+    """Call ``work`` once a tile, in several threads; tiles must not write outside their core.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        Of the picture.
+    halo : int
+        Pixels around a tile's core that ``work`` reads.
+    work : callable
+    side : int
+        Of a tile's core.
+    """
+    tiles = [
+        Tile((rows[0], cols[0]), (rows[1], cols[1]), (rows[2], cols[2]))
+        for rows, cols in product(_spans(shape[0], halo, side), _spans(shape[1], halo, side))
+    ]
+    if len(tiles) == 1:
+        work(tiles[0])
+        return
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
+        for _ in pool.map(work, tiles):
+            pass
+
+
+def along(axis: int, start: int | None, stop: int | None) -> Window:
+    """A window of a picture that is cut along one axis only."""
+    part = slice(start, stop)
+    return (part, slice(None)) if axis == 0 else (slice(None), part)

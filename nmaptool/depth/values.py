@@ -1,0 +1,205 @@
+"""A raw picture's grey values, where it has any, and how fine their steps and how strong their noise are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool import codec
+from nmaptool.arrays import Float32, Mask
+from nmaptool.errors import InputError
+from nmaptool.model import RasterImage
+
+# a grey picture's channels differ by noise only: in 8-bit codes, on average and for all but a few pixels
+_GREY_MEAN, _GREY_MOST, _GREY_FEW = 4.0, 16.0, 1e-3
+# so many pixels of a sample to a value make values steps
+_PIXELS_A_LEVEL = 8
+_SAMPLE = 1 << 17
+# floats that are steps: so many, so even, so few of them left out
+_LEAST_LEVELS, _UNEVEN, _FILLED = 48, 0.05, 0.5
+# a depth so many times the middle one, or beyond all measure, stands for nothing
+_FAR, _INFINITE = 1e3, 1e30
+_BLOCK = 16
+# noise is what remains in the quietest share of the blocks that are not flat
+_QUIET = 20
+# noise under this share of a step is the step itself
+_STEP_NOISE = 0.45
+_HIGH_PASS = 6.0
+# edges in a block are left out: the mean of the smaller 60% of |x| is so much of a normal x's deviation
+_TRIMMED, _TRIMMED_MEAN = 0.6, 0.3966
+# a block is flat unless so many of its pixels differ from what their neighbours say
+_LIVELY = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class GreyValues:
+    """What a picture stores.
+
+    Attributes
+    ----------
+    values : (H, W) float32
+        Codes, or the floats of a floating-point file; 0 where not known.
+    known : (H, W) bool
+        Where there is a value.
+    top : float
+        Largest integer code; 1 for floating point.
+    is_float : bool
+    bits : int
+        Bits that are really used: 8 for a 16-bit file that holds 8-bit steps.
+    noisy_grey : bool
+        Colours were averaged.
+    nothing : int
+        Pixels without a depth: NaN, infinite, transparent.
+    """
+
+    values: Float32
+    known: Mask
+    top: float
+    is_float: bool
+    bits: int
+    noisy_grey: bool
+    nothing: int
+
+
+def grey_values(image: RasterImage) -> GreyValues:
+    """The grey values of a depth or height picture.
+
+    Raises
+    ------
+    InputError
+        If it is coloured, has channels that are not known, or no value at all.
+    """
+    if not image.is_float or _may_be_codes(image.pixels):
+        image = codec.narrowed(image)
+    values, averaged = _one_channel(image)
+    known = np.ones(values.shape, bool)
+    if image.is_float:
+        np.isfinite(values, out=known)
+        known &= np.abs(values) < _INFINITE
+    if image.alpha is not None:
+        known &= image.alpha > 0
+    unknown = ~known
+    nothing = int(np.count_nonzero(unknown))
+    if nothing == known.size:
+        raise InputError(f"{image.name}: no pixel has a depth; all are transparent, NaN or infinite")
+    if nothing:
+        values[unknown] = 0
+    bits = 8 if image.pixels.dtype == np.uint8 else image.bits
+    return GreyValues(values, known, float(image.max_code), image.is_float, bits, averaged, nothing)
+
+
+def _may_be_codes(pixels: NDArray[Any]) -> bool:
+    """Whether a sample of floats lies near multiples of 1/255: to look at all of them takes a while."""
+    sample = pixels.ravel()[:: max(1, pixels.size // _SAMPLE)]
+    if not (np.abs(sample) <= 1).all():  # also for NaN
+        return False
+    codes = sample * np.float32(255)
+    return bool(np.all(np.abs(codes - np.rint(codes)) < 0.1))
+
+
+def _one_channel(image: RasterImage) -> tuple[Float32, bool]:
+    """(H, W) float32 and whether colours had to be averaged."""
+    names = [i for i, name in enumerate(image.channels) if name != "A"]
+    if len(names) == 1 or not names:
+        return image.pixels[..., names[0] if names else 0].astype(np.float32), False
+    if [image.channels[i] for i in names] != ["R", "G", "B"]:
+        raise InputError(
+            f"{image.name}: has channels {', '.join(image.channels)}; a depth picture has one grey channel; name its "
+            "layer, such as FILE.exr:depth"
+        )
+    red, green, blue = (image.pixels[..., i] for i in names)
+    if np.array_equal(red[::7], green[::7]) and np.array_equal(red, green) and np.array_equal(red, blue):
+        return red.astype(np.float32), False
+    first = red.astype(np.float32)
+    total = first.copy()
+    code = image.max_code / 255
+    for other in (green, blue):
+        apart = np.abs(other - first)
+        few = np.count_nonzero(apart > _GREY_MOST * code) > _GREY_FEW * apart.size
+        if few or not float(apart.mean()) <= _GREY_MEAN * code:
+            raise InputError(
+                f"{image.name}: is a colour picture; a depth or height picture is grey (a normal map is one already, "
+                "and needs no conversion)"
+            )
+        total += other
+    total /= np.float32(3)
+    return total, True
+
+
+def empty_depths(values: Float32, known: Mask) -> Mask:
+    """(H, W) bool: known pixels of a float depth picture that stand for nothing: 0 or less, or far beyond the rest."""
+    positive = known & (values > 0)
+    if not positive.any():
+        return np.asarray(known.copy())
+    sample = values[positive]
+    middle = float(np.median(sample[:: max(1, sample.size // _SAMPLE)]))
+    return np.asarray(known & ((values <= 0) | (values > _FAR * middle)))
+
+
+def step_of(grey: GreyValues) -> float:
+    """Size of a step between the values that a picture holds, in its own unit; 0 where there are none to see."""
+    sample = grey.values[grey.known]
+    sample = sample[:: max(1, sample.size // _SAMPLE)]
+    levels, counts = np.unique(sample, return_counts=True)
+    if len(levels) < 2:
+        return 0.0 if grey.is_float else 1.0
+    if np.median(counts) < _PIXELS_A_LEVEL:
+        return 0.0 if grey.is_float else 1.0
+    # the gap that most pixels see on both sides: a value far from the others says nothing, however common it is
+    gaps = np.diff(levels.astype(np.float64))
+    weight = np.minimum(counts[:-1], counts[1:])
+    order = np.argsort(gaps)
+    middle = int(np.searchsorted(np.cumsum(weight[order]), weight.sum() / 2))
+    step = float(gaps[order][min(middle, len(gaps) - 1)])
+    return step if not grey.is_float or _even(gaps / step) else 0.0
+
+
+def _even(gaps: NDArray[np.float64]) -> bool:
+    """Whether floats are the even steps of some integers: enough of them, and hardly any left out."""
+    whole = np.rint(gaps)
+    near = np.abs(gaps - whole) < _UNEVEN
+    return len(gaps) >= _LEAST_LEVELS and bool(near.all()) and len(gaps) >= _FILLED * whole.sum()
+
+
+def noise_of(values: Float32, known: Mask, step: float) -> float:
+    """Standard deviation of the noise in the quietest parts that are not flat, beyond that of the steps.
+
+    Parameters
+    ----------
+    values : (H, W) float32
+    known : (H, W) bool
+    step : float
+        Of the values; steps are no noise.
+    """
+    if min(values.shape) < _BLOCK:
+        return 0.0
+    stride = max(1, int(np.sqrt(values.size / 4e6)))
+    strips = []
+    for top in range(0, values.shape[0] - _BLOCK + 1, _BLOCK * stride):
+        strip = slice(top, top + _BLOCK)
+        strips.append(_block_noise(values[strip], known[strip]))
+    found = np.concatenate(strips)
+    found = found[found > 0]
+    if not found.size:
+        return 0.0
+    noise = float(np.percentile(found, _QUIET))
+    return noise if noise > _STEP_NOISE * step else 0.0
+
+
+def _block_noise(strip: Float32, known: Mask) -> NDArray[Any]:
+    """Deviation of each block of a strip from what its neighbours say (Immerkaer); 0 where not all known."""
+    whole = strip.shape[1] // _BLOCK * _BLOCK
+    across = strip[:, :-2] - 2 * strip[:, 1:-1] + strip[:, 2:]
+    high = np.abs(across[:-2] - 2 * across[1:-1] + across[2:])
+    padded = np.zeros(strip.shape, np.float32)
+    padded[1:-1, 1:-1] = high
+    blocks = padded[1:-1, :whole].reshape(_BLOCK - 2, -1, _BLOCK)
+    inside = blocks[:, :, 1:-1]
+    ordered = np.sort(inside.transpose(1, 0, 2).reshape(inside.shape[1], -1), axis=1)
+    mean = ordered[:, : int(_TRIMMED * ordered.shape[1])].mean(axis=1) / (_TRIMMED_MEAN * _HIGH_PASS)
+    sound = known[:, :whole].reshape(_BLOCK, -1, _BLOCK).all(axis=(0, 2))
+    sound &= (inside != 0).mean(axis=(0, 2)) > _LIVELY
+    return np.asarray(np.where(sound, mean, 0))

@@ -1,0 +1,73 @@
+"""How a depth or height picture becomes normals.
+
+Nothing heavy is imported here, so that ``nmap --help`` stays quick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from nmaptool.errors import UsageError
+from nmaptool.options.checks import require_absolute, require_choices, require_number
+from nmaptool.units import Length, length
+
+DepthBackground = Literal["auto", "none", "cut"]
+
+NARROWEST_FOV, WIDEST_FOV = 0.1, 150.0
+
+
+@dataclass(frozen=True)
+class DepthOptions:
+    """How a depth or height picture becomes normals. White is near and high unless the file says otherwise.
+
+    Parameters
+    ----------
+    depth_scale:
+        How far white stands above black, such as 10%, 40px or 5mm; here % is of the picture's width. Default: what
+        the file says, else 10%.
+    invert:
+        Dark is near. Files that say what they hold, as nmaptool's own do, need no telling.
+    fov:
+        Degrees that the camera of a perspective depth picture sees across the longer side; the slopes are then
+        those of the picture, and integrate to distance * ln(depth). 0 is orthographic. Default: what the file says,
+        else 0.
+    jump:
+        Height of a step from one pixel to the next that is a jump: one part hides another, and no slope is taken
+        across. "auto" finds jumps by the slopes beside them, "none" takes every step for a slope; or say how high,
+        such as 4px.
+    smooth:
+        How far the surface may leave the stored heights to be smooth. "auto" measures the steps of the codes and the
+        noise, and leaves clean pictures as they are; "none" believes every code; or a height, such as 0.5px.
+    background:
+        "auto": transparent pixels and those without depth are not there, and a large flat patch at the bottom is the
+        flat background; "cut" leaves that patch out, too, so that only the motif is there; "none" takes every pixel
+        for surface.
+    width:
+        Width of the whole picture, such as 100mm. Default: what the file says.
+    """
+
+    depth_scale: Length | None = None
+    invert: bool = False
+    fov: float | None = None
+    jump: Length | Literal["auto", "none"] = "auto"
+    smooth: Length | Literal["auto", "none"] = "auto"
+    background: DepthBackground = "auto"
+    width: Length | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("depth_scale", "width"):  # text is as good as a Length
+            if isinstance(getattr(self, name), str):
+                object.__setattr__(self, name, length(getattr(self, name)))
+        for name in ("jump", "smooth"):
+            value = getattr(self, name)
+            if isinstance(value, str) and value not in ("auto", "none"):
+                try:
+                    object.__setattr__(self, name, length(value))
+                except UsageError:
+                    flag = name.replace("_", "-")
+                    raise UsageError(f"--{flag} {value!r}: use auto, none or a height, such as 2px") from None
+        require_choices(("background", self.background, ("auto", "none", "cut")))
+        if self.fov is not None and self.fov != 0:
+            require_number("fov", self.fov, NARROWEST_FOV, WIDEST_FOV, "35 (0 is orthographic)")
+        require_absolute(width=self.width)

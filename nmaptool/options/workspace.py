@@ -1,0 +1,32 @@
+"""How a workspace is packed.
+
+Nothing heavy is imported here, so that ``nmap --help`` stays quick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nmaptool.errors import UsageError
+
+
+@dataclass(frozen=True)
+class PackOptions:
+    """How normal maps become the layers of a workspace.
+
+    Parameters
+    ----------
+    bits:
+        Bits per channel: 8 or 16 for PSD, ORA and TIFF, 32 (floats) for EXR. Left out: the most that the format holds.
+    half:
+        EXR in half precision.
+    """
+
+    bits: int | None = None
+    half: bool = False
+
+    def __post_init__(self) -> None:
+        if self.bits not in (None, 8, 16, 32):
+            raise UsageError(f"--bits {self.bits}: use 8 or 16; EXR holds floats")
+        if self.half and self.bits not in (None, 32):
+            raise UsageError("--half: is for EXR, which holds floats; leave --bits out")

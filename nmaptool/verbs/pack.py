@@ -1,0 +1,184 @@
+"""Normal maps to a workspace: one layer each, with a signature that tells later what an editor did to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool import codec
+from nmaptool._version import __version__
+from nmaptool.arrays import Float32
+from nmaptool.errors import InputError, UsageError
+from nmaptool.model import Frame, NormalMap
+from nmaptool.options import PackOptions
+from nmaptool.workspace import (
+    MASK_SUFFIX,
+    PASS_THROUGH,
+    Workspace,
+    WorkspaceGroup,
+    WorkspaceLayer,
+    WorkspaceMask,
+    unique_names,
+)
+from nmaptool.workspace_repair.colors import shares
+from nmaptool.workspace_repair.signature import sign
+
+_FURTHEST_PX = 30_000
+
+
+@dataclass(frozen=True, eq=False)
+class PackedMap:
+    """A normal map and how it lies in the workspace.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+    name : str
+        Of the layer; default: what the map is called.
+    left, top : int
+        Place of its first pixel on the canvas, px; may be negative.
+    mode : str
+        How its vectors blend with those below: ``over``, or a mode of `nmaptool.blend`.
+    strength : float
+        0 fades it to flat, 1 leaves it.
+    mask : (h, w) float32 in [0, 1], optional
+        Of the map's size; hides parts of it beside its coverage.
+    visible : bool
+    group : tuple of str
+        Names of the groups it is in, outermost first; layers in one group follow each other.
+    """
+
+    normal_map: NormalMap
+    name: str = ""
+    left: int = 0
+    top: int = 0
+    mode: str = "over"
+    strength: float = 1.0
+    mask: Float32 | None = None
+    visible: bool = True
+    group: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        shown = self.name or self.normal_map.name
+        if max(abs(self.left), abs(self.top)) > _FURTHEST_PX:
+            raise UsageError(f"{shown}: lies at {self.left}, {self.top}; accepted are places within {_FURTHEST_PX} px")
+        if self.mask is not None and self.mask.shape != self.normal_map.frame.shape:
+            rows, cols = self.mask.shape
+            raise InputError(f"{shown}: its mask is {cols} x {rows}, the map is {self.normal_map.frame}")
+
+
+def pack(
+    maps: Sequence[NormalMap | PackedMap], options: PackOptions | None = None, *, frame: Frame | None = None
+) -> Workspace:
+    """Lay normal maps over each other as the layers of one file for an image editor.
+
+    Parameters
+    ----------
+    maps : sequence of NormalMap or PackedMap
+        Bottom to top.
+    options : PackOptions, optional
+        ``bits`` None is 16.
+    frame : Frame, optional
+        The canvas. Default: as large as the largest map, with the first pitch that one states.
+
+    Returns
+    -------
+    Workspace
+
+    Raises
+    ------
+    UsageError
+        If there is no map.
+    """
+    options = options or PackOptions()
+    placed = [one if isinstance(one, PackedMap) else PackedMap(one) for one in maps]
+    if not placed:
+        raise UsageError("a workspace needs at least one map")
+    bits = 32 if options.half else options.bits or 16
+    frames = [one.normal_map.frame for one in placed]
+    if frame is None:
+        pitch = next((f.pitch_mm for f in frames if f.pitch_mm is not None), None)
+        frame = Frame(max(f.rows for f in frames), max(f.cols for f in frames), pitch)
+    names = unique_names([_plain(one.name or _stem(one.normal_map.name)) for one in placed])
+    groups = _groups(placed)
+    layers = tuple(_layer(*one, bits) for one in zip(placed, names, groups, strict=True))
+    words: dict[str, Any] = {
+        "nmaptool": __version__,
+        "canvas": [frame.cols, frame.rows],
+        "pitch_mm": frame.pitch_mm,
+        "bits": bits,
+        "layers": [dict(layer.facts) for layer in layers],
+    }
+    return Workspace(frame, layers, bits, options.half, metadata=words)
+
+
+def _stem(name: str) -> str:
+    """``maps/work.exr:detail`` is called detail, ``shell.png`` shell."""
+    path, mark, layer = name.rpartition(":")
+    return layer if mark and layer and Path(path).suffix else Path(name).stem
+
+
+def _plain(name: str) -> str:
+    """A name that is not taken for that of a mask."""
+    return name.replace(MASK_SUFFIX, " mask")
+
+
+def _groups(placed: Sequence[PackedMap]) -> list[tuple[WorkspaceGroup, ...]]:
+    """The groups of each map; neighbours with the same names share them."""
+    out: list[tuple[WorkspaceGroup, ...]] = []
+    before: tuple[WorkspaceGroup, ...] = ()
+    for one in placed:
+        shared = 0
+        while shared < min(len(before), len(one.group)) and before[shared].name == one.group[shared]:
+            shared += 1
+        before = (*before[:shared], *(WorkspaceGroup(name, blend_mode=PASS_THROUGH) for name in one.group[shared:]))
+        out.append(before)
+    return out
+
+
+def _layer(placed: PackedMap, name: str, groups: tuple[WorkspaceGroup, ...], bits: int) -> WorkspaceLayer:
+    source = placed.normal_map
+    if bits == 32:
+        pixels: NDArray[Any] = np.dstack([source.normals, source.coverage])
+    else:
+        pixels = np.dstack([codec.encode_codes(source.normals, bits), _codes(source.coverage, bits)])
+    rows, cols = source.frame.shape
+    seal = sign(shares(pixels, bits == 32), source.coverage, source.normals, placed.left, placed.top)
+    facts = {
+        "name": name,
+        "source": Path(source.name).name,
+        "left": placed.left,
+        "top": placed.top,
+        "cols": cols,
+        "rows": rows,
+        "mode": placed.mode,
+        "strength": placed.strength,
+        "group": list(placed.group),
+        "visible": placed.visible,
+        **seal.to_dict(),
+    }
+    mask = None
+    if placed.mask is not None:
+        values = placed.mask if bits == 32 else _codes(placed.mask, bits)
+        mask = WorkspaceMask(values, placed.left, placed.top)
+    return WorkspaceLayer(
+        name,
+        pixels,
+        placed.left,
+        placed.top,
+        placed.visible,
+        mask=mask,
+        groups=groups,
+        facts=facts,
+        signed=bits == 32,
+    )
+
+
+def _codes(values: Float32, bits: int) -> NDArray[Any]:
+    top = (1 << bits) - 1
+    return np.floor(values.astype(np.float64) * top + 0.5).astype(np.uint8 if bits == 8 else np.uint16)

@@ -1,0 +1,108 @@
+"""nmap compose depth: a picture in, a map, its jumps and an account out."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from depth_cases import ball
+
+import nmaptool as nm
+
+
+@pytest.fixture
+def depth_png(tmp_path: Path, png: Any) -> Path:
+    """A 16-bit sphere in front of a plane."""
+    scene = ball(96, 30, 30)
+    return png(tmp_path / "depth.png", np.floor(scene.heights / 60 * 65535).astype(np.uint16))
+
+
+def test_everything_is_written_and_said(run: Any, tmp_path: Path, depth_png: Path) -> None:
+    out, jumps, curl, report = (tmp_path / name for name in ("map.exr", "jumps.png", "curl.png", "report.json"))
+    words = ("--jumps-out", jumps, "--curl", curl, "--report", report, "--depth-scale", "60px", "--width", "48mm")
+    done = run("compose", "depth", depth_png, "-o", out, *words)
+    assert done.code == 0, done.err
+    assert "scale 60 px (given)" in done.err
+    assert "jumps of 1 px or more beside" in done.err
+    assert f"wrote {out}" in done.err
+    read = nm.read_normal_map(out)
+    expected = nm.depth_to_normals(nm.read_raster(depth_png), nm.DepthOptions(depth_scale="60px", width="48mm"))
+    np.testing.assert_allclose(read.normals, expected.normal_map.normals, atol=1e-6)
+    np.testing.assert_array_equal(read.foreground, expected.normal_map.foreground)
+    assert read.frame.pitch_mm == pytest.approx(0.5)
+    picture = nm.read_raster(jumps)
+    assert picture.attributes["kind"] == "jumps"
+    white = float(picture.attributes["white"])
+    np.testing.assert_allclose(picture.pixels[..., 0] / 65535 * white, expected.jumps, atol=white / 65535)
+    account = json.loads(report.read_text())
+    assert account["files"] == {"image": str(depth_png), "mask": None}
+    assert account["jumps"] == np.count_nonzero(expected.jumps)
+    assert account["options"]["depth_scale"] == "60px"
+    assert json.loads(nm.read_raster(out).attributes["recipe"])["command"] == "depth"
+
+
+def test_an_assumed_depth_is_told(run: Any, tmp_path: Path, depth_png: Path) -> None:
+    done = run("compose", "depth", depth_png, "-o", tmp_path / "map.png")
+    assert "no depth was given: white stands 10% of the width above black" in done.err
+    assert run("compose", "depth", depth_png, "-o", tmp_path / "map.png", "-q", "--overwrite").err == ""
+
+
+def test_standard_input(run: Any, tmp_path: Path, depth_png: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(depth_png.read_bytes())))
+    done = run("compose", "depth", "-", "-o", tmp_path / "map.exr", "--jump", "none")
+    assert done.code == 0, done.err
+    assert "standard input: 96 x 96" in done.err
+    assert "jumps were not looked for" in done.err
+
+
+def test_words_and_heights(run: Any, tmp_path: Path, depth_png: Path) -> None:
+    words = ("--jump", "4px", "--smooth", "0.5px", "--background", "cut", "--json")
+    done = run("compose", "depth", depth_png, "-o", tmp_path / "map.exr", *words)
+    account = json.loads(done.out)
+    assert (account["jump_px"], account["tolerance_px"], account["background"]) == (4, 0.5, "cut")
+    assert nm.read_normal_map(tmp_path / "map.exr").coverage.min() == 0
+
+
+def test_a_mask(run: Any, tmp_path: Path, depth_png: Path, png: Any) -> None:
+    left = np.zeros((96, 96), np.uint8)
+    left[:, :48] = 255
+    mask = png(tmp_path / "mask.png", left)
+    done = run("compose", "depth", depth_png, "-o", tmp_path / "map.exr", "--mask", mask)
+    assert done.code == 0, done.err
+    np.testing.assert_array_equal(nm.read_normal_map(tmp_path / "map.exr").coverage, left / 255)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "pattern"),
+    [
+        ((), 2, "nothing to write: say where"),
+        (("-o", "map.jpg"), 2, "map.jpg"),
+        (("-o", "map.exr", "--jumps-out", "j.exr"), 2, "the jumps picture is written as .png"),
+        (("-o", "map.exr", "--jump", "x"), 2, "--jump 'x': use auto, none or a height, such as 2px"),
+        (("-o", "map.exr", "--smooth", "-1px"), 2, "--smooth '-1px': use auto, none or a height"),
+        (("-o", "map.exr", "--depth-scale", "5mm"), 2, "does not say how large a pixel is"),
+        (("-o", "map.exr", "--fov", "200"), 2, "--fov 200: must lie between"),
+        (("-o", "map.exr", "--mask", "none.png"), 3, "none.png: no such file"),
+        (("-o", "map.exr", "--max-megapixels", "0.001"), 4, "megapixels"),
+    ],
+)
+def test_refusals(
+    refused: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, depth_png: Path, words: Any, code: int, pattern: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    refused(code, pattern, "compose", "depth", depth_png, *words)
+
+
+def test_inputs_that_are_no_depth(refused: Any, tmp_path: Path, maps: dict[str, Path]) -> None:
+    out = tmp_path / "out.exr"
+    refused(3, "is a colour picture; a depth or height picture is grey", "compose", "depth", maps["clean"], "-o", out)
+    refused(3, "is not a picture", "compose", "depth", maps["text"], "-o", out)
+    refused(3, "cut short or damaged", "compose", "depth", maps["cut"], "-o", out)
+    refused(3, "no such file", "compose", "depth", maps["missing"], "-o", out)
+    refused(5, "exists", "compose", "depth", maps["one"], "-o", maps["clean"])

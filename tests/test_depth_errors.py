@@ -1,0 +1,107 @@
+"""What depth_to_normals and its options refuse, each in one clear line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from depth_cases import picture
+
+import nmaptool as nm
+
+RAMP = np.tile(np.linspace(0, 255, 40), (30, 1))
+
+
+def colored(apart: float) -> nm.RasterImage:
+    rgb = np.dstack([RAMP, np.clip(RAMP + apart, 0, 255), RAMP])
+    return nm.RasterImage(rgb.astype(np.uint8), ("R", "G", "B"), name="photo.jpg", lossy=True)
+
+
+@pytest.mark.parametrize(
+    ("given", "pattern"),
+    [
+        ({"jump": "high"}, r"--jump 'high': use auto, none or a height, such as 2px"),
+        ({"smooth": "-1px"}, r"--smooth '-1px': use auto, none or a height"),
+        ({"background": "white"}, r"--background 'white': use one of auto, none, cut"),
+        ({"fov": 170}, r"--fov 170: must lie between 0\.1 and 150"),
+        ({"fov": -5}, r"--fov -5: must lie between"),
+        ({"fov": float("nan")}, r"--fov nan: must lie between"),
+        ({"width": "300px"}, r"--width 300px: .* give it in mm, cm or in"),
+        ({"depth_scale": "5"}, r"length '5': expected a number with a unit"),
+        ({"depth_scale": "0px"}, r"length '0px': must be greater than zero"),
+    ],
+)
+def test_options(given: dict[str, Any], pattern: str) -> None:
+    with pytest.raises(nm.UsageError, match=pattern):
+        nm.DepthOptions(**given)
+
+
+@pytest.mark.parametrize("flag", ["depth_scale", "jump", "smooth"])
+def test_mm_need_the_size_of_a_pixel(flag: str) -> None:
+    pattern = rf"--{flag.replace('_', '-')} 2mm: image does not say how large a pixel is; give px or %"
+    with pytest.raises(nm.UsageError, match=pattern):
+        nm.depth_to_normals(picture(RAMP, 8), nm.DepthOptions(**{flag: "2mm"}))
+
+
+def test_colour() -> None:
+    with pytest.raises(nm.InputError, match=r"photo\.jpg: is a colour picture; a depth or height picture is grey"):
+        nm.depth_to_normals(colored(30))
+    noisy = nm.depth_to_normals(colored(3))
+    assert "its colours differ a little" in noisy.report.warnings[0]
+    exact = nm.depth_to_normals(colored(0))
+    assert exact.report.warnings == ()
+    grey = nm.depth_to_normals(nm.RasterImage(RAMP.astype(np.uint8)[..., None], ("Y",), lossy=True))
+    np.testing.assert_array_equal(exact.normal_map.normals, grey.normal_map.normals)
+
+
+def test_channels() -> None:
+    odd = nm.RasterImage(np.zeros((4, 4, 2), np.float32), ("Z", "ZBack"), name="deep.exr", bits=32)
+    with pytest.raises(nm.InputError, match=r"deep\.exr: has channels Z, ZBack; a depth picture has one grey channel"):
+        nm.depth_to_normals(odd)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_nothing_there(value: float) -> None:
+    with pytest.raises(nm.InputError, match="no pixel has a depth; all are transparent, NaN or infinite"):
+        nm.depth_to_normals(picture(np.full((8, 8), value)))
+    with pytest.raises(nm.InputError, match="no pixel has a depth greater than 0"):
+        nm.depth_to_normals(picture(np.zeros((8, 8))), nm.DepthOptions(invert=True))
+
+
+def test_what_the_file_says_is_not_contradicted() -> None:
+    height = picture(RAMP, name="h.exr", attributes={"kind": "height", "pitch_mm": "0.5"})
+    with pytest.raises(nm.UsageError, match=r"--invert: h\.exr says itself that it holds height; leave it out"):
+        nm.depth_to_normals(height, nm.DepthOptions(invert=True))
+    with pytest.raises(nm.UsageError, match=r"--fov: h\.exr holds heights, which no camera sees in perspective"):
+        nm.depth_to_normals(height, nm.DepthOptions(fov=40))
+    unknown = picture(RAMP, name="h.exr", attributes={"kind": "height"})
+    with pytest.raises(nm.UsageError, match=r"h\.exr: holds height in mm but does not say how large a pixel is"):
+        nm.depth_to_normals(unknown)
+    for ends in ({}, {"near_mm": "1", "far_mm": "far"}, {"near_mm": "nan", "far_mm": "2"}):
+        damaged = picture(RAMP, 8, name="d.png", attributes={"kind": "depth", "pitch_mm": "1", **ends})
+        with pytest.raises(nm.InputError, match=r"d\.png: says that it holds depth but not from where to where"):
+            nm.depth_to_normals(damaged)
+
+
+def test_cameras() -> None:
+    with pytest.raises(nm.UsageError, match="--depth-scale: white would stand 100 px in front of black, behind a cam"):
+        nm.depth_to_normals(picture(RAMP, 8), nm.DepthOptions(depth_scale="100px", fov=90))
+    depth = picture(RAMP - 10, name="d.exr", attributes={"kind": "depth", "pitch_mm": "1"})
+    with pytest.raises(nm.InputError, match=r"d\.exr: holds a depth of -10, which a camera with --fov cannot see"):
+        nm.depth_to_normals(depth, nm.DepthOptions(fov=40, background="none"))
+
+
+def test_masks() -> None:
+    image = picture(RAMP, 8)
+    with pytest.raises(nm.InputError, match="image is 40 x 30 pixels but the mask is 4 x 3; make them the same size"):
+        nm.depth_to_normals(image, mask=np.ones((3, 4), np.float32))
+    with pytest.raises(nm.InputError, match="the mask selects nothing of the picture"):
+        nm.depth_to_normals(image, mask=np.zeros((30, 40), np.float32))
+    with pytest.raises(nm.InputError, match="the mask must hold values from 0 to 1"):
+        nm.depth_to_normals(image, mask=np.full((30, 40), 255, np.float32))
+
+
+def test_a_path_is_no_picture() -> None:
+    with pytest.raises(nm.UsageError, match="must be a RasterImage, found str; read one with read_raster"):
+        nm.depth_to_normals("depth.png")  # type: ignore[arg-type]
