@@ -161,32 +161,6 @@ def temporary_folder() -> Iterator[Path]:
         yield Path(name)
 
 
-def refuse_inputs(targets: Iterable[Path], inputs: Iterable[str | None]) -> None:
-    """Refuse to write over what is read.
-
-    Raises
-    ------
-    UsageError
-    """
-    read = [file for name in inputs if name for file in (Path(name), _without_layer(name)) if _exists(file)]
-    for path in targets:
-        if _exists(path) and any(path.samefile(file) for file in read):
-            raise UsageError(f"{path}: is also an input; give another name for the output")
-
-
-def _without_layer(name: str) -> Path:
-    """``maps.exr`` of ``maps.exr:detail``."""
-    head, mark, _ = name.rpartition(":")
-    return Path(head if mark else name)
-
-
-def _exists(path: Path) -> bool:
-    try:
-        return path.exists()
-    except OSError:  # a name that no file can have
-        return False
-
-
 @contextlib.contextmanager
 def input_files(*names: str | None) -> Iterator[list[str | None]]:
     """The names, with `STREAM` replaced by a temporary file that holds standard input.
@@ -217,6 +191,29 @@ def input_files(*names: str | None) -> Iterator[list[str | None]]:
         except NmaptoolError as error:  # nobody knows the temporary file
             error.args = (str(error).replace(str(spooled), STREAM), *error.args[1:])
             raise
+
+
+def refuse_inputs(targets: Iterable[Path], inputs: Iterable[str | None]) -> None:
+    """Refuse to write over what is read.
+
+    Raises
+    ------
+    UsageError
+    """
+    names = [name for name in inputs if name]
+    for path in targets:
+        if path.exists() and any(_is_same(path, name) for name in names):
+            raise UsageError(f"{path}: is also an input; give another name for the output")
+
+
+def _is_same(path: Path, name: str) -> bool:
+    """Whether an input, such as ``maps.exr:detail``, is in that file."""
+    from nmaptool.io.normal_maps import split_layer
+
+    try:
+        return path.samefile(split_layer(name)[0])
+    except (OSError, ValueError):  # there is no such input: reading it tells
+        return False
 
 
 def said_name(name: str) -> str:
