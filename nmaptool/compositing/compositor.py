@@ -58,10 +58,10 @@ def clear_canvas(frame: Frame, ground: str) -> Canvas:
     return Canvas(frame, normals, coverage, np.zeros(frame.shape, bool), np.zeros(frame.shape, np.float32), [])
 
 
-def canvas_of(base: NormalMap) -> Canvas:
-    """A canvas with a map on it, as it is."""
+def canvas_of(base: NormalMap, frame: Frame) -> Canvas:
+    """A canvas with a map of its size on it, as it is."""
     copies = (base.normals.copy(), base.coverage.copy(), base.foreground.copy())
-    return Canvas(base.frame, *copies, np.zeros(base.frame.shape, np.float32), [])
+    return Canvas(frame, *copies, np.zeros(frame.shape, np.float32), [])
 
 
 def compose_onto(
@@ -97,7 +97,7 @@ def compose_onto(
         if isinstance(layer, LayerGroup):
             inner = compose_onto(clear_canvas(canvas.frame, "clear"), layer.layers, in_group=True, progress=progress)
             if layer.mask is not None:
-                check_mask(layer.mask, layer.name, canvas.frame.shape)
+                check_mask(layer.mask, layer.name, canvas.frame.shape, layer.mask_name)
                 inner.coverage *= layer.mask
             piece = Piece(inner.normals, inner.coverage, inner.foreground)
             within = {"layers": inner.accounts}
@@ -156,7 +156,7 @@ def place(layer: Layer, frame: Frame) -> Piece:
     left, top = max(left - rim, -beyond), max(top - rim, -beyond)
     right, bottom = min(right + rim, frame.cols + beyond), min(bottom + rim, frame.rows + beyond)
     piece = Piece(source.normals, coverage, source.foreground)
-    piece = map_piece(piece, matrix, (left, top, right - left, bottom - top), o.height_factor)
+    piece = map_piece(piece, matrix, (left, top, right - left, bottom - top), o.height_factor, layer.name)
     if feather:
         piece = replace(piece, coverage=feathered(piece.coverage, feather))
     return _cut(piece, frame)
@@ -176,7 +176,7 @@ def _lay(canvas: Canvas, piece: Piece, name: str, mode: str, strength: float, cl
     window = np.s_[piece.top : piece.top + rows, piece.left : piece.left + cols]
     below, above = canvas.coverage[window], piece.coverage
     if not above.any():
-        raise InputError(f"{name}: covers nothing where it lies; look at its mask, its alpha and its place")
+        raise InputError(f"{name}: covers nothing where it lies; look at its mask, its alpha, its place and its scale")
     if clip and not (above * below).any():
         raise InputError(f'{name}: lies on nothing: mode "{mode}" changes what is below; use mode "over", or clip "no"')
     if mode == "over":
