@@ -6,9 +6,7 @@ Eye space throughout: +x right, +y up, +z to the viewer, picture row 0 at the to
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,13 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Float64, Mask, read_only
+from nmaptool.bands import each_band
 from nmaptool.errors import InputError
 from nmaptool.grid import corner_mean, touching
 
 UNIT_TOLERANCE = 1e-3
-# rows that are looked at together: they stay in the processor's cache
-_STRIP_ROWS = 64
-_MOST_THREADS = 4
+_VECTORS_AT_ONCE = 1 << 16
 DEFAULT_LONGER_SIDE_MM = 100.0
 
 
@@ -153,23 +150,6 @@ class Decoding:
     warnings: tuple[str, ...] = ()
 
 
-def _all_unit(normals: Float32) -> bool:
-    """Whether all vectors are finite and of unit length; strips of rows at a time, in several threads."""
-
-    def strip_is_unit(first: int) -> bool:
-        strip = normals[first : first + _STRIP_ROWS]
-        length2 = np.einsum("ijk,ijk->ij", strip, strip)
-        length2 -= 1
-        np.abs(length2, out=length2)
-        return bool(length2.max(initial=0) <= 2 * UNIT_TOLERANCE)  # also False for NaN
-
-    starts = range(0, len(normals), _STRIP_ROWS)
-    if len(starts) <= _MOST_THREADS:
-        return all(map(strip_is_unit, starts))
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
-        return all(pool.map(strip_is_unit, starts))
-
-
 @dataclass(frozen=True, eq=False)
 class NormalMap:
     """Unit normals in eye space and where they are defined.
@@ -213,7 +193,7 @@ class NormalMap:
             raise InputError(
                 f"{self.name}: coverage is {self.coverage.dtype} {self.coverage.shape}, expected float32 {shape}"
             )
-        if not _all_unit(self.normals):
+        if not _are_unit(self.normals):
             raise InputError(f"{self.name}: normals must be finite and of unit length; use nmaptool.vectors.unit")
         if not (self.coverage.min() >= 0 and self.coverage.max() <= 1):
             raise InputError(f"{self.name}: coverage must lie in [0, 1]")
@@ -223,6 +203,23 @@ class NormalMap:
             raise InputError(f"{self.name}: foreground must be bool of shape {shape}")
         for name in ("normals", "coverage", "foreground"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
+
+
+def _are_unit(normals: Float32) -> bool:
+    """Whether all (H, W, 3) vectors are finite and of unit length."""
+    off: list[bool] = []
+
+    def look(band: slice) -> None:
+        x, y, z = (normals[band, :, axis] for axis in range(3))
+        length2 = x * x
+        length2 += y * y
+        length2 += z * z
+        # also True for NaN
+        off.append(not (length2.min() >= 1 - 2 * UNIT_TOLERANCE and length2.max() <= 1 + 2 * UNIT_TOLERANCE))
+
+    with np.errstate(over="ignore", invalid="ignore"):
+        each_band(len(normals), max(1, _VECTORS_AT_ONCE // normals.shape[1]), look)
+    return not any(off)
 
 
 @dataclass(frozen=True, eq=False)

@@ -210,7 +210,7 @@ def test_outputs_that_exist_are_left_alone_until_told(refused, run, tree, clean_
 
 def test_an_output_that_appears_meanwhile_is_left_alone_and_none_is_written(refused, clean_map, tmp_path, monkeypatch):
     (tmp_path / "view.png").write_text("hers")
-    monkeypatch.setattr("nmaptool.io.outputs.check_target", lambda *_: None)
+    monkeypatch.setattr("nmaptool.io.outputs.check_targets", lambda *_: None)
     monkeypatch.setattr("nmaptool.io.replace.check_target", lambda *_: None)
     words = ("relief", "-q", clean_map, "-o", tmp_path / "out.exr", "--preview", tmp_path / "view.png")
     refused(OUTPUT, r"view\.png: exists already", *words)

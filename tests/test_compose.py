@@ -147,7 +147,7 @@ def test_placing_turns_vectors_as_transforming_does(ground):
 def test_a_width_in_mm_sets_the_scale(ground, sticker):
     assert paste(ground, laid(sticker, scale="30mm")).report.layers[0]["box_px"][2] in (60, 61, 62)
     bare = as_map(ground.normals)
-    with pytest.raises(nm.UsageError, match="--scale 30mm: the size of the canvas's pixels is not known"):
+    with pytest.raises(nm.UsageError, match="--scale 30mm: the size of a pixel is not known"):
         paste(bare, laid(sticker, scale="30mm"))
     with pytest.raises(nm.UsageError, match="sticker: 5mm: the size of a pixel is not known; say --width 100mm"):
         paste(bare, laid(sticker, at="5mm,0"))

@@ -11,17 +11,20 @@ import numpy as np
 from nmaptool.arrays import Float32, Mask
 from nmaptool.blending import blend
 from nmaptool.compositing.edges import feathered
-from nmaptool.compositing.placement import Piece, bounds, is_exact, linear_part, map_piece, with_fixed_point
+from nmaptool.compositing.placement import (
+    Piece,
+    bounds,
+    is_exact,
+    linear_part,
+    map_piece,
+    scale_factors,
+    with_fixed_point,
+)
 from nmaptool.errors import InputError, UsageError
 from nmaptool.layer_stack import Layer, LayerGroup, check_mask
 from nmaptool.model import Frame, NormalMap
-from nmaptool.options import LayerOptions
 from nmaptool.options.compose import ANCHORS
-from nmaptool.units import Length
 from nmaptool.vectors import FLAT, unit
-
-# a canvas of this many layers' sizes at most: beyond it a scale is a slip of the hand
-_LARGEST_FACTOR = 1e3
 
 
 @dataclass(eq=False)
@@ -55,10 +58,10 @@ def clear_canvas(frame: Frame, ground: str) -> Canvas:
     return Canvas(frame, normals, coverage, np.zeros(frame.shape, bool), np.zeros(frame.shape, np.float32), [])
 
 
-def canvas_of(base: NormalMap) -> Canvas:
-    """A canvas with a map on it, as it is."""
+def canvas_of(base: NormalMap, frame: Frame) -> Canvas:
+    """A canvas with a map of its size on it, as it is."""
     copies = (base.normals.copy(), base.coverage.copy(), base.foreground.copy())
-    return Canvas(base.frame, *copies, np.zeros(base.frame.shape, np.float32), [])
+    return Canvas(frame, *copies, np.zeros(frame.shape, np.float32), [])
 
 
 def compose_onto(
@@ -94,7 +97,7 @@ def compose_onto(
         if isinstance(layer, LayerGroup):
             inner = compose_onto(clear_canvas(canvas.frame, "clear"), layer.layers, in_group=True, progress=progress)
             if layer.mask is not None:
-                check_mask(layer.mask, layer.name, canvas.frame.shape)
+                check_mask(layer.mask, layer.name, canvas.frame.shape, layer.mask_name)
                 inner.coverage *= layer.mask
             piece = Piece(inner.normals, inner.coverage, inner.foreground)
             within = {"layers": inner.accounts}
@@ -131,7 +134,7 @@ def place(layer: Layer, frame: Frame) -> Piece:
     if layer.mask is not None:
         coverage = coverage * layer.mask
     rows, cols = source.frame.shape
-    linear = linear_part(_factors(o, frame, cols), o.flip_h, o.flip_v, o.rotate)
+    linear = linear_part(scale_factors(o.factors, frame, cols), o.flip_h, o.flip_v, o.rotate)
     share_across, share_down = ANCHORS[o.anchor]
     try:
         across, down = (
@@ -153,25 +156,10 @@ def place(layer: Layer, frame: Frame) -> Piece:
     left, top = max(left - rim, -beyond), max(top - rim, -beyond)
     right, bottom = min(right + rim, frame.cols + beyond), min(bottom + rim, frame.rows + beyond)
     piece = Piece(source.normals, coverage, source.foreground)
-    piece = map_piece(piece, matrix, (left, top, right - left, bottom - top), o.height_factor)
+    piece = map_piece(piece, matrix, (left, top, right - left, bottom - top), o.height_factor, layer.name)
     if feather:
         piece = replace(piece, coverage=feathered(piece.coverage, feather))
     return _cut(piece, frame)
-
-
-def _factors(options: LayerOptions, frame: Frame, cols: int) -> tuple[float, float]:
-    factors = options.factors
-    if isinstance(factors, Length):
-        if factors.is_absolute and frame.pitch_mm is None:
-            raise UsageError(
-                f"--scale {factors}: the size of the canvas's pixels is not known; say --width 100mm for the canvas"
-            )
-        pitch = frame.pitch_mm or 1.0
-        factor = factors.to_mm(pitch, frame.cols) / pitch / cols
-        if not 1 / _LARGEST_FACTOR <= factor <= _LARGEST_FACTOR:
-            raise UsageError(f"--scale {factors}: is {factor:.3g} times the layer's size; use 0.001 to 1000 times")
-        return factor, factor
-    return factors
 
 
 def _cut(piece: Piece, frame: Frame) -> Piece:
@@ -188,7 +176,7 @@ def _lay(canvas: Canvas, piece: Piece, name: str, mode: str, strength: float, cl
     window = np.s_[piece.top : piece.top + rows, piece.left : piece.left + cols]
     below, above = canvas.coverage[window], piece.coverage
     if not above.any():
-        raise InputError(f"{name}: covers nothing where it lies; look at its mask, its alpha and its place")
+        raise InputError(f"{name}: covers nothing where it lies; look at its mask, its alpha, its place and its scale")
     if clip and not (above * below).any():
         raise InputError(f'{name}: lies on nothing: mode "{mode}" changes what is below; use mode "over", or clip "no"')
     if mode == "over":

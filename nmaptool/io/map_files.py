@@ -17,7 +17,7 @@ from nmaptool.curl_shading import BRIGHTEST, DARKEST, curl_picture
 from nmaptool.errors import UsageError
 from nmaptool.io.image_writer import Picture, write_pictures
 from nmaptool.io.normal_maps import check_ending, grey_codes, map_picture
-from nmaptool.io.replace import check_target, named, written_beside
+from nmaptool.io.replace import check_targets, named, written_beside
 from nmaptool.model import NormalMap
 from nmaptool.options import WriteOptions
 from nmaptool.results import Composition
@@ -67,12 +67,7 @@ class MapFiles:
                 raise UsageError(f"{path}: the {kind} picture is written as .png")
         if self.report is not None and self.report.suffix.lower() != ".json":
             raise UsageError(f"{self.report}: a report is written as .json")
-        seen: set[Path] = set()
-        for path in self.targets:
-            if path.resolve() in seen:
-                raise UsageError(f"{path}: is named twice as an output")
-            seen.add(path.resolve())
-            check_target(path, self.overwrite)
+        check_targets(self.targets, self.overwrite)
 
 
 def write_map_files(

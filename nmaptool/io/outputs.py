@@ -12,7 +12,7 @@ from nmaptool._version import __version__
 from nmaptool.errors import UsageError
 from nmaptool.io import heights, meshes
 from nmaptool.io.image_writer import write_image
-from nmaptool.io.replace import check_target, named, written_beside
+from nmaptool.io.replace import check_targets, named, written_beside
 from nmaptool.mesh import Mesh
 from nmaptool.model import Height
 from nmaptool.results import Relief
@@ -64,12 +64,7 @@ class ReliefFiles:
                 raise UsageError(f"{path}: {found}; a relief is written as {', '.join(RELIEF_ENDINGS)}")
         if self.preview is not None and self.preview.suffix.lower() != ".png":
             raise UsageError(f"{self.preview}: a preview is written as .png")
-        seen: set[Path] = set()
-        for path in self.targets:
-            if path.resolve() in seen:
-                raise UsageError(f"{path}: is named twice as an output")
-            seen.add(path.resolve())
-            check_target(path, self.overwrite)
+        check_targets(self.targets, self.overwrite)
 
 
 def write_relief(

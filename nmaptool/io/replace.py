@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from nmaptool.errors import OutputError, reason_of
+from nmaptool.errors import OutputError, UsageError, reason_of
 
 
 def check_target(path: Path, overwrite: bool) -> None:
@@ -38,6 +38,24 @@ def check_target(path: Path, overwrite: bool) -> None:
         raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None
     if not overwrite:
         raise _exists(path)
+
+
+def check_targets(paths: Sequence[Path], overwrite: bool) -> None:
+    """`check_target` of each, none of them named twice.
+
+    Raises
+    ------
+    UsageError
+        If two are the same file.
+    OutputError
+        As `check_target`.
+    """
+    seen: set[Path] = set()
+    for path in paths:
+        if path.resolve() in seen:
+            raise UsageError(f"{path}: is named twice as an output")
+        seen.add(path.resolve())
+        check_target(path, overwrite)
 
 
 def _exists(path: Path) -> OutputError:

@@ -20,7 +20,12 @@ from nmaptool.vectors import mean_abs_curl
 
 
 def blend(
-    base: NormalMap, detail: NormalMap, options: BlendOptions | None = None, *, mask: Float32 | None = None
+    base: NormalMap,
+    detail: NormalMap,
+    options: BlendOptions | None = None,
+    *,
+    mask: Float32 | None = None,
+    mask_name: str = "",
 ) -> Composition:
     """Blend a detail map with a base map of the same size.
 
@@ -31,6 +36,8 @@ def blend(
     options : BlendOptions, optional
     mask : (H, W) float32 in [0, 1], optional
         Multiplies the strength.
+    mask_name : str
+        What to call the mask in messages, such as its file.
 
     Returns
     -------
@@ -50,7 +57,7 @@ def blend(
     if (detail.coverage < 1).any():
         strength = detail.coverage * np.float32(options.strength)
     if mask is not None:
-        check_mask(mask, detail.name, base.frame.shape)
+        check_mask(mask, detail.name, base.frame.shape, mask_name)
         strength = mask * np.asarray(strength, np.float32)
     if not (detail.coverage * base.coverage).any():
         warnings = (f"{detail.name}: covers nothing of {base.name}",)
@@ -92,5 +99,7 @@ def _of_one_size(base: NormalMap, detail: NormalMap, fit: bool) -> NormalMap:
         )
     rows, cols = base.frame.shape
     matrix = np.array([[cols / detail.frame.cols, 0.0, 0.0], [0.0, rows / detail.frame.rows, 0.0]])
-    piece = map_piece(Piece(detail.normals, detail.coverage, detail.foreground), matrix, (0, 0, cols, rows))
+    piece = map_piece(
+        Piece(detail.normals, detail.coverage, detail.foreground), matrix, (0, 0, cols, rows), name=detail.name
+    )
     return NormalMap(piece.normals, piece.coverage, base.frame, piece.foreground, detail.name, detail.decoding)

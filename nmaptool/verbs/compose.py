@@ -57,7 +57,7 @@ def compose(
     if not layers:
         raise InputError("nothing to compose: give at least one layer")
     canvas = canvas or CanvasOptions()
-    frame = _frame(layers, canvas)
+    frame = canvas_frame(layers, canvas)
     if frame.rows * frame.cols > max_megapixels * 1e6:
         raise LimitError(
             f"a canvas of {frame} is {frame.rows * frame.cols / 1e6:.0f} megapixels, more than the limit of "
@@ -65,7 +65,7 @@ def compose(
         )
     first = layers[0]
     if isinstance(first, Layer) and _is_ground(first, frame) and canvas.ground == "clear":
-        return _composed("stack", canvas_of(replace(first.normal_map, frame=frame)), layers[1:], canvas, progress)
+        return _composed("stack", canvas_of(first.normal_map, frame), layers[1:], canvas, progress)
     return _composed("stack", clear_canvas(frame, canvas.ground), layers, canvas, progress, lowest=True)
 
 
@@ -101,7 +101,7 @@ def paste(
     """
     canvas = CanvasOptions(width=width)
     frame = _with_pitch(background.frame, canvas)
-    return _composed("paste", canvas_of(replace(background, frame=frame)), layers, canvas, progress)
+    return _composed("paste", canvas_of(background, frame), layers, canvas, progress)
 
 
 def _composed(
@@ -146,7 +146,8 @@ def _first_map(layers: Sequence[Layer | LayerGroup]) -> NormalMap:
     return _first_map(first.layers) if isinstance(first, LayerGroup) else first.normal_map
 
 
-def _frame(layers: Sequence[Layer | LayerGroup], canvas: CanvasOptions) -> Frame:
+def canvas_frame(layers: Sequence[Layer | LayerGroup], canvas: CanvasOptions) -> Frame:
+    """The canvas's size and pitch: what the options say, else the lowest layer's."""
     lowest = _first_map(layers).frame
     if canvas.cols_rows is None:
         return _with_pitch(lowest, canvas)
