@@ -13,8 +13,10 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import nmaptool as nm
 from nmaptool.arrays import Float32, Mask
@@ -29,7 +31,7 @@ class Prepared:
     """A job with its inputs made: what runs, and the maps that go in."""
 
     job: Callable[[], object]
-    maps: tuple[Float32, ...]
+    maps: tuple[NDArray[Any], ...]
 
 
 def normals_of(size: int, turn: float) -> Float32:
@@ -98,6 +100,32 @@ def _stack(words: list[str], size: int) -> Prepared:
     return Prepared(lambda: nm.compose(layers), tuple(layer.normal_map.normals for layer in layers))
 
 
+def depths_of(size: int) -> Float32:
+    """(size, size) float32 from 0 to 1: overlapping half ellipsoids on rolling ground."""
+    along = np.arange(size, dtype=np.float32) / size
+    x, y = along[None, :], along[:, None]
+    heights = (0.05 * np.sin(9 * x) * np.cos(7 * y) + 0.1).astype(np.float32)
+    for across, down, large, up in np.random.default_rng(3).random((30, 4)):
+        radius = 0.04 + 0.12 * large
+        rows, cols = (slice(max(int((at - radius) * size), 0), int((at + radius) * size) + 1) for at in (down, across))
+        inside = 1 - ((x[:, cols] - across) ** 2 + (y[rows] - down) ** 2) / radius**2
+        ball = np.where(inside > 0, 0.1 + 0.4 * up + radius * np.sqrt(np.maximum(inside, 0)), 0).astype(np.float32)
+        np.maximum(heights[rows, cols], ball, out=heights[rows, cols])
+    heights -= heights.min()
+    heights /= heights.max()
+    return heights
+
+
+def _depth(words: list[str], size: int) -> Prepared:
+    depths = depths_of(size)
+    bits = {"8 bit": 8, "16 bit": 16, "float": 32}[words[1]]
+    if bits < 32:
+        depths *= 2**bits - 1
+        depths = np.rint(depths).astype(np.uint8 if bits == 8 else np.uint16)
+    image = nm.RasterImage(depths[..., None], ("Y",), bits=bits)
+    return Prepared(lambda: nm.depth_to_normals(image), (image.pixels,))
+
+
 # jobs by the first word of their name, up to a comma
 PREPARE: dict[str, Callable[[list[str], int], Prepared]] = {
     "blend": _blend,
@@ -105,6 +133,7 @@ PREPARE: dict[str, Callable[[list[str], int], Prepared]] = {
     "paste": _paste,
     "transform": _transform,
     "stack of 5 layers": _stack,
+    "depth": _depth,
 }
 
 

@@ -12,7 +12,7 @@ from nmaptool.arrays import Float32
 _SPOILT = (0.6, 0.06, 0.03, 0.015)
 # px from a jump within which a surface may turn away
 _TURNING = 6
-_SQUARE = np.ones((3, 3), np.uint8)
+_SQUARE = np.ones((2 * _TURNING + 1, 2 * _TURNING + 1), np.uint8)
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 
 
@@ -41,7 +41,7 @@ def narrow_tolerance(tolerance: Float32, heights: Float32, jumps: Float32) -> No
     tolerance, heights, jumps : (H, W) float32
         In px.
     """
-    near = cv2.dilate((jumps > 0).view(np.uint8), _SQUARE, iterations=_TURNING)
+    near = cv2.dilate((jumps > 0).view(np.uint8), _SQUARE)
     row, col = np.nonzero(near)
     slope = np.hypot(_least_step(heights, row, col, 0), _least_step(heights, row, col, 1))
     tolerance[row, col] /= np.maximum(slope, np.float32(1))
