@@ -84,8 +84,8 @@ def main() -> None:
     rows = [row_of(job, measure(job, options.size, options.repeat)) for job in jobs]
     preface = (
         f"Waves and ripples in float32, {options.size} x {options.size} px; the pasted disc is of half that size, and "
-        "so are four of the layers of\nthe stack; depth pictures are of 30 overlapping half balls. Each job runs in a process of its own: "
-        "seconds are the best of "
+        "so are four of the layers of\nthe stack; depth pictures are of 30 overlapping half balls. Each job runs "
+        "in a process of its own: seconds are the best of "
         f"{options.repeat} after imports and inputs, `slowest` the worst of\nthem, `copies` the seconds over those of "
         "copying the maps that go in into fresh arrays, taken in turns with the job. Results are\nfreed before the "
         "next run, so that both find memory alike. The peak is that of the process's resident memory over what it\n"
