@@ -9,6 +9,7 @@ import numpy as np
 
 from nmaptool.arrays import Float32
 from nmaptool.blending import blend as blend_vectors
+from nmaptool.compositing.edges import detail_weight
 from nmaptool.compositing.placement import Piece, map_piece
 from nmaptool.errors import InputError
 from nmaptool.layer_stack import check_mask
@@ -27,7 +28,7 @@ def blend(
     Parameters
     ----------
     base, detail : NormalMap
-        The detail counts as much as it is covered; the result is covered where the base is.
+        The detail counts as much as it covers the base; the result is covered where the base is.
     options : BlendOptions, optional
     mask : (H, W) float32 in [0, 1], optional
         Multiplies the strength.
@@ -47,11 +48,11 @@ def blend(
     detail = _of_one_size(base, detail, options.fit)
     warnings: tuple[str, ...] = ()
     strength: np.ndarray | float = options.strength
-    if (detail.coverage < 1).any():
-        strength = detail.coverage * np.float32(options.strength)
     if mask is not None:
         check_mask(mask, detail.name, base.frame.shape)
-        strength = mask * np.asarray(strength, np.float32)
+    if mask is not None or (detail.coverage < 1).any():
+        masked = detail.coverage if mask is None else detail.coverage * mask
+        strength = detail_weight(masked, detail.coverage, base.coverage) * np.float32(options.strength)
     if not (detail.coverage * base.coverage).any():
         warnings = (f"{detail.name}: covers nothing of {base.name}",)
     normals = blend_vectors(base.normals, detail.normals, options.mode, strength)

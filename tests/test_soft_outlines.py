@@ -1,0 +1,88 @@
+"""Layers with soft outlines on each other: a detail along the outline that it shares with its base."""
+
+import numpy as np
+import pytest
+from compose_cases import as_map, bump_map, flat_map, random_normals
+
+import nmaptool as nm
+from nmaptool.detail import encode_detail
+
+ROWS, COLS = 40, 50
+
+
+@pytest.fixture
+def soft():
+    """Coverage of a disc with an anti-aliased outline."""
+    y, x = np.mgrid[0:ROWS, 0:COLS] + 0.5
+    return (15.5 - np.hypot(x - 25, y - 20)).clip(0, 1).astype(np.float32)
+
+
+@pytest.fixture
+def parts(soft):
+    """Original, base and detail of one outline, as bake writes them."""
+    original, base = random_normals(ROWS, COLS, 1), random_normals(ROWS, COLS, 2)
+    detail = encode_detail(original, base, "rotation")
+    return tuple(as_map(normals, soft) for normals in (original, base, detail))
+
+
+def laid(normal_map, mask=None, **how):
+    return nm.Layer(normal_map, nm.LayerOptions(**how), mask)
+
+
+def test_a_detail_gives_the_original_back_along_its_soft_outline(parts, soft):
+    original, base, detail = parts
+    assert ((soft > 0) & (soft < 1)).sum() > 50
+    group = nm.LayerGroup((laid(base), laid(detail, mode="rnm")))
+    for out in (
+        nm.blend(base, detail),
+        nm.paste(base, [laid(detail, mode="rnm")]),
+        nm.compose([laid(base), laid(detail, mode="rnm", at="0px,0px", anchor="top-left")]),
+        nm.compose([group]),
+    ):
+        assert np.abs(out.normal_map.normals - original.normals).max() < 1e-5
+        assert np.array_equal(out.normal_map.coverage, soft)
+
+
+def test_a_mask_counts_the_same_inside_and_along_the_outline(parts, soft):
+    _, base, detail = parts
+    whole, mask = as_map(detail.normals), np.full(soft.shape, 0.5, np.float32)
+    for one in (whole, detail):
+        blended = nm.blend(base, one, mask=mask).normal_map
+        expected = nm.blend(base, whole, nm.BlendOptions(strength=0.5)).normal_map.normals
+        inside = soft > 0
+        assert np.abs(blended.normals - expected)[inside].max() < 1e-6
+        pasted = nm.paste(base, [laid(one, mask, mode="rnm")]).normal_map
+        assert np.array_equal(pasted.normals[inside], blended.normals[inside])
+
+
+def test_a_detail_that_ends_within_its_base_fades_as_it_ends(parts, soft):
+    _, _, detail = parts
+    base = bump_map(ROWS, COLS)
+    out = nm.blend(base, detail, nm.BlendOptions("pd")).normal_map.normals
+    p, q = (-out[..., axis] / out[..., 2] + base.normals[..., axis] / base.normals[..., 2] for axis in (0, 1))
+    gentle = detail.normals[..., 2] > 0.3
+    for slope, axis in ((p, 0), (q, 1)):
+        expected = -soft * detail.normals[..., axis] / detail.normals[..., 2]
+        assert np.abs(slope - expected)[gentle].max() < 1e-3
+
+
+@pytest.mark.parametrize("mode", ["over", "rnm", "pd", "whiteout", "udn", "linear", "overlay"])
+@pytest.mark.parametrize("clip", ["auto", "yes", "no"])
+def test_strength_zero_changes_no_bit_of_a_half_covered_ground(parts, soft, mode, clip):
+    ground = as_map(random_normals(ROWS, COLS, 3), 0.4 * np.ones_like(soft))
+    out = nm.paste(ground, [laid(parts[2], mode=mode, strength=0, clip=clip)])
+    for name in ("normals", "coverage", "foreground"):
+        assert np.array_equal(getattr(out.normal_map, name), getattr(ground, name))
+    assert not out.placed.any()
+
+
+@pytest.mark.parametrize(
+    "place",
+    [{"at": "0px,0px", "anchor": "top-left"}, {"at": "50%,100%", "anchor": "bottom"}, {"scale": "1.0"}],
+)
+def test_a_plate_is_the_ground_however_its_place_is_put_into_words(place):
+    plate = flat_map(ROWS, COLS)
+    motif = laid(bump_map(10, 12), at="20px,20px")
+    assert (nm.compose([laid(plate, **place), motif]).normal_map.coverage == 1).all()
+    with pytest.raises(nm.InputError, match="plate: covers nothing .* flat background is not brought along"):
+        nm.compose([laid(plate, at="30px,20px"), motif])
