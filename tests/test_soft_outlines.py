@@ -84,5 +84,5 @@ def test_a_plate_is_the_ground_however_its_place_is_put_into_words(place):
     plate = flat_map(ROWS, COLS)
     motif = laid(bump_map(10, 12), at="20px,20px")
     assert (nm.compose([laid(plate, **place), motif]).normal_map.coverage == 1).all()
-    with pytest.raises(nm.InputError, match="plate: covers nothing .* flat background is not brought along"):
+    with pytest.raises(nm.InputError, match=r"plate: covers nothing .* flat background is not brought along"):
         nm.compose([laid(plate, at="30px,20px"), motif])

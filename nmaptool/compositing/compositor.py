@@ -188,8 +188,8 @@ def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, 
     below, above = canvas.coverage[window], piece.coverage
     if not above.any():
         raise InputError(
-            f"{name}: covers nothing where it lies; look at its mask, its alpha and its place; a flat background is not "
-            "brought along"
+            f"{name}: covers nothing where it lies; look at its mask, its alpha and its place; a flat background "
+            "is not brought along"
         )
     if clip and not (above * below).any():
         raise InputError(f'{name}: lies on nothing: mode "{mode}" changes what is below; use mode "over", or clip "no"')
