@@ -23,6 +23,7 @@ from nmaptool_cli.session import (
     RunOptions,
     Session,
     input_files,
+    refuse_inputs,
     said_name,
 )
 
@@ -133,9 +134,7 @@ def relief(
         raise UsageError("nothing to write: say where, such as -o relief.stl --preview relief.png")
     files.check()
     names = (map, inputs.detail, inputs.mask, inputs.surface, inputs.mu_map, inputs.beta_map, inputs.delta_map)
-    for path in files.targets:
-        if path.exists() and any(Path(name).exists() and path.samefile(name) for name in names if name):
-            raise UsageError(f"{path}: is also an input; give another name for the output")
+    refuse_inputs(files.targets, names)
     with input_files(*names) as sources, named_inputs(inputs):
         result, account = _solve(session, sources, options, reading)
     import nmaptool as nm

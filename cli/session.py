@@ -7,7 +7,7 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,7 +15,7 @@ from typing import Annotated, Any
 from cyclopts import Group, Parameter
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
-from nmaptool.errors import InputError, NmaptoolError
+from nmaptool.errors import InputError, NmaptoolError, UsageError
 from nmaptool.options import FilterOptions
 from nmaptool.progress import Progress
 from nmaptool.units import Length, length
@@ -145,6 +145,29 @@ def input_files(*names: str | None) -> Iterator[list[str | None]]:
         except NmaptoolError as error:  # nobody knows the temporary file
             error.args = (str(error).replace(str(spooled), STREAM), *error.args[1:])
             raise
+
+
+def refuse_inputs(targets: Iterable[Path], inputs: Iterable[str | None]) -> None:
+    """Refuse to write over what is read.
+
+    Raises
+    ------
+    UsageError
+    """
+    names = [name for name in inputs if name]
+    for path in targets:
+        if path.exists() and any(_is_same(path, name) for name in names):
+            raise UsageError(f"{path}: is also an input; give another name for the output")
+
+
+def _is_same(path: Path, name: str) -> bool:
+    """Whether an input, such as ``maps.exr:detail``, is in that file."""
+    from nmaptool.io.normal_maps import split_layer
+
+    try:
+        return path.samefile(split_layer(name)[0])
+    except (OSError, ValueError):  # there is no such input: reading it tells
+        return False
 
 
 def said_name(name: str) -> str:

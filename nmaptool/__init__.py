@@ -80,6 +80,7 @@ if TYPE_CHECKING:
     from nmaptool.verbs.inspect import Finding, Inspection, inspect_map
     from nmaptool.verbs.integrate import integrate
     from nmaptool.verbs.pack import PackedMap, pack
+    from nmaptool.verbs.place_layers import place_layers
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
     from nmaptool.verbs.split import split
@@ -129,6 +130,7 @@ _MODULES = {
     "verbs.inspect": "Finding Inspection inspect_map",
     "verbs.integrate": "integrate",
     "verbs.pack": "PackedMap pack",
+    "verbs.place_layers": "place_layers",
     "verbs.relief": "relief",
     "verbs.relief_inputs": "pitch_of",
     "verbs.split": "split",
@@ -215,6 +217,7 @@ __all__ = [
     "parse_recipe",
     "paste",
     "pitch_of",
+    "place_layers",
     "preview",
     "read_grey",
     "read_height",

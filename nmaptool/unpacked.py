@@ -62,6 +62,8 @@ class Unpacked:
         Bottom to top.
     findings : tuple of WorkspaceFinding
         Of the whole first, then those of the layers.
+    ground : str
+        What lies below the lowest layer: ``clear`` or ``flat``.
     has_words : bool
         Whether nmaptool's own words are still in the file; without them, moves and mirrorings cannot be told.
     """
@@ -72,6 +74,7 @@ class Unpacked:
     layers: tuple[UnpackedLayer, ...]
     findings: tuple[WorkspaceFinding, ...]
     has_words: bool
+    ground: str = "clear"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
@@ -97,6 +100,7 @@ class Unpacked:
             "rows": self.frame.rows,
             "pitch_mm": self.frame.pitch_mm,
             "bits": self.bits,
+            "ground": self.ground,
             "has_words": self.has_words,
             "layers": layers,
             "findings": [asdict(finding) for finding in self.findings],

@@ -40,7 +40,7 @@ def test_there_and_back(maps, run, ending):
         ("base", "base.exr", "0px,0px"),
         ("detail", "detail.exr", "-12px,40px"),
     ]
-    assert all(one["anchor"] == "top-left" and one["mode"] == "over" for one in recipe["layer"])
+    assert all(one["anchor"] == "top-left" and one.get("mode", "over") == "over" for one in recipe["layer"])
 
 
 def test_png_masks_names_and_the_report(maps, run, png):
@@ -82,7 +82,7 @@ def test_groups_become_nested_layers(tmp_path):
     nm.write_unpacked(nm.unpack(workspace), tmp_path / "out")
     recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
     (group,) = recipe["layer"]
-    assert (group["name"], group["strength"], group["mode"]) == ("outer", 0.5, "over")
+    assert (group["name"], group.get("strength", 1.0), group.get("mode", "over")) == ("outer", 0.5, "over")
     assert [one["name"] for one in group["layer"]] == ["bumpy", 'in"ner', "last"]
     assert group["layer"][1]["hidden"] is True
     assert group["layer"][1]["layer"][0]["mode"] == "rnm"
@@ -93,7 +93,7 @@ def test_groups_that_only_keep_layers_together_are_none_in_the_recipe(tmp_path, 
     group = nm.WorkspaceGroup("kept together", blend_mode="pass through", opacity=0.5, visible=False)
     nm.write_unpacked(nm.unpack(packed(groups=(group,))), tmp_path / "out")
     recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
-    assert [(one["name"], one["strength"], one.get("hidden", False)) for one in recipe["layer"]] == [
+    assert [(one["name"], one.get("strength", 1.0), one.get("hidden", False)) for one in recipe["layer"]] == [
         ("bumpy", 0.5, True),
         ("small", 1.0, False),
     ]
@@ -162,8 +162,8 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
         (("pack", "base.exr", "-o", "w.psd", "--bits", "12"), 2, "--bits 12: use 8 or 16"),
         (("pack", "base.exr", "-o", "w.psd", "--half"), 2, "--half is for EXR"),
         (("pack", "base.exr", "-o", "w.exr", "--half", "--bits", "16"), 2, "--half: is for EXR"),
-        (("pack", "base.exr", "-o", "w.psd", "--at", "3"), 2, "--at '3': expected whole pixels"),
-        (("pack", "base.exr", "-o", "w.psd", "--at", "9999999,0"), 2, "accepted are places within 30000 px"),
+        (("pack", "base.exr", "-o", "w.psd", "--at", "3"), 2, "--at '3': expected 2 distances"),
+        (("pack", "base.exr", "-o", "w.psd", "--at", "999999px,0"), 2, "accepted are places within 30000 px"),
         (("pack", "base.exr", "-o", "w.psd", "--name", "a", "--name", "b"), 2, "--name: is given 2 times for 1 maps"),
         (("pack", "base.exr", "-o", "no/w.psd"), 5, "the folder no does not exist|does not exist; make it first"),
         (("pack", "base.exr", "-o", "base.exr"), 5, "exists already"),

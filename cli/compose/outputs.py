@@ -15,7 +15,7 @@ from cyclopts import Parameter
 
 from nmaptool.errors import UsageError
 from nmaptool.options import WriteOptions
-from nmaptool_cli.session import STREAM, RunOptions, Session, said_name
+from nmaptool_cli.session import STREAM, RunOptions, Session, refuse_inputs, said_name
 
 if TYPE_CHECKING:
     import nmaptool as nm
@@ -91,9 +91,7 @@ class MapWriter:
         )
         self._account: Mapping[str, Any] = {}
         self.files.check()
-        for path in self.files.targets:
-            if path.exists() and any(_is_same(path, name) for name in inputs if name):
-                raise UsageError(f"{path}: is also an input; give another name for the output")
+        refuse_inputs(self.files.targets, inputs)
 
     @property
     def named_targets(self) -> list[str]:
@@ -140,16 +138,6 @@ class MapWriter:
             self.session.say(f"  wrote {'the map to standard output' if name == STREAM else path}")
         if self.report_to_stdout:
             self.session.data(self._account)
-
-
-def _is_same(path: Path, name: str) -> bool:
-    """Whether an input, such as ``maps.exr:detail``, is in that file."""
-    from nmaptool.io.normal_maps import split_layer
-
-    try:
-        return path.samefile(split_layer(name)[0])
-    except (OSError, ValueError):  # there is no such input: reading it tells
-        return False
 
 
 def say_map(session: Session, normal_map: nm.NormalMap) -> None:

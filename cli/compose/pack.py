@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,15 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from nmaptool.errors import UsageError
-from nmaptool.options import PackOptions, ReadOptions
+from nmaptool.options import LayerOptions, PackOptions, ReadOptions
+from nmaptool.units import Offset
 from nmaptool_cli.compose.outputs import say_map
-from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files
+from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files, refuse_inputs
 
 if TYPE_CHECKING:
     import nmaptool as nm
 
 _Words = Annotated[tuple[str, ...], Parameter(show_default=False)]
-_PLACE = re.compile(r"\s*([-+]?\d+)\s*(?:px)?\s*,\s*([-+]?\d+)\s*(?:px)?\s*")
+_Numbers = Annotated[tuple[float, ...], Parameter(show_default=False)]
 
 
 @dataclass(frozen=True)
@@ -45,35 +45,44 @@ class Layering:
     Parameters
     ----------
     at:
-        Place of the map's top left corner in px, across,down, such as 40,-12. Default: 0,0.
+        Place of the map's top left corner, across,down, such as 40px,-12px or 10%,5mm, to the nearest pixel. Default:
+        0,0.
     name:
         What the layer is called. Default: the file's name.
+    mode:
+        How it is to be composed again after unpacking: over (default), rnm, pd, whiteout, udn, linear, overlay.
+    strength:
+        How much of it is composed then: 0 none, 1 all (default).
     mask:
         Grey picture of the map's size, white where it shows: the layer's mask. "none" for a map without.
     """
 
     at: _Words = ()
     name: _Words = ()
+    mode: _Words = ()
+    strength: _Numbers = ()
     mask: _Words = ()
 
-    def check(self, count: int) -> None:
-        """Refuse flags that are not given once for every map."""
-        for flag in ("at", "name", "mask"):
-            given = len(getattr(self, flag))
+    def check(self, count: int, *, recipe: bool) -> None:
+        """Refuse flags that are not given once for every map, and those that a recipe already says."""
+        for field in dataclasses.fields(self):
+            given = len(getattr(self, field.name))
+            if given and recipe:
+                raise UsageError(f"--{field.name}: is for maps; a recipe says it of each layer")
             if given not in (0, count):
                 raise UsageError(
-                    f"--{flag}: is given {given} times for {count} maps; give it once for each map, or never"
+                    f"--{field.name}: is given {given} times for {count} maps; give it once for each map, or never"
                 )
+        for mode, strength in zip(self.mode, self.strength or (1.0,) * len(self.mode), strict=True):
+            LayerOptions(mode=mode, strength=strength)  # type: ignore[arg-type]
 
-    def places(self, count: int) -> list[tuple[int, int]]:
-        """(left, top) of each map."""
-        found = []
-        for text in self.at:
-            match = _PLACE.fullmatch(text)
-            if match is None:
-                raise UsageError(f"--at {text!r}: expected whole pixels across and down, such as 40,-12")
-            found.append((int(match.group(1)), int(match.group(2))))
-        return found or [(0, 0)] * count
+    def places(self, frame: nm.Frame, count: int) -> list[tuple[int, int]]:
+        """(left, top) of each map on a canvas, in px."""
+        corners = [LayerOptions(at=text).place for text in self.at] or [(Offset(0, "px"),) * 2] * count
+        return [
+            (round(across.to_px(frame.pitch_mm, frame.cols)), round(down.to_px(frame.pitch_mm, frame.rows)))
+            for across, down in corners
+        ]
 
 
 def pack(
@@ -88,15 +97,16 @@ def pack(
 ) -> None:
     """Lay normal maps over each other as the layers of one file for an image editor.
 
-    Example: nmap compose pack base.exr detail.exr --at 0,0 --at 120,40 -o work.psd, and after the editor nmap compose
+    A recipe (.toml) is packed with its layers on their places, vectors turned.
+
+    Example: nmap compose pack base.exr detail.exr --mode over --mode rnm -o work.psd, and after the editor nmap compose
     unpack work.psd -o maps
 
     Parameters
     ----------
     maps:
-        Normal maps, bottom to top; FILE.exr:layer names a layer.
+        Normal maps, bottom to top; FILE.exr:layer names a layer. Or one recipe, such as scene.toml.
     """
-    from nmaptool.io.normal_maps import split_layer
     from nmaptool.io.replace import check_target
     from nmaptool.io.workspaces import check_workspace_target
 
@@ -105,26 +115,52 @@ def pack(
     if target is None:
         raise UsageError("nothing to write: say where, such as -o work.psd")
     bits = check_workspace_target(target, options.bits, options.half)
-    layering.check(len(maps))
-    places = layering.places(len(maps))
+    is_recipe = Path(maps[0]).suffix.lower() == ".toml"
+    if is_recipe and len(maps) > 1:
+        raise UsageError(f"{maps[0]}: a recipe is packed alone; give it, or maps")
+    layering.check(len(maps), recipe=is_recipe)
     check_target(target, output.overwrite)
-    inputs = (split_layer(name)[0] for name in (*maps, *layering.mask))
-    if target.exists() and any(path.exists() and target.samefile(path) for path in inputs):
-        raise UsageError(f"{target}: is also an input; give another name for the output")
     import nmaptool as nm
+
+    if is_recipe:
+        recipe = nm.read_recipe(maps[0], max_megapixels=reading.max_megapixels)
+        refuse_inputs([target], (maps[0], *(str(Path(recipe.folder) / name) for name in recipe.files)))
+        stack = nm.read_stack(recipe, reading)
+        read = list(stack.maps)
+        placed, frame = nm.place_layers(stack.layers, stack.canvas)
+        ground: str = stack.canvas.ground
+    else:
+        refuse_inputs([target], (*maps, *layering.mask))
+        read, placed, frame = _read(maps, layering, reading)
+        ground = "clear"
+    workspace = nm.pack(placed, dataclasses.replace(options, bits=bits), frame=frame, ground=ground)
+    nm.write_workspace(target, workspace, overwrite=output.overwrite)
+    _say(session, read, target, workspace)
+    if run.json:
+        session.data({"output": str(target), **(workspace.metadata or {})})
+
+
+def _read(
+    maps: tuple[str, ...], layering: Layering, reading: ReadOptions
+) -> tuple[list[nm.NormalMap], tuple[nm.PackedMap, ...], nm.Frame]:
+    """The maps, how they lie, and their canvas."""
+    import nmaptool as nm
+    from nmaptool.verbs.pack import common_frame
 
     masks = [None if name == "none" else name for name in layering.mask] or [None] * len(maps)
     with input_files(*maps, *masks) as sources:
         read = [nm.read_normal_map(str(name), reading) for name in sources[: len(maps)]]
         grey = [None if m is None else nm.read_grey(m, reading.max_megapixels) for m in sources[len(maps) :]]
-    names = layering.name or _names(maps)
-    rows = zip(read, names, places, grey, strict=True)
-    placed = [nm.PackedMap(one, name, *place, mask=mask) for one, name, place, mask in rows]
-    workspace = nm.pack(placed, dataclasses.replace(options, bits=bits))
-    nm.write_workspace(target, workspace, overwrite=output.overwrite)
-    _say(session, read, target, workspace)
-    if run.json:
-        session.data({"output": str(target), **(workspace.metadata or {})})
+    frame = common_frame(read)
+    modes, strengths = layering.mode or ("over",) * len(maps), layering.strength or (1.0,) * len(maps)
+    rows = zip(
+        read, layering.name or _names(maps), layering.places(frame, len(maps)), modes, strengths, grey, strict=True
+    )
+    placed = tuple(
+        nm.PackedMap(one, name, left, top, mode, strength, mask)
+        for one, name, (left, top), mode, strength, mask in rows
+    )
+    return read, placed, frame
 
 
 def _names(maps: tuple[str, ...]) -> tuple[str, ...]:

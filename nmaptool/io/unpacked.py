@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import json
 import math
 import unicodedata
@@ -12,13 +13,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from nmaptool._version import __version__
 from nmaptool.errors import OutputError, UsageError, reason_of
 from nmaptool.io.image_writer import write_image, write_pictures
 from nmaptool.io.normal_maps import grey_codes, normal_picture
-from nmaptool.io.replace import check_target, written_beside
+from nmaptool.io.replace import check_target, named, written_beside
+from nmaptool.options import CanvasOptions, GroupOptions, LayerMode, LayerOptions
+from nmaptool.recipe import Recipe, RecipeGroup, RecipeLayer
+from nmaptool.recipe_toml import to_toml
+from nmaptool.units import Length
 from nmaptool.unpacked import Unpacked, UnpackedLayer
 from nmaptool.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceGroup
 
@@ -179,12 +182,8 @@ def write_unpacked(
         raise OutputError(f"{source}: is what is unpacked; unpack it into another folder")
     with files.made(), written_beside(targets, overwrite) as beside:
         for (target, job), temporary in zip(jobs, beside, strict=True):
-            try:
+            with named(target, temporary):
                 job(temporary)
-            except OutputError as error:
-                raise OutputError(str(error).replace(str(temporary), str(target))) from None
-            except OSError as error:
-                raise OutputError(f"{target}: cannot be written ({reason_of(error)})") from None
     return targets
 
 
@@ -207,55 +206,59 @@ def recipe_text(unpacked: Unpacked, entries: Sequence[Mapping[str, str]]) -> str
         ``file`` and, where there is one, ``mask`` of each layer.
     """
     frame = unpacked.frame
-    lines = [f"# {_plain(Path(unpacked.name).name)}, unpacked by nmaptool {__version__}; bottom to top", "", "[canvas]"]
-    lines.append(f"size = {_text(f'{frame.cols}x{frame.rows}')}")
-    if frame.pitch_mm is not None:
-        lines.append(f"width = {_text(f'{frame.cols * frame.pitch_mm:.10g}mm')}")
-    opened: tuple[WorkspaceGroup, ...] = ()
-    for layer, entry in zip(unpacked.layers, entries, strict=True):
-        # the recipe's groups are mixed first; what only keeps layers together is none
-        groups = tuple(group for group in layer.groups if group.blend_mode != PASS_THROUGH)
-        shared = 0
-        while shared < min(len(opened), len(groups)) and opened[shared] is groups[shared]:
-            shared += 1
-        for depth in range(shared, len(groups)):
-            lines += _group_lines(groups[depth], depth)
-        opened = groups
-        lines += _layer_lines(layer, entry, len(groups))
-    return "\n".join(lines) + "\n"
+    width = None if frame.pitch_mm is None else Length(frame.cols * frame.pitch_mm, "mm")
+    canvas = CanvasOptions(f"{frame.cols}x{frame.rows}", width, "flat" if unpacked.ground == "flat" else "clear")
+    pairs = list(zip(unpacked.layers, entries, strict=True))
+    recipe = Recipe(tuple(_entries(pairs, 0)), canvas, name=unpacked.name)
+    said = f"# {_plain(Path(unpacked.name).name)}, unpacked by nmaptool {__version__}; bottom to top\n\n"
+    return said + to_toml(recipe)
 
 
-def _head(depth: int) -> list[str]:
-    return ["", f"[[{'.'.join(['layer'] * (depth + 1))}]]"]
+def _mixed_first(layer: UnpackedLayer) -> tuple[WorkspaceGroup, ...]:
+    """The recipe's groups are mixed first; what only keeps layers together is none."""
+    return tuple(group for group in layer.groups if group.blend_mode != PASS_THROUGH)
 
 
-def _group_lines(group: WorkspaceGroup, depth: int) -> list[str]:
-    mode = "over" if group.blend_mode == NORMAL_BLEND else "rnm"
-    lines = [*_head(depth), f"name = {_text(group.name or 'group')}", f"mode = {_text(mode)}"]
-    lines.append(f"strength = {_number(group.opacity)}")
-    return lines if group.visible else [*lines, "hidden = true"]
+def _entries(
+    pairs: Sequence[tuple[UnpackedLayer, Mapping[str, str]]], depth: int
+) -> Iterator[RecipeLayer | RecipeGroup]:
+    """Layers as they stand at one depth of groups; neighbours in the same group make one entry."""
+
+    def group_of(pair: tuple[UnpackedLayer, Mapping[str, str]]) -> WorkspaceGroup | None:
+        groups = _mixed_first(pair[0])
+        return groups[depth] if len(groups) > depth else None
+
+    for _, run in itertools.groupby(pairs, lambda pair: id(group_of(pair)) if group_of(pair) else 0):
+        members = list(run)
+        group = group_of(members[0])
+        if group is None:
+            yield from (_recipe_layer(*pair) for pair in members)
+            continue
+        mode: LayerMode = "over" if group.blend_mode == NORMAL_BLEND else "rnm"
+        options = GroupOptions(_plain(group.name) or "group", mode, _number(group.opacity))
+        yield RecipeGroup(tuple(_entries(members, depth + 1)), options, hidden=not group.visible)
 
 
-def _layer_lines(layer: UnpackedLayer, entry: Mapping[str, str], depth: int) -> list[str]:
-    lines = [*_head(depth), f"name = {_text(layer.name or 'layer')}", f"file = {_text(entry['file'])}"]
+def _recipe_layer(layer: UnpackedLayer, entry: Mapping[str, str]) -> RecipeLayer:
     passed = [group for group in layer.groups if group.blend_mode == PASS_THROUGH]
-    strength = layer.strength * math.prod(group.opacity for group in passed)
-    lines += [f"mode = {_text(layer.mode)}", f"strength = {_number(strength)}"]
-    lines += [f"at = {_text(f'{layer.left}px,{layer.top}px')}", 'anchor = "top-left"']
-    if "mask" in entry:
-        lines.append(f"mask = {_text(entry['mask'])}")
+    strength = _number(layer.strength * math.prod(group.opacity for group in passed))
+    place = f"{layer.left}px,{layer.top}px"
+    options = LayerOptions(
+        _plain(layer.name) or "layer",
+        layer.mode,  # type: ignore[arg-type]
+        min(strength, 1.0) if layer.mode == "over" else strength,
+        place,
+        "top-left",
+    )
     visible = layer.visible and all(group.visible for group in passed)
-    return lines if visible else [*lines, "hidden = true"]
+    return RecipeLayer(entry["file"], options, entry.get("mask"), hidden=not visible)
 
 
-def _number(value: float) -> str:
-    return np.format_float_positional(float(value), precision=6, trim="0")
+def _number(value: float) -> float:
+    """As many digits as an opacity of an editor has, and some."""
+    return round(float(value), 6)
 
 
 def _plain(text: str) -> str:
-    return "".join(c for c in text if c.isprintable())
-
-
-def _text(text: str) -> str:
-    """A TOML string: JSON's escapes are TOML's, too."""
-    return json.dumps(_plain(text.encode("utf-8", "ignore").decode("utf-8")), ensure_ascii=False)
+    valid = text.encode("utf-8", "ignore").decode("utf-8")
+    return "".join(c for c in valid if c.isprintable())

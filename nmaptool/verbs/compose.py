@@ -59,7 +59,7 @@ def compose(
     if not layers:
         raise InputError("nothing to compose: give at least one layer")
     canvas = canvas or CanvasOptions()
-    frame = _frame(layers, canvas)
+    frame = canvas_frame(layers, canvas)
     if frame.rows * frame.cols > max_megapixels * 1e6:
         raise LimitError(
             f"a canvas of {frame} is {frame.rows * frame.cols / 1e6:.0f} megapixels, more than the limit of "
@@ -148,7 +148,8 @@ def _first_map(layers: Sequence[Layer | LayerGroup]) -> NormalMap:
     return _first_map(first.layers) if isinstance(first, LayerGroup) else first.normal_map
 
 
-def _frame(layers: Sequence[Layer | LayerGroup], canvas: CanvasOptions) -> Frame:
+def canvas_frame(layers: Sequence[Layer | LayerGroup], canvas: CanvasOptions) -> Frame:
+    """The canvas's size and pitch: what the options say, else the lowest layer's."""
     lowest = _first_map(layers).frame
     if canvas.cols_rows is None:
         return _with_pitch(lowest, canvas)

@@ -73,7 +73,11 @@ class PackedMap:
 
 
 def pack(
-    maps: Sequence[NormalMap | PackedMap], options: PackOptions | None = None, *, frame: Frame | None = None
+    maps: Sequence[NormalMap | PackedMap],
+    options: PackOptions | None = None,
+    *,
+    frame: Frame | None = None,
+    ground: str = "clear",
 ) -> Workspace:
     """Lay normal maps over each other as the layers of one file for an image editor.
 
@@ -84,7 +88,9 @@ def pack(
     options : PackOptions, optional
         ``bits`` None is 16.
     frame : Frame, optional
-        The canvas. Default: as large as the largest map, with the first pitch that one states.
+        The canvas. Default: `common_frame`.
+    ground : str
+        What lies below the lowest layer when they are composed again: ``clear`` or ``flat``.
 
     Returns
     -------
@@ -100,10 +106,7 @@ def pack(
     if not placed:
         raise UsageError("a workspace needs at least one map")
     bits = 32 if options.half else options.bits or 16
-    frames = [one.normal_map.frame for one in placed]
-    if frame is None:
-        pitch = next((f.pitch_mm for f in frames if f.pitch_mm is not None), None)
-        frame = Frame(max(f.rows for f in frames), max(f.cols for f in frames), pitch)
+    frame = frame or common_frame([one.normal_map for one in placed])
     names = unique_names([_plain(one.name or _stem(one.normal_map.name)) for one in placed])
     groups = _groups(placed)
     layers = tuple(_layer(*one, bits) for one in zip(placed, names, groups, strict=True))
@@ -112,9 +115,17 @@ def pack(
         "canvas": [frame.cols, frame.rows],
         "pitch_mm": frame.pitch_mm,
         "bits": bits,
+        "ground": ground,
         "layers": [dict(layer.facts) for layer in layers],
     }
     return Workspace(frame, layers, bits, options.half, metadata=words)
+
+
+def common_frame(maps: Sequence[NormalMap]) -> Frame:
+    """A canvas as large as the largest map, with the first pitch that one states."""
+    frames = [one.frame for one in maps]
+    pitch = next((f.pitch_mm for f in frames if f.pitch_mm is not None), None)
+    return Frame(max(f.rows for f in frames), max(f.cols for f in frames), pitch)
 
 
 def _stem(name: str) -> str:

@@ -33,13 +33,15 @@ def unpack(workspace: Workspace) -> Unpacked:
     """
     facts = _facts(workspace)
     matched, renamed = _matched(workspace.layers, facts)
-    bits = (workspace.metadata or {}).get("bits")
+    words = workspace.metadata or {}
+    bits = words.get("bits")
     packed_bits = bits if isinstance(bits, int) else None
     layers = tuple(_unpacked(layer, workspace.frame, packed_bits) for layer in matched)
     whole = _of_the_whole(workspace, facts, matched, renamed)
     inside = [finding for layer in layers for finding in layer.findings]
     findings = (*whole, *_said_once(inside, len(layers)))
-    return Unpacked(workspace.name, workspace.frame, workspace.bits, layers, findings, bool(facts))
+    ground = "flat" if words.get("ground") == "flat" else "clear"
+    return Unpacked(workspace.name, workspace.frame, workspace.bits, layers, findings, bool(facts), ground)
 
 
 def _said_once(findings: list[WorkspaceFinding], layers: int) -> list[WorkspaceFinding]:

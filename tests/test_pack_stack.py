@@ -1,0 +1,145 @@
+"""Recipes packed for an image editor, and composed again from what comes back."""
+
+import numpy as np
+import pytest
+from compose_cases import angles_deg
+from stack_cases import write_maps
+
+import nmaptool as nm
+
+SCENE = """
+[canvas]
+width = "40mm"
+
+[[layer]]
+file = "plate.exr"
+
+[[layer]]
+name = "bunny"
+file = "bunny.exr"
+at = "30%,50%"
+rotate = 90
+mask = "half.png"
+
+[[layer]]
+name = "pair"
+  [[layer.layer]]
+  name = "turned"
+  file = "leaf.png"
+  at = "70%,50%"
+  rotate = 20
+  [[layer.layer]]
+  name = "moved"
+  file = "leaf.png"
+  at = "80%,60%"
+
+[[layer]]
+name = "grain"
+file = "leaf.png"
+at = "70%,50%"
+mode = "pd"
+strength = 0.5
+
+[[layer]]
+name = "wash"
+mode = "rnm"
+strength = 0.5
+mask = "wide.png"
+  [[layer.layer]]
+  file = "bunny.exr"
+  at = "75%,20%"
+  [[layer.layer]]
+  file = "leaf.png"
+  at = "75%,20%"
+  mode = "pd"
+"""
+
+
+@pytest.fixture
+def scene(tmp_path, png):
+    write_maps(tmp_path, png)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path
+
+
+@pytest.mark.parametrize(("ending", "bound_deg"), [("exr", 1e-3), ("psd", 0.02), ("ora", 0.02), ("tif", 0.02)])
+def test_pack_unpack_stack_is_the_composition(scene, run, ending, bound_deg):
+    packed, again = scene / f"work.{ending}", scene / "again.exr"
+    assert run("compose", "pack", scene / "scene.toml", "-o", packed).code == 0
+    done = run("compose", "unpack", packed, "-o", scene / "parts")
+    assert done.code == 0, done.err + done.out
+    assert run("compose", "stack", scene / "parts" / "recipe.toml", "-o", again).code == 0
+    stack = nm.read_stack(scene / "scene.toml")
+    expected = nm.compose(stack.layers, stack.canvas).normal_map
+    made = nm.read_normal_map(again)
+    assert made.frame == expected.frame
+    assert angles_deg(made.normals, expected.normals).max() < bound_deg
+    assert np.array_equal(made.coverage, expected.coverage)
+
+
+def test_the_ground_of_a_recipe_comes_back(scene, run):
+    (scene / "flat.toml").write_text('[canvas]\nsize = "50x45"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n')
+    run("compose", "pack", scene / "flat.toml", "-o", scene / "work.psd")
+    run("compose", "unpack", scene / "work.psd", "-o", scene / "parts")
+    assert nm.read_recipe(scene / "parts" / "recipe.toml").canvas == nm.CanvasOptions(
+        "50x45", nm.length("25mm"), "flat"
+    )
+
+
+def test_layers_lie_where_they_are_composed(scene):
+    stack = nm.read_stack(scene / "scene.toml")
+    placed, frame = nm.place_layers(stack.layers, stack.canvas)
+    assert frame == nm.Frame(60, 80, 0.5)
+    assert [(one.name, one.group) for one in placed] == [
+        ("", ()),
+        ("bunny", ()),
+        ("turned", ("pair",)),
+        ("moved", ("pair",)),
+        ("grain", ()),
+        ("wash", ()),
+    ]
+    plate, bunny, _, _, grain, wash = placed
+    assert np.array_equal(plate.normal_map.normals, stack.layers[0].normal_map.normals)
+    whole = nm.compose(stack.layers[:2], stack.canvas)
+    rows, cols = bunny.normal_map.frame.shape
+    window = np.s_[bunny.top : bunny.top + rows, bunny.left : bunny.left + cols]
+    assert np.array_equal(whole.placed[window], bunny.normal_map.coverage)
+    assert whole.placed.sum() == bunny.normal_map.coverage.sum()
+    assert (grain.mode, grain.strength, wash.mode, wash.strength) == ("pd", 0.5, "rnm", 0.5)
+    assert wash.normal_map.coverage.max() == pytest.approx(0.8, abs=0.01)  # the group's mask is in its coverage
+
+
+def test_a_recipe_says_how_its_layers_lie(scene, refused):
+    words = ("compose", "pack", scene / "scene.toml", "-o", scene / "work.psd")
+    refused(2, "--at: is for maps; a recipe says it of each layer", *words, "--at", "0,0")
+    refused(2, r"scene\.toml: a recipe is packed alone", *words[:3], scene / "plate.exr", *words[3:])
+    refused(2, r"bunny\.exr: is also an input", *words[:3], "-o", scene / "bunny.exr", "--overwrite")
+    with pytest.raises(nm.InputError, match="nothing to pack: give at least one layer"):
+        nm.place_layers([])
+
+
+def test_modes_given_to_pack_come_back_in_the_recipe(scene, run, refused):
+    words = ("compose", "pack", scene / "plate.exr", scene / "bunny.exr", "-o", scene / "work.psd")
+    done = run(
+        *words,
+        "--mode",
+        "over",
+        "--mode",
+        "pd",
+        "--strength",
+        "1",
+        "--strength",
+        "1.5",
+        "--at",
+        "0,0",
+        "--at",
+        "25%,5mm",
+    )
+    assert done.code == 0, done.err
+    run("compose", "unpack", scene / "work.psd", "-o", scene / "parts")
+    _, bunny = nm.read_recipe(scene / "parts" / "recipe.toml").layers
+    assert (bunny.options.mode, bunny.options.strength) == ("pd", 1.5)
+    assert bunny.options.at == "20px,10px"
+    again = (*words[:-1], scene / "other.psd")
+    refused(2, "--mode 'screen': use one of over, rnm", *again, "--mode", "screen", "--mode", "pd")
+    refused(2, "--strength: is given 1 times for 2 maps", *again, "--strength", "0.5")
