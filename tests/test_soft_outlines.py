@@ -86,3 +86,25 @@ def test_a_plate_is_the_ground_however_its_place_is_put_into_words(place):
     assert (nm.compose([laid(plate, **place), motif]).normal_map.coverage == 1).all()
     with pytest.raises(nm.InputError, match=r"plate: covers nothing .* flat background is not brought along"):
         nm.compose([laid(plate, at="30px,20px"), motif])
+
+
+def test_a_plate_comes_back_from_a_workspace(tmp_path, run, refused):
+    plate = flat_map(ROWS, COLS, 0.5).normals.copy()
+    plate[5:30, 5:30] = bump_map(25, 25).normals
+    nm.write_normal_map(tmp_path / "plate.exr", as_map(plate, pitch_mm=0.5))
+    nm.write_normal_map(tmp_path / "motif.exr", bump_map(10, 12))
+    (tmp_path / "scene.toml").write_text(
+        '[[layer]]\nfile = "plate.exr"\n[[layer]]\nfile = "motif.exr"\nat = "10px,20px"\n'
+    )
+    stack = nm.read_stack(tmp_path / "scene.toml")
+    assert not stack.maps[0].foreground.all()  # its ground is found to be flat
+    expected = nm.compose(stack.layers, stack.canvas).normal_map
+    assert (expected.coverage == 1).all()
+    assert run("compose", "pack", tmp_path / "scene.toml", "-o", tmp_path / "work.exr").code == 0
+    assert run("compose", "unpack", tmp_path / "work.exr", "-o", tmp_path / "parts").code == 0
+    assert run("compose", "stack", tmp_path / "parts" / "recipe.toml", "-o", tmp_path / "again.exr").code == 0
+    again = nm.read_normal_map(tmp_path / "again.exr")
+    assert (again.coverage == 1).all()
+    assert np.abs(again.normals - expected.normals).max() < 1e-6
+    words = ("compose", "pack", tmp_path / "plate.exr", "-o", tmp_path / "work.psd")
+    refused(2, 'must lie between 0 and 1 where the mode is "over"', *words, "--strength", "5")

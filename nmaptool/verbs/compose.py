@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeGuard
 
 from nmaptool.compositing.compositor import Canvas, canvas_of, clear_canvas, compose_onto
 from nmaptool.compositing.placement import is_uneven
@@ -66,7 +67,7 @@ def compose(
             f"{max_megapixels:g}; make it smaller or raise --max-megapixels"
         )
     first = layers[0]
-    if isinstance(first, Layer) and _is_ground(first, frame) and canvas.ground == "clear":
+    if is_ground(first, frame, canvas):
         return _composed("stack", canvas_of(replace(first.normal_map, frame=frame)), layers[1:], canvas, progress)
     return _composed("stack", clear_canvas(frame, canvas.ground), layers, canvas, progress, lowest=True)
 
@@ -163,8 +164,10 @@ def _with_pitch(frame: Frame, canvas: CanvasOptions) -> Frame:
     return replace(frame, pitch_mm=canvas.width.to_mm(1.0, 1) / frame.cols)
 
 
-def _is_ground(layer: Layer, frame: Frame) -> bool:
-    """Whether a layer is laid as it is, however its place is put into words."""
+def is_ground(layer: Layer | LayerGroup, frame: Frame, canvas: CanvasOptions) -> TypeGuard[Layer]:
+    """Whether a lowest layer is the canvas itself: laid as it is, however its place is put into words."""
+    if isinstance(layer, LayerGroup) or canvas.ground != "clear":
+        return False
     o = layer.options
     if layer.mask is not None or layer.normal_map.frame.shape != frame.shape:
         return False
