@@ -108,3 +108,33 @@ def test_a_plate_comes_back_from_a_workspace(tmp_path, run, refused):
     assert np.abs(again.normals - expected.normals).max() < 1e-6
     words = ("compose", "pack", tmp_path / "plate.exr", "-o", tmp_path / "work.psd")
     refused(2, 'must lie between 0 and 1 where the mode is "over"', *words, "--strength", "5")
+
+
+@pytest.mark.parametrize("size", ["100x80", "137x110", "51x40", "30x24"])
+def test_a_resized_picture_is_covered_to_its_edges(size):
+    out = nm.transform(bump_map(ROWS, COLS), nm.TransformOptions(resize=size)).normal_map
+    assert (out.coverage == 1).all()
+
+
+def test_edges_between_pixels_stay_hard_and_others_soft():
+    clear = nm.CanvasOptions("200x160")
+    hard = nm.compose([laid(bump_map(ROWS, COLS), at="30px,20px", anchor="top-left", scale="2")], clear)
+    coverage = np.zeros((160, 200), np.float32)
+    coverage[20:100, 30:130] = 1
+    assert np.array_equal(hard.normal_map.coverage, coverage)
+    assert np.array_equal(np.unique(hard.normal_map.normals[coverage == 0]), (0, 1))
+    soft = nm.compose([laid(bump_map(ROWS, COLS), at="30.5px,20px", anchor="top-left", scale="2")], clear)
+    assert soft.normal_map.coverage[60, 30] == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("turn", [{"rotate": 90}, {"flip_h": True}, {"rotate": 180, "flip_v": True}])
+def test_hard_edges_turn_with_the_picture(turn):
+    out = nm.transform(bump_map(ROWS, COLS), nm.TransformOptions(scale="2", **turn)).normal_map
+    assert (out.coverage == 1).all()
+    assert sorted(out.frame.shape) == [2 * ROWS, 2 * COLS]
+
+
+def test_a_stretched_detail_acts_up_to_the_edge_of_the_picture():
+    base, small = flat_map(2 * ROWS, 2 * COLS), as_map(np.full((ROWS, COLS, 3), (0.6, 0, 0.8), np.float32))
+    out = nm.blend(base, small, nm.BlendOptions(fit=True)).normal_map
+    assert np.abs(out.normals - (0.6, 0, 0.8)).max() < 1e-6

@@ -20,6 +20,7 @@ from nmaptool.vectors import FLAT, unit
 # scales that differ by less are rounding of sizes in px, not stretching
 _UNEVEN = 0.01
 _EXACT = 1e-7
+_WHOLE = 1e-4  # px
 _LARGEST_FACTOR = 1e3
 _LEAST_COVERAGE = 1 / 512
 _RINGING = 0.04
@@ -154,7 +155,8 @@ def map_piece(
     -------
     Piece
         Exact, bit by bit, where pixels go to pixels; else resampled by Lanczos interpolation inside the coverage,
-        linear along its edge and next to jumps, after averaging where it shrinks.
+        linear along its edge and next to jumps, after averaging where it shrinks. An edge of the picture that falls
+        between pixels stays hard.
 
     Raises
     ------
@@ -217,12 +219,17 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
     # OpenCV counts from the centre of the first pixel
     centred = np.column_stack([matrix[:, :2], matrix[:, :2] @ [0.5, 0.5] + matrix[:, 2] - (left + 0.5, top + 0.5)])
 
+    whole = _has_whole_edges(matrix, mixed.shape)
+    border = cv2.BORDER_REPLICATE if whole else cv2.BORDER_CONSTANT
+
     def warp(array: Float32, how: int) -> Float32:
-        out: Float32 = cv2.warpAffine(array, centred, (cols, rows), flags=how)
+        out: Float32 = cv2.warpAffine(array, centred, (cols, rows), flags=how, borderMode=border)
+        if whole:
+            _clear_outside(out, bounds(matrix, mixed.shape[1], mixed.shape[0]), left, top)
         return out
 
     inside = (mixed[..., 3] >= 1 - 1e-6).astype(np.uint8)
-    inside = cv2.erode(inside, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    inside = cv2.erode(inside, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=int(whole))
     vectors = warp(mixed, cv2.INTER_LINEAR)
     coverage = np.ascontiguousarray(vectors[..., 3]).clip(0, 1)
     sharp = warp(mixed, cv2.INTER_LANCZOS4)
@@ -246,3 +253,18 @@ def _shrunk_size(matrix: Float64, shape: tuple[int, ...]) -> tuple[int, int]:
     across, down = (float(np.linalg.norm(matrix[:, axis])) for axis in range(2))
     rows, cols = shape
     return max(1, round(rows * min(down, 1.0))), max(1, round(cols * min(across, 1.0)))
+
+
+def _has_whole_edges(matrix: Float64, shape: tuple[int, ...]) -> bool:
+    """Whether the picture's edges lie between pixels of the canvas, as where it is resized."""
+    linear = matrix[:, :2]
+    upright = min(np.abs(np.diag(linear)).max(), np.abs(np.diag(linear[::-1])).max()) < _EXACT
+    corners = np.column_stack([matrix[:, 2], linear @ [shape[1], shape[0]] + matrix[:, 2]])
+    return bool(upright and np.abs(corners - np.round(corners)).max() < _WHOLE)
+
+
+def _clear_outside(array: Float32, box: tuple[int, int, int, int], left: int, top: int) -> None:
+    """Nothing beyond a (left, top, right, bottom) box of the canvas, of which the array starts at ``left, top``."""
+    x0, y0, x1, y1 = (max(0, side - corner) for side, corner in zip(box, (left, top) * 2, strict=True))
+    array[:y0] = array[y1:] = 0
+    array[:, :x0] = array[:, x1:] = 0
