@@ -97,10 +97,11 @@ def _doubts(linear: Float64, o: TransformOptions) -> tuple[str, ...]:
         return ()
     across, down = (1 / float(np.linalg.norm(linear[:, axis])) for axis in range(2))
     even = float(np.sqrt(scales.prod()))
-    return (
+    said = (
         f"the picture is stretched, so its heights stay and its slopes change by {across:.3g} across and {down:.3g} "
-        f"down; --height-factor {even:.3g} keeps them on the whole",
+        f"down; --height-factor {even:.3g} keeps them on the whole"
     )
+    return (said,)
 
 
 def _has_flat_background(normal_map: NormalMap) -> bool:
