@@ -138,3 +138,11 @@ def test_a_stretched_detail_acts_up_to_the_edge_of_the_picture():
     base, small = flat_map(2 * ROWS, 2 * COLS), as_map(np.full((ROWS, COLS, 3), (0.6, 0, 0.8), np.float32))
     out = nm.blend(base, small, nm.BlendOptions(fit=True)).normal_map
     assert np.abs(out.normals - (0.6, 0, 0.8)).max() < 1e-6
+
+
+@pytest.mark.parametrize(("scale", "wide"), [("0.5", 4), ("1", 8), ("2", 16)])
+def test_a_feather_in_percent_is_of_the_layer_as_it_is_placed(scale, wide):
+    ground, layer = flat_map(160, 200), as_map(random_normals(60, 80, 4))
+    by_share = nm.paste(ground, [laid(layer, scale=scale, feather="10%")])
+    in_px = nm.paste(ground, [laid(layer, scale=scale, feather=f"{wide}px")])
+    assert np.array_equal(by_share.placed, in_px.placed)

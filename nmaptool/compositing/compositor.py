@@ -145,7 +145,8 @@ def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
         across, down = (
             d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, (frame.cols, frame.rows), strict=True)
         )
-        feather = 0.0 if o.feather is None else o.feather.to_px(frame.pitch_mm, max(cols, rows))
+        longer = float(np.max(np.linalg.norm(linear, axis=0) * (cols, rows)))  # as it lies on the canvas
+        feather = 0.0 if o.feather is None else o.feather.to_px(frame.pitch_mm, round(longer))
     except UsageError as error:
         raise UsageError(f"{layer.name}: {error}") from None
     matrix = with_fixed_point(linear, (share_across * cols, share_down * rows), (across, down))
