@@ -146,3 +146,12 @@ def test_a_feather_in_percent_is_of_the_layer_as_it_is_placed(scale, wide):
     by_share = nm.paste(ground, [laid(layer, scale=scale, feather="10%")])
     in_px = nm.paste(ground, [laid(layer, scale=scale, feather=f"{wide}px")])
     assert np.array_equal(by_share.placed, in_px.placed)
+
+
+def test_a_detail_fitted_unevenly_says_what_becomes_of_its_slopes():
+    fit = nm.BlendOptions(fit=True)
+    even = nm.blend(flat_map(80, 100), bump_map(ROWS, COLS), fit).report.warnings
+    uneven = nm.blend(flat_map(80, 200), bump_map(ROWS, COLS), fit).report.warnings
+    assert even == ()
+    assert len(uneven) == 1
+    assert "slopes change by 0.25 across and 0.5 down" in uneven[0]
