@@ -37,6 +37,7 @@ bench: $(STAMP)
 	$(BIN)/python -m bench.solver
 	$(BIN)/python -m bench.relief
 	$(BIN)/python -m bench.bake
+	$(BIN)/python -m bench.compose
 
 clean:
 	rm -rf $(VENV) gallery build *.egg-info

@@ -16,8 +16,8 @@ from pathlib import Path
 RESULTS = Path(__file__).with_name("results.md")
 _PACKAGES = ("numpy", "scipy", "pyamg")
 _TITLE = (
-    "# Speed and memory, measured\n\nMade by `python -m bench.solver --write`, `python -m bench.relief --write` and "
-    "`python -m bench.bake --write`."
+    "# Speed and memory, measured\n\nMade by `python -m bench.solver --write`, and likewise by `bench.relief`, "
+    "`bench.bake` and `bench.compose`."
 )
 
 

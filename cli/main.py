@@ -53,6 +53,7 @@ _SIGNED = (
 )
 # flags that take whole numbers: the parser would round
 _WHOLE = ("--max-iterations", "--iterations", "--max-faces")
+_DASH_VALUE = re.compile(r"--?[a-z][a-z-]*=-")
 _SIGNED_VALUE = re.compile(r"-[\d.rgb]")
 
 
@@ -68,6 +69,8 @@ def _plain_words(arguments: list[str]) -> list[str]:
             raise UsageError(f"{joined[-1]} {word!r}: must be a whole number")
         if word == "-":
             joined.append(STREAM)
+        elif _DASH_VALUE.fullmatch(word):
+            joined.append(word[:-1] + STREAM)
         elif joined and joined[-1] in _SIGNED and _SIGNED_VALUE.match(word):
             joined[-1] = f"{joined[-1]}={word}"
         else:

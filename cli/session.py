@@ -10,12 +10,12 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, BinaryIO
 
 from cyclopts import Group, Parameter
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
-from nmaptool.errors import InputError, NmaptoolError, UsageError
+from nmaptool.errors import InputError, NmaptoolError, OutputError, UsageError, reason_of
 from nmaptool.options import FilterOptions
 from nmaptool.progress import Progress
 from nmaptool.units import Length, length
@@ -28,6 +28,7 @@ EXIT_BUG = 70
 
 # what - stands for once the words are parsed
 STREAM = "standard input"
+STDOUT = "standard output"
 
 # a Length is one word on the command line, such as 12mm
 Parameter(n_tokens=1, accepts_keys=False, converter=lambda _, tokens: length(tokens[0].value))(Length)
@@ -99,7 +100,8 @@ class Session:
 
     def data(self, value: Any) -> None:
         """A JSON value on standard output."""
-        print(json.dumps(value, indent=2))
+        with standard_output() as stream:
+            stream.write(json.dumps(value, indent=2).encode() + b"\n")
 
     @contextlib.contextmanager
     def progress(self) -> Iterator[Progress | None]:
@@ -121,6 +123,45 @@ class Session:
 
 
 @contextlib.contextmanager
+def standard_output() -> Iterator[BinaryIO]:
+    """Standard output for bytes.
+
+    Raises
+    ------
+    OutputError
+        If it is closed, or what it leads to is full.
+    """
+    if sys.stdout is None:
+        raise OutputError(f"{STDOUT}: is closed; give a file name instead of -")
+    try:
+        sys.stdout.flush()
+        yield sys.stdout.buffer
+        sys.stdout.buffer.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter complains at exit
+        raise OutputError(f"{STDOUT}: cannot be written ({reason_of(error)})") from None
+
+
+@contextlib.contextmanager
+def temporary_folder() -> Iterator[Path]:
+    """A folder for what comes from or goes to a stream.
+
+    Raises
+    ------
+    OutputError
+        If there is no place for temporary files, or it is full.
+    """
+    try:
+        folder = tempfile.TemporaryDirectory()
+    except OSError as error:
+        raise OutputError(f"no temporary folder can be made ({reason_of(error)}); set TMPDIR to one") from None
+    with folder as name:
+        yield Path(name)
+
+
+@contextlib.contextmanager
 def input_files(*names: str | None) -> Iterator[list[str | None]]:
     """The names, with `STREAM` replaced by a temporary file that holds standard input.
 
@@ -128,18 +169,23 @@ def input_files(*names: str | None) -> Iterator[list[str | None]]:
     ------
     InputError
         If standard input is named twice or empty.
+    OutputError
+        If there is no room to keep it in.
     """
     if names.count(STREAM) > 1:
         raise InputError(f"{STREAM}: can be read once only")
     if STREAM not in names:
         yield list(names)
         return
-    with tempfile.TemporaryDirectory() as folder:
+    with temporary_folder() as folder:
         data = sys.stdin.buffer.read() if sys.stdin is not None else b""
         if not data:
             raise InputError(f"{STREAM}: is empty")
-        spooled = Path(folder) / STREAM
-        spooled.write_bytes(data)
+        spooled = folder / STREAM
+        try:
+            spooled.write_bytes(data)
+        except OSError as error:
+            raise OutputError(f"{STREAM}: cannot be kept in {folder} ({reason_of(error)}); set TMPDIR") from None
         try:
             yield [str(spooled) if name == STREAM else name for name in names]
         except NmaptoolError as error:  # nobody knows the temporary file
@@ -182,7 +228,7 @@ def _usage(error: CycloptsError) -> str:
         kind = "a whole number" if error.target_type is int else "a number"
         return f"{error.token.keyword} {error.token.value!r}: must be {kind}"
     if isinstance(error, UnusedCliTokensError):
-        return f"{' '.join(error.unused_tokens or [])}: is one word too many; a command takes one map or mesh"
+        return f"{' '.join(error.unused_tokens or [])}: is one word too many; see what the command takes with --help"
     return str(error)
 
 

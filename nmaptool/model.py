@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Float64, Mask, read_only
+from nmaptool.bands import each_band
 from nmaptool.errors import InputError
 from nmaptool.grid import corner_mean, touching
 
 UNIT_TOLERANCE = 1e-3
+_VECTORS_AT_ONCE = 1 << 16
 DEFAULT_LONGER_SIDE_MM = 100.0
 
 
@@ -191,8 +193,7 @@ class NormalMap:
             raise InputError(
                 f"{self.name}: coverage is {self.coverage.dtype} {self.coverage.shape}, expected float32 {shape}"
             )
-        length2 = np.einsum("ijk,ijk->ij", self.normals, self.normals)
-        if not np.all(np.abs(length2 - 1) <= 2 * UNIT_TOLERANCE):  # also False for NaN
+        if not _are_unit(self.normals):
             raise InputError(f"{self.name}: normals must be finite and of unit length; use nmaptool.vectors.unit")
         if not (self.coverage.min() >= 0 and self.coverage.max() <= 1):
             raise InputError(f"{self.name}: coverage must lie in [0, 1]")
@@ -202,6 +203,23 @@ class NormalMap:
             raise InputError(f"{self.name}: foreground must be bool of shape {shape}")
         for name in ("normals", "coverage", "foreground"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
+
+
+def _are_unit(normals: Float32) -> bool:
+    """Whether all (H, W, 3) vectors are finite and of unit length."""
+    off: list[bool] = []
+
+    def look(band: slice) -> None:
+        x, y, z = (normals[band, :, axis] for axis in range(3))
+        length2 = x * x
+        length2 += y * y
+        length2 += z * z
+        # also True for NaN
+        off.append(not (length2.min() >= 1 - 2 * UNIT_TOLERANCE and length2.max() <= 1 + 2 * UNIT_TOLERANCE))
+
+    with np.errstate(over="ignore", invalid="ignore"):
+        each_band(len(normals), max(1, _VECTORS_AT_ONCE // normals.shape[1]), look)
+    return not any(off)
 
 
 @dataclass(frozen=True, eq=False)

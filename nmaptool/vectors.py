@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
+from nmaptool.bands import each_band
 
 FLAT = (0.0, 0.0, 1.0)
+# bands that stay in the cache
+_VECTORS_AT_ONCE = 1 << 16
 
 
 def unit(vectors: NDArray[Any]) -> Float32:
@@ -30,14 +33,26 @@ def unit(vectors: NDArray[Any]) -> Float32:
     >>> unit(np.array([[3.0, 0.0, 4.0], [0.0, 0.0, 0.0]])).tolist()
     [[0.6000000238418579, 0.0, 0.800000011920929], [0.0, 0.0, 1.0]]
     """
-    out = vectors.astype(np.float32)
-    length = np.sqrt(np.einsum("...k,...k->...", out, out, dtype=np.float64))
+    out = np.array(vectors, np.float32, order="C")
+    flat = out.reshape(-1, 3)
+    each_band(len(flat), _VECTORS_AT_ONCE, lambda band: _scale_to_unit(flat[band]))
+    return out
+
+
+def _scale_to_unit(vectors: Float32) -> None:
+    """(N, 3) vectors scaled where they are."""
+    length = np.zeros(len(vectors))
+    for axis in range(3):
+        length += np.square(vectors[:, axis], dtype=np.float64)
+    np.sqrt(length, out=length)
     off = np.abs(length - 1) > 4e-7
+    if not off.any():
+        return
     zero = length < 1e-12
     factor = np.where(off & ~zero, 1 / np.where(zero, 1, length), 1).astype(np.float32)
-    out *= factor[..., None]
-    out[zero] = FLAT
-    return out
+    for axis in range(3):
+        vectors[:, axis] *= factor
+    vectors[zero] = FLAT
 
 
 def slopes(normals: Float32, cap: float) -> tuple[Float32, Float32]:
@@ -63,14 +78,17 @@ def slopes(normals: Float32, cap: float) -> tuple[Float32, Float32]:
     (0.75, 0.0)
     """
     nx, ny, nz = normals[..., 0], normals[..., 1], normals[..., 2]
-    across = np.hypot(nx, ny)
-    steep = across >= cap * nz  # also every nz <= 0 with a direction
+    steepest = cap * nz
+    steep = np.asarray(nx * nx + ny * ny >= steepest * np.maximum(steepest, 0))  # also every nz <= 0
     with np.errstate(divide="ignore", invalid="ignore"):
-        factor = np.where(steep, cap / across, 1 / nz)
-    factor[~np.isfinite(factor)] = 0  # (0, 0, -1) has no direction: call it flat
-    factor = factor.astype(np.float32)
-    # + 0: flat gives 0, not -0
-    return -nx * factor + np.float32(0), -ny * factor + np.float32(0)
+        factor = np.asarray(-1 / nz, np.float32)
+        if steep.any():
+            factor[steep] = -cap / np.hypot(nx[steep], ny[steep])
+            factor[~np.isfinite(factor)] = 0  # (0, 0, -1) has no direction: call it flat
+    p, q = nx * factor, ny * factor
+    p += np.float32(0)  # flat gives 0, not -0
+    q += np.float32(0)
+    return p, q
 
 
 def curl(p: Float32, q: Float32) -> Float32:
@@ -102,9 +120,18 @@ def mean_abs_curl(normals: Float32, mask: Mask, cap: float = 1.0) -> float:
     Slopes are capped low so that silhouettes and jumps inside the motif do not drown the rest.
     """
     inside = inner_vertices(mask)
-    if not inside.any():
+    ends = np.cumsum(np.count_nonzero(inside, axis=1))
+    if not (ends.size and ends[-1]):
         return 0.0
-    return float(np.abs(curl(*slopes(normals, cap))[inside]).mean())
+    found = np.empty(ends[-1], np.float32)
+
+    def fill(band: slice) -> None:
+        size = np.abs(curl(*slopes(normals[band.start : band.stop + 1], cap)))
+        first = ends[band.start - 1] if band.start else 0
+        found[first : ends[band.stop - 1]] = size[inside[band]]
+
+    each_band(len(inside), max(1, _VECTORS_AT_ONCE // mask.shape[1]), fill)
+    return float(found.mean())
 
 
 def mean_abs_curls(layers: Mapping[str, Float32], mask: Mask) -> dict[str, float]:

@@ -98,7 +98,7 @@ BAD_WORDS = [
     ("--report r.txt", r"r\.txt: a report is written as \.json"),
     ("--plot m/sheet.png", r"m: two of the outputs have the same name"),
     ("--frobnicate", r"--frobnicate"),
-    ("second.obj", r"second\.obj: is one word too many; a command takes one map or mesh"),
+    ("second.obj", r"second\.obj: is one word too many; see what the command takes"),
 ]
 
 

@@ -13,6 +13,7 @@ import pytest
 
 import nmaptool as nm
 from nmaptool.errors import UsageError
+from nmaptool_cli.compose.paste import Placing
 from nmaptool_cli.main import main
 
 ROOT = Path(__file__).parents[1]
@@ -55,20 +56,8 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
 
 
-COMMANDS = (
-    "bake",
-    "compose",
-    "compose blend",
-    "compose convert",
-    "compose pack",
-    "compose paste",
-    "compose split",
-    "compose stack",
-    "compose transform",
-    "compose unpack",
-    "inspect",
-    "relief",
-)
+COMPOSE = ("blend", "convert", "depth", "pack", "paste", "split", "stack", "transform", "unpack")
+COMMANDS = ("bake", "compose", *(f"compose {name}" for name in COMPOSE), "inspect", "relief")
 
 
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])
@@ -100,6 +89,9 @@ def test_every_public_name_loads_and_has_a_docstring():
         _ = nm.carve
 
 
+IO = (nm.ReadOptions, nm.WriteOptions)
+
+
 @pytest.mark.parametrize(
     ("command", "options"),
     [
@@ -109,8 +101,9 @@ def test_every_public_name_loads_and_has_a_docstring():
         ("bake", nm.FilterOptions),
         ("bake", nm.MeshReadOptions),
         ("compose split", nm.SplitOptions),
-        ("compose convert", nm.ReadOptions),
-        ("compose convert", nm.WriteOptions),
+        ("compose blend", nm.BlendOptions),
+        ("compose transform", nm.TransformOptions),
+        *((f"compose {name}", options) for name in ("blend", "convert", "paste", "transform") for options in IO),
     ],
 )
 def test_every_option_is_a_documented_flag_with_the_librarys_default(command, options, capsys, monkeypatch):
@@ -123,6 +116,21 @@ def test_every_option_is_a_documented_flag_with_the_librarys_default(command, op
         assert f"\n{field.name}:" in inspect.getdoc(options)  # 3.13 strips the indent itself
         if field.default is not None and field.type != "bool":
             assert f"[default: {field.default}]" in line
+
+
+def test_every_option_of_a_layer_is_a_flag_of_paste_with_its_default(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "600")
+    main(["compose", "paste", "--help"])
+    shown = capsys.readouterr().out.splitlines()
+    defaults = {field.name: field.default for field in dataclasses.fields(nm.LayerOptions)}
+    # a pasted layer is called by its file
+    assert {field.name for field in dataclasses.fields(Placing)} - {"mask"} == set(defaults) - {"name"}
+    for name in set(defaults) - {"name"}:
+        (line,) = (line for line in shown if line.startswith(f"│ --{name.replace('_', '-')} "))
+        if defaults[name]:  # else the help need not speak of it
+            said = f"{defaults[name]:g}" if isinstance(defaults[name], float) else defaults[name]
+            assert f" {said} (default)" in line or f" {said} all (default)" in line or f"Default: {said}." in line
+    assert [nm.LayerOptions(**flags) for flags in Placing().of_each(2)] == [nm.LayerOptions()] * 2
 
 
 @pytest.mark.parametrize(

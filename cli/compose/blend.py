@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from nmaptool.options import BlendOptions, ReadOptions, WriteOptions
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, read_map, say_composition, say_map
 from nmaptool_cli.session import COMPOSING, INPUTS, OUTPUTS, READING, RUN, RunOptions, Session, input_files
 
 
@@ -42,12 +42,10 @@ def blend(
     import nmaptool as nm
 
     with input_files(base, detail, mask) as (base_file, detail_file, mask_file):
-        assert base_file is not None and detail_file is not None
-        below = nm.read_normal_map(base_file, reading)
-        others = dataclasses.replace(reading, layer=None)
-        above = nm.read_normal_map(detail_file, others, like=below)
+        below = read_map(base_file, reading)
+        above = read_map(detail_file, dataclasses.replace(reading, layer=None), like=below)
         chosen = None if mask_file is None else nm.read_grey(mask_file, reading.max_megapixels)
-        result = nm.blend(below, above, options, mask=chosen)
+        result = nm.blend(below, above, options, mask=chosen, mask_name=mask or "")
     for each in (below, above):
         say_map(session, each)
     files = {"base": base, "detail": detail, "mask": mask}

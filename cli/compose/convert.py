@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from nmaptool.errors import UsageError
 from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
-from nmaptool_cli.session import OUTPUTS, READING, RUN, RunOptions, Session, input_files
+from nmaptool_cli.session import OUTPUTS, READING, RUN, RunOptions, Session, input_files, said_name
 
 
 def convert(
@@ -52,6 +52,7 @@ def convert(
     with input_files(map) as (source,):
         assert source is not None
         image = nm.read_raster(source, reading)
+        image = dataclasses.replace(image, name=said_name(image.name))
         result, settled = convert_image(image, bits_of(writer.files.output, writing), reading, writing)
     writer.files = dataclasses.replace(writer.files, options=settled)
     say_map(session, result.normal_map)

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import shutil
-import sys
-import tempfile
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
-from nmaptool.options import WriteOptions
-from nmaptool_cli.session import STREAM, RunOptions, Session, refuse_inputs, said_name
+from nmaptool.errors import OutputError, UsageError
+from nmaptool.options import ReadOptions, WriteOptions
+from nmaptool_cli.session import (
+    STDOUT,
+    STREAM,
+    RunOptions,
+    Session,
+    refuse_inputs,
+    said_name,
+    standard_output,
+    temporary_folder,
+)
 
 if TYPE_CHECKING:
     import nmaptool as nm
     from nmaptool.io.image_writer import Picture
     from nmaptool.io.map_files import MapFiles
+
+_STREAMED = "map.exr"
 
 
 @dataclass(frozen=True)
@@ -81,22 +91,34 @@ class MapWriter:
             raise UsageError("-: pictures are written to files, such as --curl curl.png")
         if self.map_to_stdout and self.report_to_stdout:
             raise UsageError("-: the map and the report cannot both go to standard output; give one of them a file")
-        self._folder = tempfile.TemporaryDirectory() if self.map_to_stdout else None
         self.files: MapFiles = MapFiles(
-            Path(self._folder.name) / "map.exr" if self._folder else outputs.output,
+            outputs.output,
             options,
             {kind: path for kind, path in beside.items() if path is not None},
             None if str(outputs.report) == STREAM else outputs.report,
             outputs.overwrite,
         )
         self._account: Mapping[str, Any] = {}
-        self.files.check()
+        with self._placed_files() as files:
+            files.check()
         refuse_inputs(self.files.targets, inputs)
+
+    @contextlib.contextmanager
+    def _placed_files(self) -> Iterator[MapFiles]:
+        """The files, with one in a temporary folder for the map that goes to standard output."""
+        if not self.map_to_stdout:
+            yield self.files
+            return
+        with temporary_folder() as folder:
+            try:
+                yield replace(self.files, output=folder / _STREAMED)
+            except OutputError as error:  # nobody knows the temporary file
+                raise OutputError(str(error).replace(str(folder / _STREAMED), STDOUT)) from None
 
     @property
     def named_targets(self) -> list[str]:
         """Every output as the user called it."""
-        return [STREAM if self._folder and path is self.files.output else str(path) for path in self.files.targets]
+        return [STDOUT if str(path) == STREAM else str(path) for path in self.files.targets]
 
     def write(
         self,
@@ -110,12 +132,11 @@ class MapWriter:
         from nmaptool.io.map_files import write_map_files
 
         self._account = {**account, "outputs": self.named_targets}
-        write_map_files(self.files, normal_map, pictures, self._account, recipe, attributes)
-        if self._folder is not None:
-            with self.files.output.open("rb") as stream:
-                shutil.copyfileobj(stream, sys.stdout.buffer)
-            sys.stdout.buffer.flush()
-            self._folder.cleanup()
+        with self._placed_files() as files:
+            write_map_files(files, normal_map, pictures, self._account, recipe, attributes)
+            if self.map_to_stdout:
+                with files.output.open("rb") as made, standard_output() as stream:
+                    shutil.copyfileobj(made, stream)
 
     def write_composition(
         self,
@@ -134,17 +155,27 @@ class MapWriter:
 
     def finish(self) -> None:
         """Say what was written; print the report where it goes to standard output."""
-        for path, name in zip(self.files.targets, self.named_targets, strict=True):
-            self.session.say(f"  wrote {'the map to standard output' if name == STREAM else path}")
+        for name in self.named_targets:
+            self.session.say(f"  wrote {'the map to standard output' if name == STDOUT else name}")
         if self.report_to_stdout:
             self.session.data(self._account)
+
+
+def read_map(file: str | None, reading: ReadOptions, like: nm.NormalMap | None = None) -> nm.NormalMap:
+    """A normal map under the name that the user gave it."""
+    import nmaptool as nm
+
+    assert file is not None  # the map is no option
+    normal_map = nm.read_normal_map(file, reading, like=like)
+    name = said_name(normal_map.name)
+    return normal_map if name == normal_map.name else replace(normal_map, name=name)
 
 
 def say_map(session: Session, normal_map: nm.NormalMap) -> None:
     """How an input was read, in one line, and what speaks against it."""
     from nmaptool_cli.wording import describe_decoding
 
-    name = said_name(normal_map.name)
+    name = normal_map.name
     share = float(normal_map.foreground.mean())
     session.say(f"{name}: {normal_map.frame}, {describe_decoding(normal_map.decoding, share)}")
     for warning in normal_map.decoding.warnings:
@@ -168,7 +199,5 @@ def account_of(maps: tuple[nm.NormalMap, ...], **more: Any) -> dict[str, Any]:
 
     from nmaptool._version import __version__
 
-    inputs = [
-        {"name": said_name(m.name), "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps
-    ]
+    inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
     return {"version": __version__, "inputs": inputs, **json.loads(json.dumps(more, default=str))}

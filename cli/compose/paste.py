@@ -14,7 +14,7 @@ from nmaptool.errors import UsageError
 from nmaptool.options import LayerOptions, ReadOptions, WriteOptions
 from nmaptool.options.account import plain_values
 from nmaptool.units import Length
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, read_map, say_composition, say_map
 from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files
 
 # repeatable flags, whose defaults are those of LayerOptions
@@ -52,7 +52,7 @@ class Placing:
     height_factor:
         Factor on the layer's heights. Default: its scale, so that slopes stay; 1 where it is stretched.
     clip:
-        yes: only where something lies below; no: everywhere. Default: modes other than over are clipped.
+        yes: only where something lies below; no: everywhere; auto (default): modes other than over are clipped.
     mask:
         Grey picture of the layer's size, white where it shows.
     """
@@ -95,9 +95,8 @@ def _spread(name: str, given: Sequence[Any], count: int) -> Sequence[Any]:
 
 def paste(
     background: str,
-    layers: Annotated[tuple[str, ...], Parameter(negative="")],
     /,
-    *,
+    *layers: str,
     outputs: Annotated[MapOutputs, Parameter(name="*", group=OUTPUTS)] = MapOutputs(),
     placed: Annotated[Path | None, Parameter(group=OUTPUTS)] = None,
     writing: Annotated[WriteOptions, Parameter(name="*", group=OUTPUTS)] = WriteOptions(),
@@ -125,6 +124,8 @@ def paste(
         says.
     """
     session = Session(run)
+    if not layers:
+        raise UsageError("nothing to paste: give one or more layers after the background, such as plate.exr motif.exr")
     each = placing.of_each(len(layers))
     masks = [flags.pop("mask", None) for flags in each]
     options = [LayerOptions(**flags) for flags in each]
@@ -134,9 +135,12 @@ def paste(
 
     with input_files(background, *layers, *masks) as sources, session.progress() as progress:
         files, mask_files = sources[: 1 + len(layers)], sources[1 + len(layers) :]
-        ground, *maps = (nm.read_normal_map(str(name), reading) for name in files)
+        ground = read_map(files[0], reading)
+        others = dataclasses.replace(reading, layer=None)
+        maps = [read_map(file, others) for file in files[1:]]
         chosen = [None if name is None else nm.read_grey(name, reading.max_megapixels) for name in mask_files]
-        stack = [nm.Layer(*parts) for parts in zip(maps, options, chosen, strict=True)]
+        names = ["" if name is None else name for name in masks]
+        stack = [nm.Layer(*parts) for parts in zip(maps, options, chosen, names, strict=True)]
         result = nm.paste(ground, stack, width=width, progress=progress)
     for normal_map in (ground, *maps):
         say_map(session, normal_map)

@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from nmaptool.options import ReadOptions, TransformOptions, WriteOptions
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, read_map, say_composition, say_map
 from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files
 
 
@@ -36,8 +36,7 @@ def transform(
     import nmaptool as nm
 
     with input_files(map) as (source,):
-        assert source is not None
-        original = nm.read_normal_map(source, reading)
+        original = read_map(source, reading)
         result = nm.transform(original, options, max_megapixels=reading.max_megapixels)
     say_map(session, original)
     writer.write_composition(result, account_of((original,), files={"map": map}, reading=dataclasses.asdict(reading)))

@@ -58,10 +58,10 @@ def clear_canvas(frame: Frame, ground: str) -> Canvas:
     return Canvas(frame, normals, coverage, np.zeros(frame.shape, bool), np.zeros(frame.shape, np.float32), [])
 
 
-def canvas_of(base: NormalMap) -> Canvas:
-    """A canvas with a map on it, as it is."""
+def canvas_of(base: NormalMap, frame: Frame) -> Canvas:
+    """A canvas with a map of its size on it, as it is."""
     copies = (base.normals.copy(), base.coverage.copy(), base.foreground.copy())
-    return Canvas(base.frame, *copies, np.zeros(base.frame.shape, np.float32), [])
+    return Canvas(frame, *copies, np.zeros(frame.shape, np.float32), [])
 
 
 def compose_onto(
@@ -98,7 +98,7 @@ def compose_onto(
             inner = compose_onto(clear_canvas(canvas.frame, "clear"), layer.layers, in_group=True, progress=progress)
             own = shown = inner.coverage
             if layer.mask is not None:
-                check_mask(layer.mask, layer.name, canvas.frame.shape)
+                check_mask(layer.mask, layer.name, canvas.frame.shape, layer.mask_name)
                 shown = own * layer.mask
             piece = Piece(inner.normals, shown, inner.foreground)
             within = {"layers": inner.accounts}
@@ -164,7 +164,7 @@ def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
     window = (left, top, right - left, bottom - top)
 
     def mapped(shown: Float32) -> Piece:
-        return map_piece(Piece(source.normals, shown, source.foreground), matrix, window, o.height_factor)
+        return map_piece(Piece(source.normals, shown, source.foreground), matrix, window, o.height_factor, layer.name)
 
     piece = mapped(coverage if layer.mask is None else coverage * layer.mask)
     own = piece if layer.mask is None or o.mode == "over" else mapped(coverage)
@@ -189,8 +189,8 @@ def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, 
     below, above = canvas.coverage[window], piece.coverage
     if not above.any():
         raise InputError(
-            f"{name}: covers nothing where it lies; look at its mask, its alpha and its place; a flat background "
-            "is not brought along"
+            f"{name}: covers nothing where it lies; look at its mask, its alpha, its place and its scale; a flat "
+            "background is not brought along"
         )
     if clip and not (above * below).any():
         raise InputError(f'{name}: lies on nothing: mode "{mode}" changes what is below; use mode "over", or clip "no"')

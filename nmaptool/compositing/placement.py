@@ -8,10 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Float64, Mask
+from nmaptool.bands import each_band
+from nmaptool.compositing.interpolation import border, interpolated
 from nmaptool.errors import LimitError, UsageError
 from nmaptool.model import Frame
 from nmaptool.units import Length
@@ -22,8 +26,8 @@ _UNEVEN = 0.01
 _EXACT = 1e-7
 _WHOLE = 1e-4  # px
 _LARGEST_FACTOR = 1e3
-_LEAST_COVERAGE = 1 / 512
-_RINGING = 0.04
+_TILE = 128
+_PIXELS_AT_ONCE = 1 << 16  # fits one band of `unit`
 _LONGEST_SIDE = 32_000  # what OpenCV can address
 
 
@@ -137,7 +141,11 @@ def turn_vectors(normals: Float32, linear: Float64, height_factor: float) -> Flo
 
 
 def map_piece(
-    source: Piece, matrix: Float64, window: tuple[int, int, int, int], height_factor: float | None = None
+    source: Piece,
+    matrix: Float64,
+    window: tuple[int, int, int, int],
+    height_factor: float | None = None,
+    name: str = "a picture",
 ) -> Piece:
     """A map on its way to a canvas, cut to a window of it.
 
@@ -150,6 +158,8 @@ def map_piece(
         Of the canvas; at least one pixel.
     height_factor : float, optional
         Default: `default_height_factor`.
+    name : str
+        What to call it in messages.
 
     Returns
     -------
@@ -169,7 +179,10 @@ def map_piece(
         piece = _move_pixels(source, np.round(matrix), window)
         return Piece(turn_vectors(piece.normals, linear, k), piece.coverage, piece.foreground, piece.left, piece.top)
     if max(*source.coverage.shape, window[2], window[3]) > _LONGEST_SIDE:
-        raise LimitError(f"a picture with a side of more than {_LONGEST_SIDE} px cannot be turned or stretched; cut it")
+        raise LimitError(
+            f"{name}: with a side of more than {_LONGEST_SIDE} px it cannot be turned or stretched; crop it, or make "
+            "it smaller"
+        )
     return _resample(source, matrix, window, k)
 
 
@@ -196,9 +209,19 @@ def _move_pixels(source: Piece, matrix: Float64, window: tuple[int, int, int, in
         x0, x1 = max(x, 0), min(x + moved.shape[1], cols)
         y0, y1 = max(y, 0), min(y + moved.shape[0], rows)
         if x0 < x1 and y0 < y1:
-            out[y0:y1, x0:x1] = moved[y0 - y : y1 - y, x0 - x : x1 - x]
+            _copy_in_tiles(moved[y0 - y : y1 - y, x0 - x : x1 - x], out[y0:y1, x0:x1])
         arrays.append(out)
     return Piece(arrays[0], arrays[1], arrays[2], left, top)
+
+
+def _copy_in_tiles(source: NDArray[Any], out: NDArray[Any]) -> None:
+    """Copy a picture that may lie on its side: long rows would touch new memory at every pixel."""
+
+    def copy(band: slice) -> None:
+        for first in range(0, out.shape[1], _TILE):
+            out[band, first : first + _TILE] = source[band, first : first + _TILE]
+
+    each_band(len(out), _TILE, copy)
 
 
 def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int], height_factor: float) -> Piece:
@@ -218,34 +241,32 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
     left, top, cols, rows = window
     # OpenCV counts from the centre of the first pixel
     centred = np.column_stack([matrix[:, :2], matrix[:, :2] @ [0.5, 0.5] + matrix[:, 2] - (left + 0.5, top + 0.5)])
-
     whole = _has_whole_edges(matrix, mixed.shape)
-    border = cv2.BORDER_REPLICATE if whole else cv2.BORDER_CONSTANT
-
-    def warp(array: Float32, how: int) -> Float32:
-        out: Float32 = cv2.warpAffine(array, centred, (cols, rows), flags=how, borderMode=border)
-        if whole:
-            _clear_outside(out, bounds(matrix, mixed.shape[1], mixed.shape[0]), left, top)
-        return out
-
+    box = np.subtract(bounds(matrix, mixed.shape[1], mixed.shape[0]), (left, top, left, top)) if whole else None
     inside = (mixed[..., 3] >= 1 - 1e-6).astype(np.uint8)
     inside = cv2.erode(inside, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=int(whole))
-    vectors = warp(mixed, cv2.INTER_LINEAR)
-    coverage = np.ascontiguousarray(vectors[..., 3]).clip(0, 1)
-    sharp = warp(mixed, cv2.INTER_LANCZOS4)
-    # next to a jump within the map the sharper one would ring
-    smooth = warp(inside, cv2.INTER_NEAREST).astype(bool)
-    for off in cv2.split(cv2.absdiff(sharp, vectors)):
-        smooth &= off < _RINGING
-    np.copyto(vectors, sharp, where=smooth[..., None])
-    coverage[smooth] = 1
-    coverage[coverage < _LEAST_COVERAGE] = 0
-    normals = unit(vectors[..., :3])
-    normals[coverage == 0] = FLAT
-    foreground = coverage >= 0.5
-    if motif is not None:
-        foreground = (warp(motif, cv2.INTER_LINEAR) >= 0.5 * coverage) & (coverage > 0)
-    return Piece(turn_vectors(normals, linear, height_factor), coverage, foreground, left, top)
+    out = Piece(
+        np.empty((rows, cols, 3), np.float32),
+        np.empty((rows, cols), np.float32),
+        np.empty((rows, cols), bool),
+        left,
+        top,
+    )
+
+    def fill(band: slice) -> None:
+        """In bands, since what interpolation needs besides its result is several times as large."""
+        moved = centred - np.array([[0, 0, 0], [0, 0, band.start]])
+        size = (cols, band.stop - band.start)
+        vectors, coverage = interpolated(mixed, inside, moved, size, None if box is None else box - (0, band.start) * 2)
+        out.normals[band] = turn_vectors(vectors, linear, height_factor)
+        out.coverage[band] = coverage
+        out.foreground[band] = coverage >= 0.5
+        if motif is not None:
+            shown = cv2.warpAffine(motif, moved, size, flags=cv2.INTER_LINEAR, borderMode=border(box))
+            out.foreground[band] = (shown >= 0.5 * coverage) & (coverage > 0)
+
+    each_band(rows, max(1, _PIXELS_AT_ONCE // cols), fill)
+    return out
 
 
 def _shrunk_size(matrix: Float64, shape: tuple[int, ...]) -> tuple[int, int]:
@@ -261,10 +282,3 @@ def _has_whole_edges(matrix: Float64, shape: tuple[int, ...]) -> bool:
     upright = min(np.abs(np.diag(linear)).max(), np.abs(np.diag(linear[::-1])).max()) < _EXACT
     corners = np.column_stack([matrix[:, 2], linear @ [shape[1], shape[0]] + matrix[:, 2]])
     return bool(upright and np.abs(corners - np.round(corners)).max() < _WHOLE)
-
-
-def _clear_outside(array: Float32, box: tuple[int, int, int, int], left: int, top: int) -> None:
-    """Nothing beyond a (left, top, right, bottom) box of the canvas, of which the array starts at ``left, top``."""
-    x0, y0, x1, y1 = (max(0, side - corner) for side, corner in zip(box, (left, top) * 2, strict=True))
-    array[:y0] = array[y1:] = 0
-    array[:, :x0] = array[:, x1:] = 0

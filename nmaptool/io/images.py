@@ -253,7 +253,7 @@ def _read_layer(
     return RasterImage(
         pixels=np.ascontiguousarray(pixels),
         channels=chosen.channels,
-        name=str(path) if chosen.name is None else f"{path}:{chosen.name}",
+        name=f"{path}:{chosen.name}" if chosen.name else str(path),
         bits={"uint8": 8, "uint16": 16, "half": 16}.get(stored, 32),
         lossy=kind == "jpeg" or "jpeg" in str(spec.getattribute("compression")),
         attributes=_own_attributes(spec),

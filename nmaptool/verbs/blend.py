@@ -21,7 +21,12 @@ from nmaptool.vectors import mean_abs_curl
 
 
 def blend(
-    base: NormalMap, detail: NormalMap, options: BlendOptions | None = None, *, mask: Float32 | None = None
+    base: NormalMap,
+    detail: NormalMap,
+    options: BlendOptions | None = None,
+    *,
+    mask: Float32 | None = None,
+    mask_name: str = "",
 ) -> Composition:
     """Blend a detail map with a base map of the same size.
 
@@ -32,6 +37,8 @@ def blend(
     options : BlendOptions, optional
     mask : (H, W) float32 in [0, 1], optional
         Multiplies the strength.
+    mask_name : str
+        What to call the mask in messages, such as its file.
 
     Returns
     -------
@@ -49,7 +56,7 @@ def blend(
     detail = _of_one_size(base, detail, options.fit)
     strength: np.ndarray | float = options.strength
     if mask is not None:
-        check_mask(mask, detail.name, base.frame.shape)
+        check_mask(mask, detail.name, base.frame.shape, mask_name)
     if mask is not None or (detail.coverage < 1).any():
         masked = detail.coverage if mask is None else detail.coverage * mask
         strength = detail_weight(masked, detail.coverage, base.coverage) * np.float32(options.strength)
@@ -105,5 +112,7 @@ def _of_one_size(base: NormalMap, detail: NormalMap, fit: bool) -> NormalMap:
         )
     rows, cols = base.frame.shape
     matrix = np.array([[cols / detail.frame.cols, 0.0, 0.0], [0.0, rows / detail.frame.rows, 0.0]])
-    piece = map_piece(Piece(detail.normals, detail.coverage, detail.foreground), matrix, (0, 0, cols, rows))
+    piece = map_piece(
+        Piece(detail.normals, detail.coverage, detail.foreground), matrix, (0, 0, cols, rows), name=detail.name
+    )
     return NormalMap(piece.normals, piece.coverage, base.frame, piece.foreground, detail.name, detail.decoding)

@@ -68,7 +68,7 @@ def compose(
         )
     first = layers[0]
     if is_ground(first, frame, canvas):
-        return _composed("stack", canvas_of(replace(first.normal_map, frame=frame)), layers[1:], canvas, progress)
+        return _composed("stack", canvas_of(first.normal_map, frame), layers[1:], canvas, progress)
     return _composed("stack", clear_canvas(frame, canvas.ground), layers, canvas, progress, lowest=True)
 
 
@@ -104,7 +104,7 @@ def paste(
     """
     canvas = CanvasOptions(width=width)
     frame = _with_pitch(background.frame, canvas)
-    return _composed("paste", canvas_of(replace(background, frame=frame)), layers, canvas, progress)
+    return _composed("paste", canvas_of(background, frame), layers, canvas, progress)
 
 
 def _composed(

@@ -72,8 +72,9 @@ def transform(
         if o.new_size is not None:
             linear = _resizing(linear, o.new_size, frame)
             factor = default_height_factor(linear) if o.height_factor is None else o.height_factor
-        matrix, result_frame = _canvas(linear, o, frame, max_megapixels)
-        piece = map_piece(source, matrix, (0, 0, result_frame.cols, result_frame.rows), factor)
+        matrix, result_frame = _canvas(linear, o, frame, max_megapixels, normal_map.name)
+        window = (0, 0, result_frame.cols, result_frame.rows)
+        piece = map_piece(source, matrix, window, factor, normal_map.name)
         if flat_ground:
             piece = _on_plate(piece)
     result = NormalMap(
@@ -135,7 +136,9 @@ def _cropped(source: Piece, o: TransformOptions, frame: Frame, name: str) -> tup
     return piece, replace(frame, rows=rows, cols=cols)
 
 
-def _canvas(linear: Float64, o: TransformOptions, frame: Frame, max_megapixels: float) -> tuple[Float64, Frame]:
+def _canvas(
+    linear: Float64, o: TransformOptions, frame: Frame, max_megapixels: float, name: str
+) -> tuple[Float64, Frame]:
     """The matrix onto the result's canvas, and its frame."""
     across, down = frame.cols, frame.rows
     matrix = np.column_stack([linear, np.zeros(2)])
@@ -152,10 +155,10 @@ def _canvas(linear: Float64, o: TransformOptions, frame: Frame, max_megapixels: 
     matrix[:, 2] += pad[:2]
     cols, rows = cols + pad[0] + pad[2], rows + pad[1] + pad[3]
     if cols < 1 or rows < 1:
-        raise InputError("nothing is left of the picture; use a larger --scale")
+        raise InputError(f"{name}: nothing is left of the picture; use a larger --scale")
     if cols * rows > max_megapixels * 1e6:
         raise LimitError(
-            f"a result of {cols} x {rows} px is more than the limit of {max_megapixels:g} megapixels; make it "
+            f"{name}: a result of {cols} x {rows} px is more than the limit of {max_megapixels:g} megapixels; make it "
             "smaller or raise --max-megapixels"
         )
     pitch = frame.pitch_mm

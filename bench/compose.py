@@ -1,0 +1,101 @@
+"""What editing maps takes, against copying them once: ``python -m bench.compose [--size 4096]``.
+
+Nothing heavy may be imported here: a child's peak memory counts from what its parent held when it was started.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.table import Surroundings, table, write_section
+
+SIZE = 4096
+MOST_IMAGES = 6.0
+_ROOT = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One edit, by its name in `bench.compose_jobs`, and what it may take; None: no goal.
+
+    ``most_copies`` counts in copies of the maps that go in, made in the same process.
+    """
+
+    name: str
+    most_seconds: float | None = None
+    most_copies: float | None = None
+    most_images: float | None = MOST_IMAGES
+
+
+JOBS = (
+    *(Job(f"blend vectors, {mode}", most_copies=5.0) for mode in ("rnm", "pd", "whiteout", "udn", "linear", "overlay")),
+    Job("blend vectors, rnm, soft mask"),
+    Job("blend, rnm, with curl before and after"),
+    Job("paste, turned by 33 degrees", 2.0),
+    Job("paste, turned by 90 degrees", 2.0),
+    Job("paste, turned by 33 degrees, feather 24 px, rnm"),
+    Job("transform, turned by 30 degrees"),
+    Job("transform, turned by 90 degrees"),
+    Job("transform, resized to 3/4"),
+    Job("transform, stretched to half its height"),
+    Job("stack of 5 layers"),
+)
+
+
+def measure(job: Job, size: int, repeat: int) -> dict[str, float]:
+    """What `bench.compose_jobs` says of a job, run in a process of its own."""
+    command = [sys.executable, "-m", "bench.compose_jobs", job.name, str(size), str(repeat)]
+    done = subprocess.run(command, cwd=_ROOT, check=True, stdout=subprocess.PIPE)
+    said: dict[str, float] = json.loads(done.stdout)
+    return said
+
+
+def _against(figure: float, goal: float | None) -> list[str]:
+    if goal is None:
+        return [f"{figure:.2f}", ""]
+    return [f"{figure:.2f}", f"{goal:g}{' MISSED' if figure > goal else ''}"]
+
+
+def row_of(job: Job, said: dict[str, float]) -> list[str]:
+    """Time, time over that of a copy, and peak, each beside its goal."""
+    cells = [*_against(said["seconds"], job.most_seconds), f"{said['slowest']:.2f}"]
+    copies = _against(said["seconds"] / said["copy"], job.most_copies)
+    return [job.name, *cells, *copies, *_against(said["images"], job.most_images)]
+
+
+def main() -> None:
+    """Measure, print and, with --write, keep."""
+    parser = argparse.ArgumentParser(prog="python -m bench.compose", description=__doc__)
+    parser.add_argument("--size", type=int, default=SIZE, help="pixels on a side of the ground (default 4096)")
+    parser.add_argument("--repeat", type=int, default=5, help="times are the best of this many (default 5)")
+    parser.add_argument("--only", default="", help="jobs whose names hold this text")
+    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
+    options = parser.parse_args()
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
+    surroundings = Surroundings("bench.compose")
+    jobs = [job for job in JOBS if options.only in job.name]
+    rows = [row_of(job, measure(job, options.size, options.repeat)) for job in jobs]
+    preface = (
+        f"Waves and ripples in float32, {options.size} x {options.size} px; the pasted disc is of half that size, and "
+        "so are four of the layers of\nthe stack. Each job runs in a process of its own: seconds are the best of "
+        f"{options.repeat} after imports and inputs, `slowest` the worst of\nthem, `copies` the seconds over those of "
+        "copying the maps that go in into fresh arrays, taken in turns with the job. Results are\nfreed before the "
+        "next run, so that both find memory alike. The peak is that of the process's resident memory over what it\n"
+        "held after imports and inputs, in float images of that size (H x W x 3 float32), what the job returns "
+        "included.\nGoals are upper limits for 4096 px on 2 cores."
+    )
+    header = ("job", "s", "goal s", "slowest s", "copies", "goal", "peak images", "goal images")
+    body = [surroundings.describe(), preface, table(header, rows)]
+    print("\n\n".join(body))
+    if options.write:
+        write_section("compose", "\n\n".join(body))
+
+
+if __name__ == "__main__":
+    main()

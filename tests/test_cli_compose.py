@@ -1,0 +1,288 @@
+"""The compose commands as a designer uses them: pipes, pictures, reports, metadata, repeatable flags."""
+
+import json
+import os
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from compose_cases import as_map, bump_map, flat_map, random_normals
+
+import nmaptool as nm
+from nmaptool.io.image_writer import write_pictures
+from nmaptool.io.normal_maps import normal_picture
+
+NMAP = "import sys; from nmaptool_cli.main import main; sys.exit(main(sys.argv[1:]))"
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch, png):
+    """A folder with a base, a detail, a plate, a round motif and masks, which is where commands run."""
+    monkeypatch.chdir(tmp_path)
+    disc = np.hypot(*(np.mgrid[0:20, 0:20] - 9.5)) < 9
+    nm.write_normal_map("base.exr", bump_map(30, 40))
+    nm.write_normal_map("detail.exr", as_map(random_normals(30, 40, seed=1, lowest=0.5)))
+    nm.write_normal_map("plate.png", flat_map(30, 40, pitch_mm=0.5))
+    nm.write_normal_map("motif.exr", as_map(random_normals(20, 20, seed=2), disc))
+    left = np.zeros((30, 40), np.uint8)
+    left[:, :20] = 255
+    png(tmp_path / "left.png", left)
+    png(tmp_path / "top.png", np.uint8(255) * (np.mgrid[0:20, 0:20][0] < 10).astype(np.uint8))
+    return tmp_path
+
+
+@pytest.fixture
+def made(run, place):
+    """``made("blend", ...)``: the command's map, and what it said."""
+
+    def make(command, *words, out="out.exr"):
+        result = run("compose", command, *words, "-o", out, "--overwrite")
+        assert result.code == 0, result.err
+        return SimpleNamespace(**vars(result), map=nm.read_normal_map(out))
+
+    return make
+
+
+def piped(*words, given=b"", code=0):
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", NMAP, "compose", *words], input=given, capture_output=True, check=False
+    )
+    assert done.returncode == code, done.stderr.decode()
+    return done
+
+
+def test_a_pipe_of_commands_is_bit_exact(place):
+    blended = piped("blend", "base.exr", "detail.exr", "-o", "-", "--mode", "pd", "-q")
+    assert blended.stderr == b""
+    turned = piped("transform", "-", "--rotate", "90", "--output=-", "--report", "r.json", given=blended.stdout)
+    piped("paste", "plate.png", "-", "--scale=0.5", "-o", "piped.exr", given=turned.stdout)
+    expected = nm.blend(*map(nm.read_normal_map, ("base.exr", "detail.exr")), nm.BlendOptions("pd")).normal_map
+    expected = nm.transform(expected, nm.TransformOptions(rotate=90)).normal_map
+    (place / "turned.exr").write_bytes(turned.stdout)
+    assert np.array_equal(nm.read_normal_map("turned.exr").normals, expected.normals)
+    layer = nm.Layer(expected, nm.LayerOptions(scale=0.5))
+    pasted = nm.paste(nm.read_normal_map("plate.png"), [layer]).normal_map
+    assert np.array_equal(nm.read_normal_map("piped.exr").normals, pasted.normals)
+    report = json.loads((place / "r.json").read_text())
+    assert report["files"] == {"map": "standard input"}
+    assert report["outputs"] == ["standard output", "r.json"]
+    assert report["inputs"][0]["name"] == "standard input"
+
+
+def test_nobody_learns_where_a_stream_was_kept(place):
+    given = (place / "motif.exr").read_bytes()
+    done = piped("paste", "plate.png", "-", "-o", "out.exr", "--json", "-v", given=given)
+    assert json.loads(done.stdout)["layers"][0]["name"] == "standard input"
+    recipe = nm.read_raster("out.exr").attributes["recipe"]
+    assert json.loads(recipe)["layers"][0]["name"] == "standard input"
+    assert b"  standard input: over at 10,5 px, 20 x 20, on 21% of the canvas\n" in done.stderr
+    for said in (done.stdout, done.stderr, recipe.encode()):
+        assert b"tmp" not in said
+
+
+def test_the_report_says_what_was_read_done_and_written(made, place):
+    words = ("motif.exr", "motif.exr", "--at", "10px,5px", "--at", "75%,50%", "--mode", "over", "--mode", "rnm")
+    more = ("--strength", "0.5", "--curl", "c.png", "--placed", "p.png", "--mask", "top.png")
+    report = json.loads(made("paste", "base.exr", *words, *more, "--json").out)
+    assert report["command"] == "paste" and report["version"] == nm.__version__
+    assert report["files"] == {"background": "base.exr", "layers": ["motif.exr"] * 2, "masks": ["top.png"] * 2}
+    assert report["outputs"] == ["out.exr", "c.png", "p.png"]
+    assert [i["name"] for i in report["inputs"]] == ["base.exr", "motif.exr", "motif.exr"]
+    assert [(i["cols"], i["rows"], i["background"]) for i in report["inputs"]][:2] == [
+        (40, 30, "none"),
+        (20, 20, "alpha"),
+    ]
+    assert [p["at"] for p in report["placing"]] == ["10px,5px", "75%,50%"]
+    first, second = report["layers"]
+    assert (first["box_px"], first["mode"], first["strength"]) == ([0, 0, 20, 15], "over", 0.5)
+    assert (second["box_px"], second["mode"], second["name"]) == ([20, 5, 20, 20], "rnm", "motif.exr")
+    base = nm.read_normal_map("base.exr")
+    everywhere = np.ones((30, 40), bool)
+    assert report["curl_before"] == nm.vectors.mean_abs_curl(base.normals, everywhere)
+    after = nm.read_normal_map("out.exr").normals
+    assert report["curl_after"] == nm.vectors.mean_abs_curl(after, everywhere) > report["curl_before"]
+    assert report["reading"]["green"] == "auto"
+
+
+def test_blends_and_transforms_report_their_options(made):
+    report = json.loads(
+        made("blend", "base.exr", "detail.exr", "--strength", "0.25", "--mask", "left.png", "--json").out
+    )
+    assert report["options"] == {"mode": "rnm", "strength": 0.25, "fit": False}
+    assert report["layers"] == [{"name": "detail.exr", "mode": "rnm", "strength": 0.25, "share": 0.5}]
+    assert report["files"] == {"base": "base.exr", "detail": "detail.exr", "mask": "left.png"}
+    result = made("transform", "base.exr", "--rotate", "-30", "--crop", "-0px,0,50%,50%", "--report", "-", "-q")
+    report = json.loads(result.out)
+    assert result.err == ""
+    assert report["options"]["rotate"] == -30 and report["options"]["crop"] == "-0px,0,50%,50%"
+    assert np.allclose(report["options"]["matrix"], [[0.8660254, -0.5], [0.5, 0.8660254]])
+
+
+def test_pictures_have_the_maps_size_and_mean_what_they_say(made, place):
+    result = made("paste", "plate.png", "motif.exr", "--at", "0,0", "--curl", "c.png", "--placed", "p.png")
+    placed, curl = nm.read_raster("p.png"), nm.read_raster("c.png")
+    assert placed.attributes["kind"] == "mask" and (placed.channels, placed.bits) == (("Y",), 16)
+    expected = np.zeros((30, 40))
+    motif = nm.read_normal_map("motif.exr")
+    expected[:10, :10] = motif.coverage[10:, 10:]
+    assert np.array_equal(placed.pixels[..., 0], expected * 65535)
+    assert (curl.attributes["kind"], curl.attributes["black"], curl.attributes["white"]) == ("curl", "0.001", "1.0")
+    assert np.array_equal(curl.pixels, nm.curl_picture(result.map))
+    assert (curl.pixels[12:, 12:] == curl.pixels[-1, -1]).all()  # a plate is sound: one dark colour
+    assert curl.pixels[-1, -1].max() < 10 < 200 < curl.pixels[:9, :9].max()
+    assert (made("paste", "plate.png", "motif.exr", "--mask", "top.png").map.coverage == 1).all()
+
+
+def test_a_placed_picture_is_a_mask_for_a_relief(made, run, place):
+    nm.write_normal_map("hill.exr", bump_map(30, 40, height=0.2))
+    made("paste", "hill.exr", "motif.exr", "--placed", "p.png")
+    words = ("--mask", "p.png", "--background", "surface", "--surface", "hill.exr", "-o", "r.exr")
+    assert run("relief", "out.exr", *words).code == 0
+
+
+@pytest.mark.parametrize("out", ["out.png", "out.exr", "out.tif"])
+@pytest.mark.parametrize("command", ["blend", "paste", "transform"])
+def test_every_file_carries_its_recipe(made, command, out):
+    words = {
+        "blend": ("plate.png", "detail.exr", "--strength", "0.5"),
+        "paste": ("plate.png", "motif.exr", "--rotate", "-30", "--feather", "2px"),
+        "transform": ("plate.png", "--rotate", "-90", "--height-factor", "-1"),
+    }[command]
+    report = json.loads(made(command, *words, "--json", out=out).out)
+    attributes = nm.read_raster(out).attributes
+    recipe = json.loads(attributes["recipe"])
+    assert recipe == {key: report[key] for key in ("command", "options", "layers")}
+    assert recipe["command"] == command
+    assert (attributes["kind"], attributes["green"], attributes["pitch_mm"]) == ("normal", "up", "0.5")
+    assert attributes["version"] == nm.__version__
+
+
+def test_how_a_map_is_written_is_how_it_is_read(made):
+    whole = made("blend", "base.exr", "detail.exr").map.normals
+    for words, out, step in (
+        (("--write-green", "down"), "a.exr", 0),
+        (("--bits", "half"), "b.exr", 2**-11),
+        (("--bits", "float"), "c.tif", 0),
+        (("--write-green", "down"), "d.png", 2 / 65535),
+        (("--bits", "8", "--write-zero-code", "128"), "e.png", 2 / 255),
+    ):
+        made("blend", "base.exr", "detail.exr", *words, out=out)
+        assert np.abs(nm.read_normal_map(out).normals - whole).max() <= 2 * step, out
+
+
+def test_a_flag_of_paste_holds_for_all_layers_or_for_one_each(made):
+    def laid(*words):
+        report = json.loads(made("paste", "plate.png", "motif.exr", "motif.exr", "--json", *words).out)
+        return report["placing"]
+
+    once = laid("--rotate", "-30", "--flip-h", "--at", "-2px,5px", "--scale", "0.5,0.7", "--clip", "yes")
+    assert once[0] == once[1]
+    assert (once[0]["rotate"], once[0]["flip_h"], once[0]["flip_v"], once[0]["at"]) == (-30, True, False, "-2px,5px")
+    assert (once[0]["scale"], once[0]["clip"], once[0]["feather"]) == ("0.5,0.7", "yes", None)
+    each = laid("--rotate=-30", "--rotate", "-1e1", "--feather", "2px", "--feather", "5%", "--anchor", "top")
+    assert [layer["rotate"] for layer in each] == [-30, -10]
+    assert [layer["feather"] for layer in each] == ["2px", "5%"]
+    assert [layer["anchor"] for layer in each] == ["top", "top"]
+    # layers and flags in any order
+    assert laid("--strength", "0.25", "--height-factor", "-1")[1]["height_factor"] == -1
+    mixed = json.loads(
+        made("paste", "--at", "0,0", "plate.png", "--at", "10px,0", "motif.exr", "motif.exr", "--json").out
+    )
+    assert [layer["at"] for layer in mixed["placing"]] == ["0,0", "10px,0"]
+
+
+def test_what_is_pasted_is_what_the_library_pastes(made):
+    words = (
+        "--at",
+        "-2px,12px",
+        "--at",
+        "30mm,50%",
+        "--rotate",
+        "-30",
+        "--mask",
+        "top.png",
+        "--mode",
+        "over",
+        "--mode",
+        "pd",
+    )
+    result = made("paste", "plate.png", "motif.exr", "motif.exr", *words, "--width", "40mm")
+    motif, mask = nm.read_normal_map("motif.exr"), nm.io.normal_maps.read_grey("top.png")
+    how = ({"at": "-2px,12px"}, {"at": "30mm,50%", "mode": "pd"})
+    layers = [nm.Layer(motif, nm.LayerOptions(rotate=-30, **each), mask) for each in how]
+    expected = nm.paste(nm.read_normal_map("plate.png"), layers, width=nm.length("40mm")).normal_map
+    assert np.array_equal(result.map.normals, expected.normals)
+    assert result.map.frame.pitch_mm == 1.0
+
+
+def test_layers_of_an_exr_are_named(made, place):
+    names = ("original", "base", "detail")
+    maps = [as_map(random_normals(30, 40, seed=seed)) for seed in range(3)]
+    write_pictures(place / "maps.exr", [normal_picture(m, 32, name=n) for m, n in zip(maps, names, strict=True)])
+    result = made("blend", "maps.exr:base", "maps.exr:detail", "--report", "r.json")
+    assert np.array_equal(result.map.normals, nm.blend(maps[1], maps[2]).normal_map.normals)
+    assert json.loads((place / "r.json").read_text())["layers"][0]["name"] == "maps.exr:detail"
+    assert np.array_equal(
+        made("blend", "maps.exr", "detail.exr", "--layer", "base", "--strength", "0").map.normals, maps[1].normals
+    )
+    pasted = made("paste", "maps.exr", "motif.exr", "--layer", "base", "--at", "0,0").map
+    assert np.array_equal(pasted.normals[20:], maps[1].normals[20:])
+    assert np.array_equal(
+        made("transform", "maps.exr:DETAIL", "--flip-v").map.normals[..., 0], maps[2].normals[::-1, :, 0]
+    )
+
+
+def test_a_detail_map_of_another_size_is_stretched_when_told(made, place):
+    nm.write_normal_map("small.exr", bump_map(15, 20))
+    fitted = made("blend", "base.exr", "small.exr", "--fit").map
+    assert np.array_equal(
+        fitted.normals,
+        nm.blend(*map(nm.read_normal_map, ("base.exr", "small.exr")), nm.BlendOptions(fit=True)).normal_map.normals,
+    )
+
+
+def test_words_on_stderr(made, run, place):
+    said = made("paste", "plate.png", "motif.exr", "-v").err.splitlines()
+    assert said[0].startswith("plate.png: 40 x 30, background flat (found), motif 0%")
+    assert said[2] == "  motif.exr: over at 10,5 px, 20 x 20, on 21% of the canvas"
+    assert said[3].startswith("  paste: 40 x 30, pitch 0.5 mm, mean |curl| ") and said[3].endswith("(before 0.0000)")
+    assert said[4].startswith("  seconds compose ")
+    assert said[5] == "  wrote out.exr"
+    assert "seconds" not in made("paste", "plate.png", "motif.exr").err
+    quiet = made("paste", "plate.png", "motif.exr", "-q", "-v")
+    assert (quiet.out, quiet.err) == ("", "")
+    nm.write_normal_map("coarse.exr", as_map(random_normals(10, 10), pitch_mm=1.0))
+    warned = made("paste", "plate.png", "coarse.exr").err
+    assert "nmap: warning: coarse.exr: its pixels are 1 mm, the canvas's 0.5 mm" in warned
+
+
+def test_a_file_is_replaced_only_when_told(run, place):
+    (place / "out.exr").write_text("old")
+    for command, words in (("blend", ("base.exr", "detail.exr")), ("transform", ("base.exr",))):
+        assert run("compose", command, *words, "-o", "out.exr").code == 5
+        assert run("compose", command, *words, "-o", "out.exr", "--overwrite").code == 0
+    assert sorted(p.name for p in place.iterdir() if p.name.startswith((".", "out"))) == ["out.exr"]
+
+
+def test_the_same_command_writes_the_same_normals(made):
+    first = made("paste", "base.exr", "motif.exr", "--rotate", "33", "--feather", "3px", "--scale", "1.3").map
+    second = made("paste", "base.exr", "motif.exr", "--rotate", "33", "--feather", "3px", "--scale", "1.3").map
+    assert np.array_equal(first.normals, second.normals)
+
+
+def test_a_reader_that_hears_enough(place):
+    script = f"{sys.executable} -c '{NMAP}' compose blend base.exr detail.exr -o - -q | head -c 4"
+    done = subprocess.run(["bash", "-c", script], capture_output=True, check=False)
+    assert done.stdout == b"\x76\x2f\x31\x01"
+    assert done.stderr == b""
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")  # noqa: PTH110
+@pytest.mark.parametrize("words", [("-o", "-"), ("-o", "x.exr", "--json")])
+def test_standard_output_that_is_full(place, words):
+    script = f"{sys.executable} -c '{NMAP}' compose blend base.exr detail.exr -q {' '.join(words)} > /dev/full"
+    done = subprocess.run(["bash", "-c", script], capture_output=True, check=False)
+    assert done.returncode == 5
+    assert done.stderr == b"nmap: error: standard output: cannot be written (No space left on device)\n"
