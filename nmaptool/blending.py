@@ -186,8 +186,8 @@ def _blend_chunk(
     flat_base = _flat(a) if mode.flat_base else None
     flat_detail = _flat(b) if mode.keeps_flat else None
     if mode.adds_slopes:
-        _make_upright(a, t[0])
-        _make_upright(b, t[0])
+        _make_upright(a, t)
+        _make_upright(b, t)
     if mode.fades == "detail" and not whole:
         _fade(b, strength, t, upright=not mode.adds_slopes)
     elif mode.fades == "sum" and not whole:
@@ -209,7 +209,8 @@ def _blend_chunk(
     _copy_where(strength == 0, base, out)
     if flat_detail is not None:
         _copy_where(flat_detail, base, out)
-    _copy_where(size <= _SHORTEST, base, out)  # opposite normals leave no direction
+    if size.min() <= _SHORTEST:  # opposite normals leave no direction
+        _copy_where(size <= _SHORTEST, base, out)
 
 
 def _copy_where(chosen: Any, vectors: Float32, out: Float32) -> None:
@@ -236,14 +237,22 @@ def _length(v: _Triple, t: _Pair) -> _Component:
     size += np.multiply(v[1], v[1], out=square)
     size += np.multiply(v[2], v[2], out=square)
     np.sqrt(size, out=size)
-    return np.maximum(size, np.float32(_SHORTEST), out=size)
+    if not size.min() > _SHORTEST:
+        np.maximum(size, np.float32(_SHORTEST), out=size)
+    return size
 
 
-def _make_upright(v: _Triple, least: _Component) -> None:
+def _make_upright(v: _Triple, t: _Pair) -> None:
     """The same directions in the picture, no steeper than the steepest slope; steeper ones change length."""
     x, y, z = v
+    least, limit = t
     np.multiply(x, x, out=least)
-    least += y * y
+    least += np.multiply(y, y, out=limit)
+    np.abs(z, out=limit)
+    limit *= z
+    limit *= np.float32(_STEEPEST**2 * 0.999)  # a little less: roots decide
+    if (limit > least).all():
+        return
     np.sqrt(least, out=least)
     least /= np.float32(_STEEPEST)
     np.maximum(least, z, out=z)
@@ -255,7 +264,7 @@ def _fade(v: _Triple, strength: NDArray[Any], t: _Pair, *, upright: bool) -> Non
     kept = strength == 1
     whole = [component.copy() for component in v] if kept.any() else []
     if upright:
-        _make_upright(v, t[0])
+        _make_upright(v, t)
     for component in v[:2]:
         np.multiply(component, strength, out=component)
     size = _length(v, t)

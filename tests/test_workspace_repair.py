@@ -8,6 +8,7 @@ import pytest
 from workspace_cases import bumpy, codes_found, codes_of, packed, recolored, turned_freely
 
 import nmaptool as nm
+from nmaptool.vectors import unit
 
 
 def message(workspace, code):
@@ -215,3 +216,16 @@ def test_values_that_are_no_numbers():
     found = nm.unpack(replace(workspace, layers=(replace(workspace.layers[0], pixels=pixels),)))
     assert [finding.code for finding in found.findings] == ["not-a-number"]
     assert found.layers[0].normal_map.coverage[80, 90] == 0
+
+
+@pytest.mark.parametrize("degrees", [0, 25, -60])
+def test_texture_does_not_hide_a_free_turn(degrees):
+    smooth = bumpy()
+    grain = np.random.default_rng(5).normal(0, 0.03, smooth.normals.shape).astype(np.float32)
+    rough = replace(smooth, normals=unit(np.where(smooth.coverage[..., None] > 0, smooth.normals + grain, (0, 0, 1))))
+    workspace = nm.pack([rough])
+    layer = workspace.layers[0]
+    turned = replace(layer, pixels=turned_freely(layer.pixels, degrees) if degrees else layer.pixels)
+    found = [f.message for f in nm.unpack(replace(workspace, layers=(turned,))).findings if f.code == "turned-freely"]
+    assert len(found) == (degrees != 0)
+    assert all(f"looks turned by {abs(degrees)} degrees" in message for message in found)

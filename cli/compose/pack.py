@@ -73,7 +73,8 @@ class Layering:
                 raise UsageError(
                     f"--{field.name}: is given {given} times for {count} maps; give it once for each map, or never"
                 )
-        for mode, strength in zip(self.mode, self.strength or (1.0,) * len(self.mode), strict=True):
+        modes, strengths = self.mode or ("over",) * count, self.strength or (1.0,) * count
+        for mode, strength in zip(modes, strengths, strict=True):
             LayerOptions(mode=mode, strength=strength)  # type: ignore[arg-type]
 
     def places(self, frame: nm.Frame, count: int) -> list[tuple[int, int]]:

@@ -43,7 +43,8 @@ class Placing:
     flip_v:
         Mirror top and bottom.
     feather:
-        Width of the soft edge inside the layer's outline, such as 6px.
+        Width of the soft edge inside the layer's outline, such as 6px; % are of the longer side of the layer's picture
+        as it is placed.
     mode:
         over (default) covers what is below; rnm, pd, whiteout, udn, linear, overlay blend with it, as in blend.
     strength:

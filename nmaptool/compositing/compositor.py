@@ -10,7 +10,7 @@ import numpy as np
 
 from nmaptool.arrays import Float32, Mask
 from nmaptool.blending import blend
-from nmaptool.compositing.edges import feathered
+from nmaptool.compositing.edges import detail_weight, feathered
 from nmaptool.compositing.placement import (
     Piece,
     bounds,
@@ -96,16 +96,17 @@ def compose_onto(
         progress(layer.name)
         if isinstance(layer, LayerGroup):
             inner = compose_onto(clear_canvas(canvas.frame, "clear"), layer.layers, in_group=True, progress=progress)
+            own = shown = inner.coverage
             if layer.mask is not None:
                 check_mask(layer.mask, layer.name, canvas.frame.shape, layer.mask_name)
-                inner.coverage *= layer.mask
-            piece = Piece(inner.normals, inner.coverage, inner.foreground)
+                shown = own * layer.mask
+            piece = Piece(inner.normals, shown, inner.foreground)
             within = {"layers": inner.accounts}
         else:
-            piece, within = place(layer, canvas.frame), {}
+            (piece, own), within = place(layer, canvas.frame), {}
         o = layer.options
         clip = o.clip == "yes" or (o.clip == "auto" and o.mode != "over" and not in_group)
-        share = _lay(canvas, piece, layer.name, o.mode, o.strength, clip, counts=number > 0 or not lowest)
+        share = _lay(canvas, piece, own, layer, clip, counts=number > 0 or not lowest)
         rows, cols = piece.coverage.shape
         box = [piece.left, piece.top, cols, rows]
         account = {"name": layer.name, "mode": o.mode, "strength": o.strength, "box_px": box, "share": share}
@@ -119,8 +120,14 @@ def motif_coverage(normal_map: NormalMap) -> Float32:
     return np.where(beside, np.float32(0), normal_map.coverage)
 
 
-def place(layer: Layer, frame: Frame) -> Piece:
+def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
     """A layer on its place: moved, turned, masked, feathered, cut to the canvas.
+
+    Returns
+    -------
+    piece : Piece
+    own : (h, w) float32
+        Its coverage without mask and feather, which modes other than "over" ask for.
 
     Raises
     ------
@@ -131,8 +138,6 @@ def place(layer: Layer, frame: Frame) -> Piece:
     """
     source, o = layer.normal_map, layer.options
     coverage = motif_coverage(source)
-    if layer.mask is not None:
-        coverage = coverage * layer.mask
     rows, cols = source.frame.shape
     linear = linear_part(scale_factors(o.factors, frame, cols), o.flip_h, o.flip_v, o.rotate)
     share_across, share_down = ANCHORS[o.anchor]
@@ -140,7 +145,8 @@ def place(layer: Layer, frame: Frame) -> Piece:
         across, down = (
             d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, (frame.cols, frame.rows), strict=True)
         )
-        feather = 0.0 if o.feather is None else o.feather.to_px(frame.pitch_mm, max(cols, rows))
+        longer = float(np.max(np.linalg.norm(linear, axis=0) * (cols, rows)))  # as it lies on the canvas
+        feather = 0.0 if o.feather is None else o.feather.to_px(frame.pitch_mm, round(longer))
     except UsageError as error:
         raise UsageError(f"{layer.name}: {error}") from None
     matrix = with_fixed_point(linear, (share_across * cols, share_down * rows), (across, down))
@@ -155,11 +161,16 @@ def place(layer: Layer, frame: Frame) -> Piece:
     rim = 0 if is_exact(linear) else 1  # interpolation reaches half a pixel farther
     left, top = max(left - rim, -beyond), max(top - rim, -beyond)
     right, bottom = min(right + rim, frame.cols + beyond), min(bottom + rim, frame.rows + beyond)
-    piece = Piece(source.normals, coverage, source.foreground)
-    piece = map_piece(piece, matrix, (left, top, right - left, bottom - top), o.height_factor, layer.name)
+    window = (left, top, right - left, bottom - top)
+
+    def mapped(shown: Float32) -> Piece:
+        return map_piece(Piece(source.normals, shown, source.foreground), matrix, window, o.height_factor, layer.name)
+
+    piece = mapped(coverage if layer.mask is None else coverage * layer.mask)
+    own = piece if layer.mask is None or o.mode == "over" else mapped(coverage)
     if feather:
         piece = replace(piece, coverage=feathered(piece.coverage, feather))
-    return _cut(piece, frame)
+    return _cut(piece, frame), _cut(own, frame).coverage
 
 
 def _cut(piece: Piece, frame: Frame) -> Piece:
@@ -170,31 +181,37 @@ def _cut(piece: Piece, frame: Frame) -> Piece:
     return Piece(piece.normals[part], piece.coverage[part], piece.foreground[part], piece.left + x0, piece.top + y0)
 
 
-def _lay(canvas: Canvas, piece: Piece, name: str, mode: str, strength: float, clip: bool, *, counts: bool) -> float:
+def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, clip: bool, *, counts: bool) -> float:
     """Lay a piece on the canvas, which is changed; the share of the canvas that it covers."""
+    name, mode, strength = layer.name, layer.options.mode, layer.options.strength
     rows, cols = piece.coverage.shape
     window = np.s_[piece.top : piece.top + rows, piece.left : piece.left + cols]
     below, above = canvas.coverage[window], piece.coverage
     if not above.any():
-        raise InputError(f"{name}: covers nothing where it lies; look at its mask, its alpha, its place and its scale")
+        raise InputError(
+            f"{name}: covers nothing where it lies; look at its mask, its alpha, its place and its scale; a flat "
+            "background is not brought along"
+        )
     if clip and not (above * below).any():
         raise InputError(f'{name}: lies on nothing: mode "{mode}" changes what is below; use mode "over", or clip "no"')
+    if strength == 0:
+        return 0.0
     if mode == "over":
         shown = above * np.float32(strength)
         if clip:
             shown = shown * below
-        outcome = below if clip else 1 - (1 - below) * (1 - shown)
+        outcome = below if clip else below + shown * (1 - below)
         with np.errstate(invalid="ignore", divide="ignore"):
             share = np.where(outcome > 0, shown / outcome, 0).astype(np.float32).clip(0, 1)
         canvas.normals[window] = mixed(canvas.normals[window], piece.normals, share)
         motif = np.where(share >= 0.5, piece.foreground, canvas.foreground[window])
     else:
-        # where nothing lies below, the layer alone decides, with its own coverage
-        weight = above if clip else above * below + (above > 0) * (1 - below)
+        # what is not clipped widens the surface by what reaches beyond it
+        weight = detail_weight(above, own if clip else above, below)
         canvas.normals[window] = blend(canvas.normals[window], piece.normals, mode, weight * np.float32(strength))
-        outcome = below if clip else 1 - (1 - below) * (1 - above)
-        shown = above * below if clip else above
-        motif = canvas.foreground[window] | (piece.foreground & (shown >= 0.5) & (strength > 0))
+        outcome = below if clip else np.maximum(below, above)
+        shown = weight * below if clip else above
+        motif = canvas.foreground[window] | (piece.foreground & (shown >= 0.5))
     canvas.coverage[window] = outcome
     canvas.foreground[window] = motif
     gone = outcome <= 0
@@ -202,7 +219,7 @@ def _lay(canvas: Canvas, piece: Piece, name: str, mode: str, strength: float, cl
         canvas.normals[window][gone] = FLAT
     if counts:
         placed = canvas.placed[window]
-        canvas.placed[window] = 1 - (1 - placed) * (1 - shown)
+        canvas.placed[window] = placed + shown * (1 - placed)
     return float(shown.sum(dtype=np.float64) / canvas.coverage.size)
 
 

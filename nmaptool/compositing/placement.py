@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Float64, Mask
 from nmaptool.bands import each_band
+from nmaptool.compositing.interpolation import border, interpolated
 from nmaptool.errors import LimitError, UsageError
 from nmaptool.model import Frame
 from nmaptool.units import Length
@@ -23,9 +24,8 @@ from nmaptool.vectors import FLAT, unit
 # scales that differ by less are rounding of sizes in px, not stretching
 _UNEVEN = 0.01
 _EXACT = 1e-7
+_WHOLE = 1e-4  # px
 _LARGEST_FACTOR = 1e3
-_LEAST_COVERAGE = 1 / 512
-_RINGING = 0.04
 _TILE = 128
 _PIXELS_AT_ONCE = 1 << 16  # fits one band of `unit`
 _LONGEST_SIDE = 32_000  # what OpenCV can address
@@ -165,7 +165,8 @@ def map_piece(
     -------
     Piece
         Exact, bit by bit, where pixels go to pixels; else resampled by Lanczos interpolation inside the coverage,
-        linear along its edge and next to jumps, after averaging where it shrinks.
+        linear along its edge and next to jumps, after averaging where it shrinks. An edge of the picture that falls
+        between pixels stays hard.
 
     Raises
     ------
@@ -240,8 +241,10 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
     left, top, cols, rows = window
     # OpenCV counts from the centre of the first pixel
     centred = np.column_stack([matrix[:, :2], matrix[:, :2] @ [0.5, 0.5] + matrix[:, 2] - (left + 0.5, top + 0.5)])
+    whole = _has_whole_edges(matrix, mixed.shape)
+    box = np.subtract(bounds(matrix, mixed.shape[1], mixed.shape[0]), (left, top, left, top)) if whole else None
     inside = (mixed[..., 3] >= 1 - 1e-6).astype(np.uint8)
-    inside = cv2.erode(inside, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    inside = cv2.erode(inside, np.ones((9, 9), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=int(whole))
     out = Piece(
         np.empty((rows, cols, 3), np.float32),
         np.empty((rows, cols), np.float32),
@@ -254,42 +257,16 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
         """In bands, since what interpolation needs besides its result is several times as large."""
         moved = centred - np.array([[0, 0, 0], [0, 0, band.start]])
         size = (cols, band.stop - band.start)
-        vectors, coverage = _interpolated(mixed, inside, moved, size)
+        vectors, coverage = interpolated(mixed, inside, moved, size, None if box is None else box - (0, band.start) * 2)
         out.normals[band] = turn_vectors(vectors, linear, height_factor)
         out.coverage[band] = coverage
         out.foreground[band] = coverage >= 0.5
         if motif is not None:
-            shown = cv2.warpAffine(motif, moved, size, flags=cv2.INTER_LINEAR)
+            shown = cv2.warpAffine(motif, moved, size, flags=cv2.INTER_LINEAR, borderMode=border(box))
             out.foreground[band] = (shown >= 0.5 * coverage) & (coverage > 0)
 
     each_band(rows, max(1, _PIXELS_AT_ONCE // cols), fill)
     return out
-
-
-def _interpolated(
-    mixed: Float32, inside: NDArray[np.uint8], centred: Float64, size: tuple[int, int]
-) -> tuple[Float32, Float32]:
-    """Unit normals, not turned yet, and coverage, of (h, w, 4) vectors times coverage and coverage."""
-    import cv2
-
-    def warp(array: NDArray[Any], how: int) -> NDArray[Any]:
-        out: NDArray[Any] = cv2.warpAffine(array, centred, size, flags=how)
-        return out
-
-    vectors = warp(mixed, cv2.INTER_LINEAR)
-    coverage = vectors[..., 3].clip(0, 1)
-    smooth = warp(inside, cv2.INTER_NEAREST).astype(bool)
-    if smooth.any():
-        sharp = warp(mixed, cv2.INTER_LANCZOS4)
-        # next to a jump within the map the sharper one would ring
-        for off in cv2.split(cv2.absdiff(sharp, vectors)):
-            smooth &= off < _RINGING
-        np.copyto(vectors, sharp, where=smooth[..., None])
-        coverage[smooth] = 1
-    coverage[coverage < _LEAST_COVERAGE] = 0
-    normals = unit(vectors[..., :3])
-    normals[coverage == 0] = FLAT
-    return normals, coverage
 
 
 def _shrunk_size(matrix: Float64, shape: tuple[int, ...]) -> tuple[int, int]:
@@ -297,3 +274,11 @@ def _shrunk_size(matrix: Float64, shape: tuple[int, ...]) -> tuple[int, int]:
     across, down = (float(np.linalg.norm(matrix[:, axis])) for axis in range(2))
     rows, cols = shape
     return max(1, round(rows * min(down, 1.0))), max(1, round(cols * min(across, 1.0)))
+
+
+def _has_whole_edges(matrix: Float64, shape: tuple[int, ...]) -> bool:
+    """Whether the picture's edges lie between pixels of the canvas, as where it is resized."""
+    linear = matrix[:, :2]
+    upright = min(np.abs(np.diag(linear)).max(), np.abs(np.diag(linear[::-1])).max()) < _EXACT
+    corners = np.column_stack([matrix[:, 2], linear @ [shape[1], shape[0]] + matrix[:, 2]])
+    return bool(upright and np.abs(corners - np.round(corners)).max() < _WHOLE)

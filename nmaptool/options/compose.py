@@ -114,7 +114,8 @@ class LayerOptions:
     flip_v:
         Mirror top and bottom.
     feather:
-        Width of the soft edge, such as 6px, taken from inside the layer's outline.
+        Width of the soft edge, such as 6px, taken from inside the layer's outline; % are of the longer side of the
+        layer's picture as it is placed.
     height_factor:
         Factor on the layer's heights in px. Default: its scale, so that slopes stay; 1 where it is stretched.
     clip:

@@ -9,7 +9,8 @@ import numpy as np
 
 from nmaptool.arrays import Float32
 from nmaptool.blending import blend as blend_vectors
-from nmaptool.compositing.placement import Piece, map_piece
+from nmaptool.compositing.edges import detail_weight
+from nmaptool.compositing.placement import Piece, is_uneven, map_piece
 from nmaptool.errors import InputError
 from nmaptool.layer_stack import check_mask
 from nmaptool.model import NormalMap
@@ -32,7 +33,7 @@ def blend(
     Parameters
     ----------
     base, detail : NormalMap
-        The detail counts as much as it is covered; the result is covered where the base is.
+        The detail counts as much as it covers the base; the result is covered where the base is.
     options : BlendOptions, optional
     mask : (H, W) float32 in [0, 1], optional
         Multiplies the strength.
@@ -51,16 +52,16 @@ def blend(
     """
     options = options or BlendOptions()
     start = time.perf_counter()
+    warnings = _doubts(base, detail)
     detail = _of_one_size(base, detail, options.fit)
-    warnings: tuple[str, ...] = ()
     strength: np.ndarray | float = options.strength
-    if (detail.coverage < 1).any():
-        strength = detail.coverage * np.float32(options.strength)
     if mask is not None:
         check_mask(mask, detail.name, base.frame.shape, mask_name)
-        strength = mask * np.asarray(strength, np.float32)
+    if mask is not None or (detail.coverage < 1).any():
+        masked = detail.coverage if mask is None else detail.coverage * mask
+        strength = detail_weight(masked, detail.coverage, base.coverage) * np.float32(options.strength)
     if not (detail.coverage * base.coverage).any():
-        warnings = (f"{detail.name}: covers nothing of {base.name}",)
+        warnings += (f"{detail.name}: covers nothing of {base.name}",)
     normals = blend_vectors(base.normals, detail.normals, options.mode, strength)
     normals = _flat_outside(normals, base)
     result = dataclasses.replace(base, normals=normals, name=f"{base.name} with {detail.name}")
@@ -86,6 +87,18 @@ def _flat_outside(normals: Float32, base: NormalMap) -> Float32:
     if nothing.any():
         normals[nothing] = base.normals[nothing]
     return normals
+
+
+def _doubts(base: NormalMap, detail: NormalMap) -> tuple[str, ...]:
+    """What may not be meant: heights kept under a stretched detail."""
+    across, down = (a / b for a, b in zip(detail.frame.shape[::-1], base.frame.shape[::-1], strict=True))
+    if not is_uneven((across, down)):
+        return ()
+    said = (
+        f"{detail.name}: is stretched unevenly, so its heights stay and its slopes change by {across:.3g} across and "
+        f"{down:.3g} down; --strength makes up for it"
+    )
+    return (said,)
 
 
 def _of_one_size(base: NormalMap, detail: NormalMap, fit: bool) -> NormalMap:

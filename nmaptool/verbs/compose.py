@@ -5,14 +5,16 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeGuard
 
 from nmaptool.compositing.compositor import Canvas, canvas_of, clear_canvas, compose_onto
 from nmaptool.compositing.placement import is_uneven
-from nmaptool.errors import InputError, LimitError
+from nmaptool.errors import InputError, LimitError, UsageError
 from nmaptool.layer_stack import Layer, LayerGroup
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import CanvasOptions, LayerOptions
 from nmaptool.options.account import plain_values
+from nmaptool.options.compose import ANCHORS
 from nmaptool.progress import Progress
 from nmaptool.results import ComposeReport, Composition
 from nmaptool.units import Length
@@ -20,6 +22,7 @@ from nmaptool.vectors import mean_abs_curl
 
 # pitches that differ by more are no rounding
 _SAME_PITCH = 0.01
+_SAME_PLACE_PX = 1e-3
 
 
 def compose(
@@ -64,7 +67,7 @@ def compose(
             f"{max_megapixels:g}; make it smaller or raise --max-megapixels"
         )
     first = layers[0]
-    if isinstance(first, Layer) and _is_ground(first, frame) and canvas.ground == "clear":
+    if is_ground(first, frame, canvas):
         return _composed("stack", canvas_of(first.normal_map, frame), layers[1:], canvas, progress)
     return _composed("stack", clear_canvas(frame, canvas.ground), layers, canvas, progress, lowest=True)
 
@@ -161,10 +164,25 @@ def _with_pitch(frame: Frame, canvas: CanvasOptions) -> Frame:
     return replace(frame, pitch_mm=canvas.width.to_mm(1.0, 1) / frame.cols)
 
 
-def _is_ground(layer: Layer, frame: Frame) -> bool:
-    """Whether a layer is laid as it is."""
-    plain = replace(layer.options, name="", anchor="center", clip="auto")
-    return layer.mask is None and layer.normal_map.frame.shape == frame.shape and plain == LayerOptions()
+def is_ground(layer: Layer | LayerGroup, frame: Frame, canvas: CanvasOptions) -> TypeGuard[Layer]:
+    """Whether a lowest layer is the canvas itself: laid as it is, however its place is put into words."""
+    if isinstance(layer, LayerGroup) or canvas.ground != "clear":
+        return False
+    o = layer.options
+    if layer.mask is not None or layer.normal_map.frame.shape != frame.shape:
+        return False
+    # the way a layer is turned and scaled about has no say where it is neither
+    plain = replace(o, name="", at=None, anchor="center", scale="1", clip="auto", height_factor=None)
+    if plain != LayerOptions() or o.factors != (1.0, 1.0) or o.height_factor not in (None, 1.0):
+        return False
+    sides = (frame.cols, frame.rows)
+    try:
+        place = [d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, sides, strict=True)]
+    except UsageError:  # mm without a pitch: said where the layer is placed
+        return False
+    return all(
+        abs(at - part * side) < _SAME_PLACE_PX for at, part, side in zip(place, ANCHORS[o.anchor], sides, strict=True)
+    )
 
 
 def _doubts(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from nmaptool.errors import InputError
 from nmaptool.layer_stack import Layer, LayerGroup, check_mask
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import CanvasOptions, GroupOptions
-from nmaptool.verbs.compose import canvas_frame
+from nmaptool.verbs.compose import canvas_frame, is_ground
 from nmaptool.verbs.pack import PackedMap
 
 
@@ -45,7 +46,12 @@ def place_layers(
     """
     if not layers:
         raise InputError("nothing to pack: give at least one layer")
-    frame = canvas_frame(layers, canvas or CanvasOptions())
+    canvas = canvas or CanvasOptions()
+    frame = canvas_frame(layers, canvas)
+    first = layers[0]
+    if is_ground(first, frame, canvas):  # with its flat background, which other layers do not bring along
+        ground = PackedMap(replace(first.normal_map, frame=frame), first.options.name)
+        return (ground, *_placed(layers[1:], frame, ())), frame
     return tuple(_placed(layers, frame, ())), frame
 
 
@@ -53,7 +59,7 @@ def _placed(layers: Sequence[Layer | LayerGroup], frame: Frame, group: tuple[str
     found: list[PackedMap] = []
     for layer in layers:
         if isinstance(layer, Layer):
-            found.append(_packed(place(layer, frame), layer, frame, group))
+            found.append(_packed(place(layer, frame)[0], layer, frame, group))
         elif layer.mask is None and layer.options == GroupOptions(layer.name) and _all_over(layer):
             found += _placed(layer.layers, frame, (*group, layer.name))
         else:

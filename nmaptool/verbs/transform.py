@@ -14,6 +14,7 @@ from nmaptool.compositing.placement import (
     bounds,
     default_height_factor,
     is_exact,
+    is_uneven,
     linear_part,
     map_piece,
     scale_factors,
@@ -85,8 +86,23 @@ def transform(
         curl_before=before,
         curl_after=mean_abs_curl(result.normals, result.coverage >= 0.5),
         seconds={"transform": round(time.perf_counter() - start, 4)},
+        warnings=_doubts(linear, o),
     )
     return Composition(result, result.coverage, report)
+
+
+def _doubts(linear: Float64, o: TransformOptions) -> tuple[str, ...]:
+    """What may not be meant: heights kept under a stretched picture."""
+    scales = np.linalg.svd(linear, compute_uv=False)
+    if o.height_factor is not None or not is_uneven(scales):
+        return ()
+    across, down = (1 / float(np.linalg.norm(linear[:, axis])) for axis in range(2))
+    even = float(np.sqrt(scales.prod()))
+    said = (
+        f"the picture is stretched, so its heights stay and its slopes change by {across:.3g} across and {down:.3g} "
+        f"down; --height-factor {even:.3g} keeps them on the whole"
+    )
+    return (said,)
 
 
 def _has_flat_background(normal_map: NormalMap) -> bool:

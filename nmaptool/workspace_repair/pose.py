@@ -8,19 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from nmaptool.arrays import Float32, Mask
-from nmaptool.vectors import inner_vertices, slopes
-from nmaptool.workspace_repair.signature import Signature
+from nmaptool.arrays import Float32, Float64, Mask
+from nmaptool.vectors import inner_vertices, mean_abs_curl, slopes
+from nmaptool.workspace_repair.signature import Signature, smoothed
 
 _CLEAR = 0.02
 # mean difference of two signatures, of one: what resampling and 8 bits leave, and what is no likeness any more
 _ALIKE, _UNLIKE = 0.004, 0.04
-_SLOPE_CAP = 1.0
+_SLOPE_CAP = 2.0
 _LEAST_ANGLE_DEG = 2.0
 _STRETCH = 0.02
 # slope per px that 16-bit codes and rims leave; below it nothing is read off the curl
 _CURL_NOISE = 1e-3
-_RIM_PX = 3
+_RIM_PX = 4
+# a turn without vectors makes more curl than there was
+_MORE = 1.02
 
 
 @dataclass(frozen=True)
@@ -142,23 +144,36 @@ def free_turn(normals: Float32, covered: Mask, packed_curl: float) -> Pose:
     its square is least at an angle that is known in closed form, up to half a turn.
     """
     core = ndimage.binary_erosion(covered, np.ones((3, 3)), iterations=_RIM_PX, border_value=1)
-    inside = inner_vertices(core)
-    if inside.sum() < 100:
+    forms = smoothed(normals)
+    p, q = slopes(forms, _SLOPE_CAP)
+    # where slopes are capped they are no surface's, whichever way they point
+    steep = ndimage.binary_dilation(np.hypot(p, q) >= 0.99 * _SLOPE_CAP, iterations=2)
+    inside = inner_vertices(core & ~steep)
+    if inside.sum() < 100 or mean_abs_curl(forms, covered) <= _MORE * packed_curl:
         return Pose()
-    p, q = slopes(normals, _SLOPE_CAP)
-    p_x, p_y = _gradient(p)
-    q_x, q_y = _gradient(q)
-    c, d = (q_x - p_y)[inside].astype(np.float64), (p_x + q_y)[inside].astype(np.float64)
-    a, b, e = float((c * c).mean()), float((c * d).mean()), float((d * d).mean())
+    c, d = _curl_and_divergence(p, q, inside)
+    size = np.hypot(c, d)
+    # edges and jumps have their say, but no more than the rest
+    weight = 1 / np.maximum(1, size / max(3 * float(np.median(size)), 1e-12)) ** 2
+    a, b, e = (float((weight * product).mean()) for product in (c * c, c * d, d * d))
     angle = 0.5 * math.atan2(2 * b, a - e) + math.pi / 2
     angle = (angle + math.pi / 2) % math.pi - math.pi / 2
-    before = float(np.abs(c).mean())
-    after = float(np.abs(c * math.cos(angle) + d * math.sin(angle)).mean())
+
+    def curls(c: Float64, d: Float64) -> tuple[float, float]:
+        return float(np.abs(c).mean()), float(np.abs(c * math.cos(angle) + d * math.sin(angle)).mean())
+
+    before, after = curls(c, d)
     degrees = math.degrees(angle)
-    clear = before > max(_CURL_NOISE, 2 * packed_curl) and after < 0.5 * before
-    if not clear or abs(degrees) < _LEAST_ANGLE_DEG:
-        return Pose(curl=before)
-    return Pose(angle_deg=degrees, curl=before, curl_if_turned=after)
+    now, if_turned = curls(*_curl_and_divergence(*slopes(normals, _SLOPE_CAP), inside))
+    if before <= _CURL_NOISE or after >= 0.5 * before or abs(degrees) < _LEAST_ANGLE_DEG:
+        return Pose(curl=now)
+    return Pose(angle_deg=degrees, curl=now, curl_if_turned=if_turned)
+
+
+def _curl_and_divergence(p: Float32, q: Float32, inside: Mask) -> tuple[Float64, Float64]:
+    p_x, p_y = _gradient(p)
+    q_x, q_y = _gradient(q)
+    return (q_x - p_y)[inside].astype(np.float64), (p_x + q_y)[inside].astype(np.float64)
 
 
 def _gradient(field: Float32) -> tuple[Float32, Float32]:

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
-from nmaptool.vectors import mean_abs_curl
+from nmaptool.vectors import mean_abs_curl, unit
 
 CELLS = 16
 _QUANTILES = 65
+_SMOOTH_PX = 2.0
 # alpha below this is no content: editors leave such traces when they resample
 _CLEAR = 0.02
 _SAMPLE = 200_000
@@ -36,7 +37,7 @@ class Signature:
     quantiles : (65, 3) float32
         Of (n + 1)/2 over what is covered.
     mean_curl : float
-        Mean |curl|, slope per px.
+        Mean |curl| of its forms, slope per px.
     """
 
     box: tuple[int, int, int, int]
@@ -124,8 +125,13 @@ def sign(codes: Float32, alpha: Float32, normals: Float32, left: int, top: int) 
         box,
         cells(codes[rows, cols], alpha[rows, cols]),
         quantiles(codes, covered if covered.any() else np.ones_like(covered)),
-        mean_abs_curl(normals, covered),
+        mean_abs_curl(smoothed(normals), covered),
     )
+
+
+def smoothed(normals: Float32) -> Float32:
+    """Forms without their texture, whose curl is mostly noise of the drawing."""
+    return unit(cv2.GaussianBlur(normals, (0, 0), _SMOOTH_PX))
 
 
 def cells(codes: Float32, alpha: Float32) -> Float32:
