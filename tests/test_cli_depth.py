@@ -62,18 +62,20 @@ def test_standard_input(run: Any, tmp_path: Path, depth_png: Path, monkeypatch: 
 
 
 def test_words_and_heights(run: Any, tmp_path: Path, depth_png: Path) -> None:
-    words = ("--jump", "4px", "--smooth", "0.5px", "--background", "cut", "--json")
+    words = ("--jump", "4px", "--smooth", "0.5px", "--background", "flat", "--json")
     done = run("compose", "depth", depth_png, "-o", tmp_path / "map.exr", *words)
     account = json.loads(done.out)
-    assert (account["jump_px"], account["tolerance_px"], account["background"]) == (4, 0.5, "cut")
-    assert nm.read_normal_map(tmp_path / "map.exr").coverage.min() == 0
+    assert (account["jump_px"], account["tolerance_px"], account["background"]) == (4, 0.5, "flat")
+    assert nm.read_normal_map(tmp_path / "map.exr").coverage.min() == 1
+    run("compose", "depth", depth_png, "-o", tmp_path / "motif.exr")
+    assert nm.read_normal_map(tmp_path / "motif.exr").coverage.min() == 0
 
 
 def test_a_mask(run: Any, tmp_path: Path, depth_png: Path, png: Any) -> None:
     left = np.zeros((96, 96), np.uint8)
     left[:, :48] = 255
     mask = png(tmp_path / "mask.png", left)
-    done = run("compose", "depth", depth_png, "-o", tmp_path / "map.exr", "--mask", mask)
+    done = run("compose", "depth", depth_png, "-o", tmp_path / "map.exr", "--background", "flat", "--mask", mask)
     assert done.code == 0, done.err
     np.testing.assert_array_equal(nm.read_normal_map(tmp_path / "map.exr").coverage, left / 255)
 

@@ -23,7 +23,7 @@ def colored(apart: float) -> nm.RasterImage:
     [
         ({"jump": "high"}, r"--jump 'high': use auto, none or a height, such as 2px"),
         ({"smooth": "-1px"}, r"--smooth '-1px': use auto, none or a height"),
-        ({"background": "white"}, r"--background 'white': use one of auto, none, cut"),
+        ({"background": "white"}, r"--background 'white': use one of auto, flat, none"),
         ({"fov": 170}, r"--fov 170: must lie between 0\.1 and 150"),
         ({"fov": -5}, r"--fov -5: must lie between"),
         ({"fov": float("nan")}, r"--fov nan: must lie between"),

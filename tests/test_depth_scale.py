@@ -140,12 +140,13 @@ def test_the_lowest_flat_patch_is_the_background() -> None:
     codes = scene.heights / 60 * 255
     for options, codes_ in ((nm.DepthOptions(), codes), (nm.DepthOptions(invert=True), 255 - np.floor(codes + 0.5))):
         result = nm.depth_to_normals(picture(codes_, 8), options)
-        assert result.report.background == "flat"
+        assert result.report.background == "cut"
         np.testing.assert_array_equal(result.normal_map.foreground, scene.heights > 0)
-        assert result.normal_map.coverage.min() == 1
+        assert np.array_equal(result.normal_map.coverage > 0, scene.heights > 0)
         assert (result.normal_map.normals[~result.normal_map.foreground] == (0, 0, 1)).all()
-    cut = nm.depth_to_normals(picture(codes, 8), nm.DepthOptions(background="cut"))
-    np.testing.assert_array_equal(cut.normal_map.coverage > 0, scene.heights > 0)
+    plate = nm.depth_to_normals(picture(codes, 8), nm.DepthOptions(background="flat"))
+    assert plate.normal_map.coverage.min() == 1
+    np.testing.assert_array_equal(plate.normal_map.foreground, scene.heights > 0)
     whole = nm.depth_to_normals(picture(codes, 8), nm.DepthOptions(background="none"))
     assert whole.normal_map.foreground.all()
     assert whole.report.background == "none"

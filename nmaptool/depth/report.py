@@ -92,7 +92,7 @@ class DepthNormals:
     Attributes
     ----------
     normal_map : NormalMap
-        Its coverage is 0 where there is no depth; a flat background is a defined, flat part of it.
+        Its coverage is 0 where there is no depth and on the background, unless that was to be kept as a plate.
     jumps : (H, W) float32
         Height in px of the largest jump beside each pixel, 0 elsewhere.
     report : DepthReport

@@ -12,7 +12,7 @@ from nmaptool.errors import UsageError
 from nmaptool.options.checks import require_absolute, require_choices, require_number
 from nmaptool.units import Length, length
 
-DepthBackground = Literal["auto", "none", "cut"]
+DepthBackground = Literal["auto", "flat", "none"]
 
 NARROWEST_FOV, WIDEST_FOV = 0.1, 150.0
 
@@ -40,9 +40,8 @@ class DepthOptions:
         How far the surface may leave the stored heights to be smooth. "auto" measures the steps of the codes and the
         noise, and leaves clean pictures as they are; "none" believes every code; or a height, such as 0.5px.
     background:
-        "auto": transparent pixels and those without depth are not there, and a large flat patch at the bottom is the
-        flat background; "cut" leaves that patch out, too, so that only the motif is there; "none" takes every pixel
-        for surface.
+        "auto": transparent pixels, those without depth and large flat patches at the bottom are not there, so that only
+        the motif is; "flat" keeps those patches as a plate; "none" takes every pixel for surface.
     width:
         Width of the whole picture, such as 100mm. Default: what the file says.
     """
@@ -67,7 +66,7 @@ class DepthOptions:
                 except UsageError:
                     flag = name.replace("_", "-")
                     raise UsageError(f"--{flag} {value!r}: use auto, none or a height, such as 2px") from None
-        require_choices(("background", self.background, ("auto", "none", "cut")))
+        require_choices(("background", self.background, ("auto", "flat", "none")))
         if self.fov is not None and self.fov != 0:
             require_number("fov", self.fov, NARROWEST_FOV, WIDEST_FOV, "35 (0 is orthographic)")
         require_absolute(width=self.width)

@@ -245,7 +245,7 @@ def _ground(options: DepthOptions, source: _Source, heights: Float32, slack: Flo
     if options.background != "none":
         ground = find_ground(heights, source.lowest, source.grey.known, slack if source.unsure else None)
         if ground.any():
-            words.append("cut" if options.background == "cut" else "flat")
+            words.append("flat" if options.background == "flat" else "cut")
             return ground, ", ".join(words)
     return None, ", ".join(words) or "none"
 
