@@ -19,8 +19,8 @@ from nmaptool.bands import each_band
 _STEEPEST = 50.0
 _SHORTEST = 1e-12
 # chunks that stay in the cache
-_VECTORS_AT_ONCE = 1 << 14
-_CHUNKS_OF_A_BAND = 32
+_VECTORS_AT_ONCE = 1 << 16
+_CHUNKS_OF_A_BAND = 8
 _Component = NDArray[np.float32]
 _Triple = tuple[_Component, _Component, _Component]
 _Pair = tuple[_Component, _Component]

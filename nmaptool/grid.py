@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64, Mask
 
@@ -35,6 +38,16 @@ def height_slopes(vertices: Float64) -> tuple[Float64, Float64]:
     across = vertices[:, 1:] - vertices[:, :-1]
     up = vertices[:-1] - vertices[1:]
     return (across[:-1] + across[1:]) / 2, (up[:, :-1] + up[:, 1:]) / 2
+
+
+def places(mask: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Rows and columns of what is not 0 in a 2-D array, in the order of `numpy.nonzero`, in a fraction of its time.
+
+    >>> places(np.array([[False, True], [True, False]]))
+    (array([0, 1]), array([1, 0]))
+    """
+    rows, cols = np.unravel_index(np.flatnonzero(mask), mask.shape)
+    return rows, cols
 
 
 def touching(faces: Mask) -> Mask:

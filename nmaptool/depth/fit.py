@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.tiles import Tile, along, for_tiles
+from nmaptool.grid import places
 
 # steps of descent on the pixels, and on every coarser grid
 _ITERATIONS, _COARSE_ITERATIONS = 12, 32
@@ -111,7 +112,7 @@ def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) 
 
 def _continue_straight(surface: Float32, missing: Mask, across: Mask, down: Mask) -> None:
     """Give missing pixels the straight continuation of two linked ones that are there, in place."""
-    row, col = np.nonzero(missing)
+    row, col = places(missing)
     total, count = np.zeros(len(row), np.float32), np.zeros(len(row), np.float32)
     for axis, links in ((0, down), (1, across)):
         for toward in (-1, 1):

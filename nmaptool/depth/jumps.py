@@ -26,6 +26,7 @@ from nmaptool.depth.steps import (
     steps_at,
 )
 from nmaptool.depth.tiles import Tile, along, for_tiles
+from nmaptool.grid import places
 
 _HALO = 6
 _SIDE = 192  # many tiles hold no jump
@@ -80,7 +81,7 @@ def part_surfaces(heights: Float32, known: Mask, rule: JumpRule) -> Surfaces:
         return Surfaces(heights, across, down)
     heights, mixed = unmixed(heights, known, rule, lines)
     lines = cv2.dilate(lines, _CROSS)
-    rows, cols = np.nonzero(lines)
+    rows, cols = places(lines)
     for links, axis in ((down, 0), (across, 1)):
         _, nearly = crisp_steps(some_steps(steps_at(heights, known, axis, (rows, cols))), rule)
         first = (rows[nearly], cols[nearly])
@@ -124,7 +125,7 @@ def _mark(marks: NDArray[np.uint8], heights: Float32, known: Mask, rule: JumpRul
         marks[along(axis, None, -1)] |= mark
         marks[along(axis, 1, None)] |= mark
         return
-    rows, cols = np.nonzero(large)
+    rows, cols = places(large)
     strong, weak = jump_heights(some_steps(steps_at(heights, known, axis, (rows, cols))), rule)
     at = weak > 0
     mark = np.uint8(1) + np.uint8(2) * (strong[at] > 0).view(np.uint8)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.steps import JumpRule, Places, jump_heights, moved, some_steps, steps_at
+from nmaptool.grid import places
 
 # a mixed pixel's step against the slope behind it: where it is plain, and where outlines are known to be smoothed
 _PLAIN, _SMOOTHED = 3.0, 1.5
@@ -66,7 +67,7 @@ def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uin
     count : int
         Pixels moved.
     """
-    place = np.nonzero(lines)
+    place = places(lines)
     ends = [end for axis in (0, 1) for end in _ends(heights, known, rule, axis, (place[0], place[1]))]
     plain = sum(int(np.count_nonzero(end.mixed(rule, _PLAIN))) for end in ends)
     if not plain:

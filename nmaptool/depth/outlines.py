@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.tiles import along
 from nmaptool.depth.window import DOWN, RIGHT, WINDOW_X, WINDOW_Y, around, reached
+from nmaptool.grid import places
 from nmaptool.vectors import unit
 
 # pixels at once, which stay in the processor's cache
@@ -78,7 +79,7 @@ def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | N
     wanted = layers - np.uint8(1) < _CONTINUED
     if flat is not None:
         wanted &= ~flat
-    row, col = np.nonzero(wanted)
+    row, col = places(wanted)
     del wanted
     state = layers
     state <<= _LAYER_BIT
@@ -100,7 +101,7 @@ def _turn_on(normals: Float32, across: Mask, down: Mask, layers: NDArray[np.uint
     wanted = layers == 1
     if flat is not None:
         wanted &= ~flat
-    row, col = np.nonzero(wanted)
+    row, col = places(wanted)
     inward = []
     for axis, links in ((0, down), (1, across)):
         place = (row, col)[axis]

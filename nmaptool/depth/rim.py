@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32
+from nmaptool.grid import places
 
 # of the jump's height, by distance from it in px: half mixed, then ringing
 _SPOILT = (0.6, 0.06, 0.03, 0.015)
@@ -42,7 +43,7 @@ def narrow_tolerance(tolerance: Float32, heights: Float32, jumps: Float32) -> No
         In px.
     """
     near = cv2.dilate((jumps > 0).view(np.uint8), _SQUARE)
-    row, col = np.nonzero(near)
+    row, col = places(near)
     slope = np.hypot(_least_step(heights, row, col, 0), _least_step(heights, row, col, 1))
     tolerance[row, col] /= np.maximum(slope, np.float32(1))
 

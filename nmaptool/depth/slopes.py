@@ -8,6 +8,7 @@ import numpy as np
 from nmaptool.arrays import Float32, Mask
 from nmaptool.depth.fit import linked_slope
 from nmaptool.depth.tiles import Tile, along, for_tiles
+from nmaptool.grid import places
 from nmaptool.vectors import inner_vertices, mean_abs_curl
 
 _HALO = 4
@@ -122,7 +123,7 @@ def jump_sizes(heights: Float32, known: Mask, across: Mask, down: Mask) -> Float
         cut = ~links[along(axis, None, -1)]
         cut &= known[along(axis, None, -1)]
         cut &= known[along(axis, 1, None)]
-        first = np.nonzero(cut)
+        first = places(cut)
         last = (first[0] + (axis == 0), first[1] + (axis == 1))
         size = np.abs(heights[last] - heights[first])
         for place in (first, last):  # no pixel is in one of them twice
