@@ -58,7 +58,8 @@ def fitted(picture: NDArray[np.generic]) -> Picture:
 
 def strip(image: nm.RasterImage) -> Picture:
     """A depth picture, its normals, its jumps and its relief."""
-    result = nm.depth_to_normals(image)
+    # a plate: what else is flat, such as a frame, is then not pulled to a height either
+    result = nm.depth_to_normals(image, nm.DepthOptions(background="flat"))
     relief = nm.relief(result.normal_map, options=nm.ReliefOptions(height=nm.length("2mm")))
     grey = image.pixels[..., 0].astype(np.float64)
     jumps = 255 * (1 - np.minimum(result.jumps / max(np.percentile(result.jumps[result.jumps > 0], 95), 1), 1) ** 0.5)
