@@ -115,14 +115,6 @@ def from_xmp(packet: bytes) -> dict[str, Any] | None:
     return None
 
 
-def layer_words(words: Mapping[str, Any] | None) -> list[dict[str, Any]]:
-    """What the words say of each layer, bottom to top; nothing where they make no sense."""
-    layers = (words or {}).get("layers")
-    if not isinstance(layers, list):
-        return []
-    return [layer for layer in layers if isinstance(layer, dict) and isinstance(layer.get("name"), str)]
-
-
 def pitch_in(words: Mapping[str, Any] | None) -> float | None:
     """Millimetres per px, or None."""
     pitch = (words or {}).get("pitch_mm")
