@@ -141,6 +141,12 @@ def encode_codes(vectors: Float32, bits: int, zero_code: str = "127.5") -> NDArr
     return out
 
 
+def grey_codes(values: Float32, bits: int) -> NDArray[Any]:
+    """(H, W) values in [0, 1] as integer codes of 8 or 16 bits, rounded."""
+    top = (1 << bits) - 1
+    return np.floor(values.astype(np.float64) * top + 0.5).astype(np.uint8 if bits == 8 else np.uint16)
+
+
 def format_swizzle(swizzle: tuple[tuple[int, int], ...]) -> str:
     """The text that `parse_swizzle` reads, in its plainest form.
 

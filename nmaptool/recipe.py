@@ -75,8 +75,20 @@ class RecipeLayer:
             yield self.mask
 
 
+class _Group:
+    """What a group and another recipe as a group share."""
+
+    options: GroupOptions
+    origin: str
+
+    @property
+    def label(self) -> str:
+        """What to call it in messages."""
+        return self.origin or self.options.name
+
+
 @dataclass(frozen=True)
-class RecipeGroup:
+class RecipeGroup(_Group):
     """Layers that are composed among themselves first.
 
     Parameters
@@ -103,11 +115,6 @@ class RecipeGroup:
             raise InputError(f"{self.label}: a group needs at least one layer")
 
     @property
-    def label(self) -> str:
-        """What to call it in messages."""
-        return self.origin or self.options.name
-
-    @property
     def files(self) -> Iterator[str]:
         """Maps and masks of what is not hidden."""
         if self.mask is not None:
@@ -118,7 +125,7 @@ class RecipeGroup:
 
 
 @dataclass(frozen=True)
-class RecipeLink:
+class RecipeLink(_Group):
     """Another recipe as a group; `nmaptool.read_recipe` puts its layers here.
 
     Parameters
@@ -143,11 +150,6 @@ class RecipeLink:
     def __post_init__(self) -> None:
         if not self.recipe:
             raise InputError(f"{self.label}: recipe: found nothing, expected the name of a recipe")
-
-    @property
-    def label(self) -> str:
-        """What to call it in messages."""
-        return self.origin or self.options.name
 
     @property
     def files(self) -> Iterator[str]:

@@ -7,8 +7,6 @@ So x and y of the normals beside a jump follow a line fitted to those a few pixe
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import cv2
@@ -16,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Mask
+from nmaptool.bands import each_of
 from nmaptool.depth.tiles import along
 from nmaptool.depth.window import DOWN, RIGHT, WINDOW_X, WINDOW_Y, around, reached
 from nmaptool.grid import places
@@ -90,8 +89,7 @@ def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | N
         part = slice(start, start + _CHUNK)
         return _continued(normals, state, row[part], col[part], clean)
 
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
-        found = list(pool.map(work, range(0, len(row), _CHUNK)))
+    found = each_of(range(0, len(row), _CHUNK), work, _MOST_THREADS)
     if found:
         normals[row, col] = np.concatenate(found)
 

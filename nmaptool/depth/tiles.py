@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import product
+
+from nmaptool.bands import each_of
 
 _SIDE = 384
 _MOST_THREADS = 4
@@ -58,12 +58,7 @@ def for_tiles(shape: tuple[int, int], halo: int, work: Callable[[Tile], object],
         Tile((rows[0], cols[0]), (rows[1], cols[1]), (rows[2], cols[2]))
         for rows, cols in product(_spans(shape[0], halo, side), _spans(shape[1], halo, side))
     ]
-    if len(tiles) == 1:
-        work(tiles[0])
-        return
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, _MOST_THREADS)) as pool:
-        for _ in pool.map(work, tiles):
-            pass
+    each_of(tiles, work, _MOST_THREADS)
 
 
 def along(axis: int, start: int | None, stop: int | None) -> Window:

@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from nmaptool._version import __version__
+from nmaptool.codec import grey_codes
 from nmaptool.errors import LimitError, UsageError
 from nmaptool.io.image_writer import Picture
-from nmaptool.io.normal_maps import grey_codes, normal_picture
+from nmaptool.io.normal_maps import normal_picture
 from nmaptool.layer_set import LayerSet
 
 NORMAL_LAYERS = ("original", "base", "detail")

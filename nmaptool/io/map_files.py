@@ -13,10 +13,11 @@ import numpy as np
 
 from nmaptool._version import __version__
 from nmaptool.arrays import Float32
+from nmaptool.codec import grey_codes
 from nmaptool.curl_shading import BRIGHTEST, DARKEST, curl_picture
 from nmaptool.errors import UsageError
 from nmaptool.io.image_writer import Picture, write_pictures
-from nmaptool.io.normal_maps import check_ending, grey_codes, map_picture
+from nmaptool.io.normal_maps import check_ending, map_picture
 from nmaptool.io.replace import check_targets, named, written_beside
 from nmaptool.model import NormalMap
 from nmaptool.options import WriteOptions

@@ -227,12 +227,6 @@ def normal_picture(
     else:
         attributes["zero_code"] = zero_code
         colors = codec.encode_codes(normals, bits, zero_code)
-        alpha = grey_codes(normal_map.coverage, bits)
+        alpha = codec.grey_codes(normal_map.coverage, bits)
     pixels = np.dstack([colors, alpha]) if covered else colors
     return Picture(pixels, channels, attributes, name=name, half=half)
-
-
-def grey_codes(values: Float32, bits: int) -> NDArray[Any]:
-    """(H, W) values in [0, 1] as integer codes of 8 or 16 bits, rounded."""
-    top = (1 << bits) - 1
-    return np.floor(values.astype(np.float64) * top + 0.5).astype(np.uint8 if bits == 8 else np.uint16)

@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool._version import __version__
+from nmaptool.codec import grey_codes
 from nmaptool.errors import OutputError, UsageError, reason_of
 from nmaptool.io.image_writer import write_image, write_pictures
-from nmaptool.io.normal_maps import grey_codes, normal_picture
+from nmaptool.io.normal_maps import normal_picture
 from nmaptool.io.replace import check_target, named, written_beside
 from nmaptool.options import CanvasOptions, GroupOptions, LayerMode, LayerOptions
 from nmaptool.recipe import Recipe, RecipeGroup, RecipeLayer

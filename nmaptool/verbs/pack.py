@@ -157,7 +157,7 @@ def _layer(placed: PackedMap, name: str, groups: tuple[WorkspaceGroup, ...], bit
     if bits == 32:
         pixels: NDArray[Any] = np.dstack([source.normals, source.coverage])
     else:
-        pixels = np.dstack([codec.encode_codes(source.normals, bits), _codes(source.coverage, bits)])
+        pixels = np.dstack([codec.encode_codes(source.normals, bits), codec.grey_codes(source.coverage, bits)])
     rows, cols = source.frame.shape
     seal = sign(shares(pixels, bits == 32), source.coverage, source.normals, placed.left, placed.top)
     facts = {
@@ -175,7 +175,7 @@ def _layer(placed: PackedMap, name: str, groups: tuple[WorkspaceGroup, ...], bit
     }
     mask = None
     if placed.mask is not None:
-        values = placed.mask if bits == 32 else _codes(placed.mask, bits)
+        values = placed.mask if bits == 32 else codec.grey_codes(placed.mask, bits)
         mask = WorkspaceMask(values, placed.left, placed.top)
     return WorkspaceLayer(
         name,
@@ -188,8 +188,3 @@ def _layer(placed: PackedMap, name: str, groups: tuple[WorkspaceGroup, ...], bit
         facts=facts,
         signed=bits == 32,
     )
-
-
-def _codes(values: Float32, bits: int) -> NDArray[Any]:
-    top = (1 << bits) - 1
-    return np.floor(values.astype(np.float64) * top + 0.5).astype(np.uint8 if bits == 8 else np.uint16)
