@@ -1,5 +1,8 @@
 """Recipes packed for an image editor, and composed again from what comes back."""
 
+import io
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from compose_cases import angles_deg
@@ -143,3 +146,11 @@ def test_modes_given_to_pack_come_back_in_the_recipe(scene, run, refused):
     again = (*words[:-1], scene / "other.psd")
     refused(2, "--mode 'screen': use one of over, rnm", *again, "--mode", "screen", "--mode", "pd")
     refused(2, "--strength: is given 1 times for 2 maps", *again, "--strength", "0.5")
+
+
+def test_a_map_from_standard_input_is_called_so(scene, run, monkeypatch):
+    stream = SimpleNamespace(buffer=io.BytesIO((scene / "plate.exr").read_bytes()))
+    monkeypatch.setattr("sys.stdin", stream)
+    done = run("compose", "pack", "-", scene / "bunny.exr", "-o", scene / "work.psd")
+    assert done.err.startswith("standard input: 80 x 60")
+    assert "    standard input: 80 x 60 at 0,0" in done.err

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 from nmaptool.errors import UsageError
 from nmaptool.options import LayerOptions, PackOptions, ReadOptions
 from nmaptool.units import Offset
-from nmaptool_cli.compose.outputs import say_map
+from nmaptool_cli.compose.outputs import read_map, say_map
 from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files, refuse_inputs
 
 if TYPE_CHECKING:
@@ -150,25 +150,18 @@ def _read(
 
     masks = [None if name == "none" else name for name in layering.mask] or [None] * len(maps)
     with input_files(*maps, *masks) as sources:
-        read = [nm.read_normal_map(str(name), reading) for name in sources[: len(maps)]]
+        read = [read_map(name, reading) for name in sources[: len(maps)]]
         grey = [None if m is None else nm.read_grey(m, reading.max_megapixels) for m in sources[len(maps) :]]
     frame = common_frame(read)
     modes, strengths = layering.mode or ("over",) * len(maps), layering.strength or (1.0,) * len(maps)
     rows = zip(
-        read, layering.name or _names(maps), layering.places(frame, len(maps)), modes, strengths, grey, strict=True
+        read, layering.name or ("",) * len(maps), layering.places(frame, len(maps)), modes, strengths, grey, strict=True
     )
     placed = tuple(
         nm.PackedMap(one, name, left, top, mode, strength, mask)
         for one, name, (left, top), mode, strength, mask in rows
     )
     return read, placed, frame
-
-
-def _names(maps: tuple[str, ...]) -> tuple[str, ...]:
-    """``maps/work.exr:detail`` is called detail, ``shell.png`` shell."""
-    from nmaptool.io.normal_maps import split_layer
-
-    return tuple(layer or path.stem for path, layer in map(split_layer, maps))
 
 
 def _say(session: Session, read: list[nm.NormalMap], target: Path, workspace: nm.Workspace) -> None:
