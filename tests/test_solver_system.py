@@ -116,13 +116,18 @@ def test_norms_and_means_are_those_of_each_island():
     islands = Islands(system)
     load, z = rng.normal(size=(2, *beta.shape)) + 3
     out = np.empty(beta.shape, np.float32)
-    norms = islands.residual(load, z, out)
-    left = np.where(system.unknown, load - system.apply(z), 0)
+    constants = islands.constants(load)
+    norms = islands.residual(load, z, out, constants)
+    level = constants.level[islands.labels]
+    assert (beta * level)[islands.labels == 3].sum() == pytest.approx(load[islands.labels == 3].sum())
+    left = np.where(system.unknown, load - beta * level - system.apply(z), 0)
     for island in range(1, 4):
         at = islands.labels == island
         here = left[at] - (left[at].mean() if islands.floating[island] else 0)
         assert norms[island] == pytest.approx(np.linalg.norm(here), rel=1e-6)
         assert np.allclose(out[at], here, atol=1e-5)
+    plain = islands.residual(load, z, None)
+    assert plain[1] == pytest.approx(np.linalg.norm((load - system.apply(z))[islands.labels == 1]), rel=1e-12)
     kept = out.copy()
     islands.keep(np.arange(4) == 2, out)
     assert np.array_equal(out, np.where(islands.labels == 2, kept, 0))

@@ -3,24 +3,38 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64, Mask
-from nmaptool.bands import each_band
 from nmaptool.grid import touching
-from nmaptool.solver.operator import rows_at_once
 from nmaptool.solver.runs import Runs
-from nmaptool.solver.system import QuadSystem
+from nmaptool.solver.system import QuadSystem, See
 
 # a height weight this small beside the slopes' weights is lost in rounding when both are added up
 _NO_TIE = 1e-11
 # with one below this a residual hardly tells how high an island lies
 _WEAK_TIE = 1e-4
-Level = Callable[[slice], Float64 | float]
+
+
+@dataclass(frozen=True, eq=False)
+class Constants:
+    """What is known of the islands that nothing holds, before their shapes are.
+
+    Attributes
+    ----------
+    level : (count+1,) float64 or None
+        The constant that solves each of them on the whole: sum of beta z = sum of the load. Taken out first, it leaves
+        a problem about shape alone, however small beta or large delta is. None where all are 0.
+    mean : (count+1,) float64 or None
+        Mean of the rest of the load on floating islands, where it cannot be met. None where all are 0.
+    """
+
+    level: Float64 | None
+    mean: Float64 | None
 
 
 class Islands:
@@ -86,22 +100,16 @@ class Islands:
         return out
 
     def residual(
-        self,
-        load: Float64,
-        z: Float64 | None,
-        out: NDArray[Any] | None,
-        level: Level | None = None,
-        *,
-        balanced: bool = True,
+        self, load: Float64, z: Float64 | None, out: NDArray[Any] | None, constants: Constants | None = None
     ) -> Float64:
         """Put load - A z into ``out`` as `QuadSystem.residual` does.
 
         Parameters
         ----------
-        load, z, out, level
-            As there; ``out`` may be None only where no island floats.
-        balanced : bool
-            Without its mean on floating islands, where only that part can be met.
+        load, z, out
+            As there; where an island floats and there are constants, ``out`` is needed.
+        constants : Constants, optional
+            What is taken off; floating islands then have mean 0, since only that part can be met.
 
         Returns
         -------
@@ -109,9 +117,10 @@ class Islands:
             Its Euclidean norm on each island.
         """
         system = self._system
-        balanced = balanced and bool(self.floating.any())
+        less = None if constants is None else self._less(constants)
+        balanced = constants is not None and bool(self.floating.any())
         if self.count == 1 and not balanced:
-            return np.array([0.0, system.residual(load, z, out, level=level)])
+            return np.array([0.0, system.residual(load, z, out, less=less)])
         runs, found = self._runs, np.empty(len(self._runs.labels))
 
         def squares(band: slice, left: Float64) -> None:
@@ -121,10 +130,11 @@ class Islands:
             found[runs.of(band)] = runs.add(band, left)
 
         if not balanced:
-            system.residual(load, z, out, level=level, see=squares)
+            system.residual(load, z, out, less=less, see=squares)
             return self._norms(found)
         assert out is not None
-        system.residual(load, z, out, level=level, see=plain)
+        system.residual(load, z, out, less=less, see=plain)
+        # next to nothing by now: rounding, and what a height term does that is lost in it
         mean = np.where(self.floating, runs.total(found) / self._sizes, 0.0)
 
         def balance(band: slice) -> None:
@@ -134,6 +144,20 @@ class Islands:
 
         runs.each(balance)
         return self._norms(found)
+
+    def _less(self, constants: Constants) -> See | None:
+        """Takes beta * level and the mean off a band."""
+        if constants.level is None and constants.mean is None:
+            return None
+        runs, beta = self._runs, self._system.beta
+
+        def take(band: slice, left: Float64) -> None:
+            if constants.level is not None:
+                left -= beta[band].reshape(-1) * runs.spread(band, constants.level)
+            if constants.mean is not None:
+                left -= runs.spread(band, constants.mean)
+
+        return take
 
     def _norms(self, squares: Float64) -> Float64:
         """(count+1,) norms from the sums of squares of runs; one island's counts the vertices of none, too."""
@@ -153,41 +177,31 @@ class Islands:
 
         runs.each(clear)
 
-    def level(self, load: Float64) -> Float64 | None:
-        """The constant that solves each island nothing holds on the whole: sum of beta z = sum of the load.
-
-        Taken out first, it leaves a problem about shape alone, however small beta or large delta is.
-
-        Returns
-        -------
-        (count+1,) float64 or None
-            None where every constant is 0.
-        """
+    def constants(self, load: Float64) -> Constants:
+        """The level of each island nothing holds, and the mean of what is left of the load on floating islands."""
+        if not self._loose.any():
+            return Constants(None, None)
+        runs, beta = self._runs, self._system.beta
         tied = self._loose & (self._ties > 0)
-        if not tied.any():
-            return None
-        sums = self._runs.sums(lambda band: load[band].reshape(-1))
-        constant = np.divide(sums, self._ties, out=np.zeros(self.count + 1), where=tied)
-        return constant if constant.any() else None
-
-    def constant(self, of_islands: Float64 | None) -> Level | None:
-        """A constant on each island, for a band at a time."""
-        if of_islands is None:
-            return None
-        runs = self._runs
-        return lambda band: runs.spread(band, of_islands)
+        sums = runs.sums(lambda band: load[band].reshape(-1))
+        level = np.divide(sums, self._ties, out=np.zeros(self.count + 1), where=tied)
+        mean = np.zeros(self.count + 1)
+        if self.floating.any():
+            shape = runs.sums(lambda band: load[band].reshape(-1) - beta[band].reshape(-1) * runs.spread(band, level))
+            mean = np.where(self.floating, shape / self._sizes, 0.0)
+        return Constants(level if level.any() else None, mean if mean.any() else None)
 
     def add(self, z: Float64, of_islands: Float64 | None) -> None:
         """Add a constant to each island of ``z``, in place."""
-        constant = self.constant(of_islands)
-        if constant is None:
+        if of_islands is None:
             return
+        runs = self._runs
 
         def work(band: slice) -> None:
             here = z[band].reshape(-1)
-            here += constant(band)
+            here += runs.spread(band, of_islands)
 
-        each_band(len(z), rows_at_once(z.shape[1]), work)
+        runs.each(work)
 
     def center(self, z: Float64) -> None:
         """Shift floating and weakly tied islands in place: to meet the height term if there is one, else to mean 0.
@@ -197,7 +211,7 @@ class Islands:
         Parameters
         ----------
         z : (H+1, W+1) float64
-            Without the constants of `level`.
+            Without the islands' levels.
         """
         if not self._weak.any():
             return

@@ -144,13 +144,12 @@ class _Solve:
         if self._unit != 1:
             self._z /= self._unit
         self._left: NDArray[Any] | None = None
-        self.scale = self._islands.residual(self._load, None if self._flat else self._z, None, balanced=False)
-        self._level = self._islands.level(self._load)
-        self._constant = self._islands.constant(self._level)
+        self.scale = self._islands.residual(self._load, None if self._flat else self._z, None)
+        self._constants = self._islands.constants(self._load)
 
     def answer(self, method: DirectMethod) -> Float64:
         """Solve in place; the relative residual of each island."""
-        self._islands.residual(self._load, None, self._z, self._constant)
+        self._islands.residual(self._load, None, self._z, self._constants)
         method.answer(self._z)
         self._islands.center(self._z)
         self._flat = False
@@ -180,7 +179,7 @@ class _Solve:
     def finished(self) -> Float64:
         """The heights with their constants."""
         self._left = None
-        self._islands.add(self._z, self._level)
+        self._islands.add(self._z, self._constants.level)
         if self._unit != 1:
             self._z *= self._unit
         return self._z
@@ -192,7 +191,7 @@ class _Solve:
 
     def _relative(self, left: NDArray[Any] | None) -> Float64:
         """(count+1,) residual relative to the load; 0 on islands whose load is 0."""
-        norms = self._islands.residual(self._load, None if self._flat else self._z, left, self._constant)
+        norms = self._islands.residual(self._load, None if self._flat else self._z, left, self._constants)
         return np.divide(norms, self.scale, out=np.zeros_like(norms), where=self.scale > 0)
 
     def _put(self, start: Float64) -> None:
@@ -201,8 +200,8 @@ class _Solve:
         if start.shape != z.shape or not np.isfinite(extremes(start)).all():
             raise InputError(f"heights to start from must be finite and of shape {z.shape}, found {start.shape}")
         np.divide(start, self._unit, out=z, where=system.unknown)
-        if self._level is not None:  # 0 on islands that are held: those heights stay
-            islands.add(z, -self._level)
+        if self._constants.level is not None:  # 0 on islands that are held: those heights stay
+            islands.add(z, -self._constants.level)
         silent = self.scale == 0
         silent[0] &= islands.count > 1  # one island's norm counts what belongs to none, too
         if silent.any():

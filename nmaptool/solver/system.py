@@ -133,7 +133,7 @@ class QuadSystem:
         z: Float64 | None,
         out: NDArray[Any] | None,
         *,
-        level: Callable[[slice], Float64 | float] | None = None,
+        less: See | None = None,
         see: See | None = None,
     ) -> float:
         """Put load - A z into ``out`` at vertices to solve for and 0 elsewhere; computed in float64.
@@ -144,9 +144,8 @@ class QuadSystem:
             z None stands for 0 everywhere.
         out : (H+1, W+1) float32 or float64, C order, or None
             None: only the norm is wanted.
-        level : callable, optional
-            For a band of rows, (rows * (W+1),) float64 or a number: heights that count in the height term alone, since
-            they are constant on each island. For the residual of z + level without rounding z + level.
+        less : callable, optional
+            Called with every band and load - A z there, to take off what else does not count, in place.
         see : callable, optional
             Called with every band and the residual there.
 
@@ -159,8 +158,8 @@ class QuadSystem:
 
         def finish(band: slice, product: Float64, other: Float64) -> None:
             left = np.subtract(load[band].reshape(-1), product, out=product)
-            if level is not None:
-                left -= np.multiply(self.beta[band].reshape(-1), level(band), out=other)
+            if less is not None:
+                less(band, left)
             left *= self.unknown[band].reshape(-1)
             squares[band.start] = np.multiply(left, left, out=other).sum()  # BLAS brings threads of its own
             if see is not None:
