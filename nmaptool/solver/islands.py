@@ -17,7 +17,7 @@ from nmaptool.solver.system import QuadSystem, See
 # a height weight this small beside the slopes' weights is lost in rounding when both are added up
 _NO_TIE = 1e-11
 # with one below this a residual hardly tells how high an island lies
-_WEAK_TIE = 1e-4
+_WEAK_TIE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)

@@ -93,11 +93,12 @@ class Solver:
         ConvergenceError
             If the tolerance is not reached; the history is in the error.
         """
-        on_the_way = _Solve(self, np.ascontiguousarray(load, np.float64), held_z)
+        direct = self.method if start is None and isinstance(self.method, DirectMethod) else None
+        on_the_way = _Solve(self, np.ascontiguousarray(load, np.float64), held_z, in_place=direct is not None)
         report = _Report(progress, tolerance)
         history: list[float] = []
-        if start is None and isinstance(self.method, DirectMethod) and on_the_way.scale.any():
-            relative = on_the_way.answer(self.method)
+        if direct is not None and on_the_way.scale.any():
+            relative = on_the_way.answer(direct)
             history.append(float(relative.max()))
         else:
             relative = on_the_way.begin(start)
@@ -128,7 +129,7 @@ class _Solve:
     A constant has no shape, so the level takes beta * level off the load and nothing else.
     """
 
-    def __init__(self, solver: Solver, load: Float64, held_z: Float64 | None) -> None:
+    def __init__(self, solver: Solver, load: Float64, held_z: Float64 | None, in_place: bool) -> None:
         self._system, self._method, self._islands = solver.system, solver.method, solver.islands
         held = self._system.held
         self._z = np.zeros(held.shape)
@@ -144,21 +145,26 @@ class _Solve:
         if self._unit != 1:
             self._z /= self._unit
         self._left: NDArray[Any] | None = None
-        self.scale = self._islands.residual(self._load, None if self._flat else self._z, None)
+        left = None if in_place else self._room()
+        self.scale = self._islands.residual(self._load, None if self._flat else self._z, left)
         self._constants = self._islands.constants(self._load)
 
     def answer(self, method: DirectMethod) -> Float64:
         """Solve in place; the relative residual of each island."""
         self._islands.residual(self._load, None, self._z, self._constants)
         method.answer(self._z)
-        self._islands.center(self._z)
         self._flat = False
-        return self._relative(None if not self._islands.floating.any() else self._room())
+        if not self._islands.floating.any():
+            return self._relative(None)
+        self._islands.center(self._z)
+        return self._relative(self._room())
 
     def begin(self, start: Float64 | None) -> Float64:
         """Take what was solved before; the relative residual of each island."""
         if start is not None:
             self._put(start)
+        elif self._constants.level is None and self._constants.mean is None and self._left is not None:
+            return (self.scale > 0).astype(np.float64)  # the scale is the norm of the same residual
         return self._relative(self._room())
 
     def improve(
