@@ -88,7 +88,8 @@ def relief(
     targets = aim(original, detail, domain, weights, options.slope_cap, options.energy)
     if progress is not None:
         progress("setting up", 0.0)
-    solver = prepare(QuadSystem(targets.weight, targets.beta, domain.held), options.solver)
+    system = QuadSystem(targets.weight, targets.beta, domain.held)
+    solver = prepare(system, options.solver, options.memory_limit_bytes)
     prepared = time.perf_counter()
     heights = _solve(solver, domain, targets, weights, options, pitch_mm, progress)
     done = time.perf_counter()
