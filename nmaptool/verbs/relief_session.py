@@ -9,6 +9,7 @@ import time
 import numpy as np
 
 from nmaptool.arrays import Float32, Mask
+from nmaptool.errors import UsageError
 from nmaptool.formulation.domain import lay_out
 from nmaptool.formulation.targets import Leaning, Weights, aim, lean, to_pixels
 from nmaptool.model import Height, NormalMap
@@ -78,7 +79,7 @@ class ReliefSession:
     InputError
         If sizes differ or a map holds bad values.
     UsageError
-        If an input is not what it should be, or there is a mu map without a detail map.
+        If an input is not what it should be, there is a mu map without a detail map, or ``keep`` is negative.
     """
 
     def __init__(
@@ -94,6 +95,8 @@ class ReliefSession:
         keep: int = 2,
     ) -> None:
         self._maps = given.check_maps(original, detail, mask, surface, mu_map, beta_map, delta_map)
+        if keep < 0:
+            raise UsageError(f"keep {keep}: must be zero or more")
         self._keep = keep
         self._cases: list[_Case] = []  # the latest used first
         self._lock = threading.Lock()
