@@ -145,14 +145,15 @@ def test_ctrl_c_while_the_commands_load():
 def test_a_terminal_shows_how_far_a_long_solve_is(after, words, shown, clean_map, tmp_path):
     """The bar comes after a while only; here at once or never, and each step waits until it is drawn."""
     patch = f"""
-        session._BAR_AFTER_S = {after}
+        from nmaptool_cli import late_bar
+        late_bar._AFTER_S = {after}
         if {shown}:
-            report = session._LateBar.report
+            report = late_bar.LateBar.report
             def slowly(self, word, share):
                 self._timer.join()
                 report(self, word, share)
                 self._bar.refresh()
-            session._LateBar.report = slowly
+            late_bar.LateBar.report = slowly
         """
     ours, theirs = os.openpty()
     words = ("relief", clean_map, "--solver", "amg", "-o", tmp_path / "a.exr", *words)
