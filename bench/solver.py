@@ -15,13 +15,13 @@ from scipy.sparse.linalg import splu
 from bench.maps import Scene, scene
 from bench.table import Surroundings, table, write_section
 from nmaptool import ConvergenceError, ReliefOptions
-from nmaptool.arrays import Float64, Mask
+from nmaptool.arrays import Float64
 from nmaptool.formulation.domain import lay_out
 from nmaptool.formulation.targets import Weights, aim, to_pixels
-from nmaptool.progress import Progress
 from nmaptool.solver import QuadSystem, Solver, prepare, slope_load
 from nmaptool.solver.amg import assemble
 from nmaptool.solver.islands import Islands
+from nmaptool.solver.method import Report
 
 MOST_ITERATIONS = 12
 _DEFAULTS = ReliefOptions()
@@ -68,12 +68,13 @@ Samples = dict[tuple[Case, str], list[Timing | ConvergenceError]]
 
 
 class SuperLuMethod:
-    """SciPy's sparse LU in the place of the library's solvers, as `nmaptool.solver.prepare.Method` asks."""
+    """SciPy's sparse LU in the place of the library's solvers, as `nmaptool.solver.method.Method` asks."""
 
     name = "superlu"
+    precision = np.float64
 
-    def __init__(self, system: QuadSystem, anchors: Mask) -> None:
-        self._unknown = system.unknown & ~anchors
+    def __init__(self, system: QuadSystem, islands: Islands) -> None:
+        self._unknown = system.unknown & ~islands.anchors
         # symmetric mode takes the diagonal as pivots: half the time of splu's default here, and the matrix allows it
         self._factors = splu(
             assemble(system, self._unknown).tocsc(),
@@ -82,18 +83,17 @@ class SuperLuMethod:
             options={"SymmetricMode": True},
         )
 
-    def correct(
-        self, residual: Float64, tolerance: float, max_iterations: int, progress: Progress | None
-    ) -> tuple[Float64, tuple[float, ...]]:
+    def improve(
+        self, z: Float64, residual: Float64, reduction: float, max_iterations: int, report: Report | None
+    ) -> tuple[float, ...]:
         """One direct solve."""
-        step = np.zeros(residual.shape)
-        step[self._unknown] = self._factors.solve(residual[self._unknown])
-        return step, (0.0,)
+        z[self._unknown] += self._factors.solve(residual[self._unknown])
+        return (0.0,)
 
 
 def _with_superlu(system: QuadSystem) -> Solver:
     islands = Islands(system)
-    return Solver(system, SuperLuMethod(system, islands.anchors), islands)
+    return Solver(system, SuperLuMethod(system, islands), islands)
 
 
 SOLVERS: dict[str, Callable[[QuadSystem], Solver]] = {

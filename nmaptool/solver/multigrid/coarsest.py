@@ -11,7 +11,7 @@ from nmaptool.arrays import Float32, Float64
 from nmaptool.solver.multigrid.level import Stencil, inner
 
 # up to so many unknowns a sparse LU is quicker than a hierarchy
-_DIRECT = 1500
+_DIRECT = 3000
 # ties below this share of a part's couplings are lost in rounding
 _NO_TIE = 1e-11
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 
 from nmaptool.arrays import Float32
-from nmaptool.bands import each_band
+from nmaptool.bands import each_band, each_of
 from nmaptool.solver.multigrid.level import BAND, Shape, inner, margin, new_field, rows_at_once
 from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, KINDS, Split, sorted_rows
 from nmaptool.solver.system import QuadSystem
@@ -40,9 +43,27 @@ class Finest:
         self._bands = max(BAND, 16 * cols)
         each_band(self.size, self._bands, self._lay_step)
 
-    def in_bands(self, work) -> None:
+    def in_bands(self, work: Callable[[int, int], object]) -> None:
         """Call ``work`` with the start and stop of each band of vertices."""
         each_band(self.size, self._bands, lambda band: work(band.start, band.stop))
+
+    def sum_over_bands(self, work: Callable[[int, int], float]) -> float:
+        """Sum of what ``work`` gives for the start and stop of each band of vertices."""
+        bands = [(first, min(first + self._bands, self.size)) for first in range(0, self.size, self._bands)]
+        return math.fsum(each_of(bands, lambda band: work(*band)))
+
+    def dot(self, one: Float32, two: Float32) -> float:
+        """Sum of the products of two flat arrays without margins."""
+        return self.sum_over_bands(lambda start, stop: float(np.dot(one[start:stop], two[start:stop])))
+
+    def times(self, x: Float32, out: Float32) -> float:
+        """Put A x into ``out`` (no margins), for x with margins; x^T A x."""
+
+        def band(start: int, stop: int) -> float:
+            out[start:stop] = self.apply(x, start, stop)
+            return float(np.dot(x[self.edge + start : self.edge + stop], out[start:stop]))
+
+        return self.sum_over_bands(band)
 
     def _around(self, start: int, stop: int) -> Float32:
         """Sum of the quarters around each vertex of a range."""

@@ -18,7 +18,7 @@ from nmaptool.solver.multigrid.transfer import Transfer
 from nmaptool.solver.system import QuadSystem
 
 # a grid this small, or a level with this share of strays, is left to algebra
-_SMALLEST = 800
+_SMALLEST = 2000
 _MOST_STRAYS = 0.4
 
 

@@ -11,8 +11,8 @@ from nmaptool.solver.multigrid.level import Stencil, in_bands, new_field
 
 # the smoother damps modes whose eigenvalue is more than this share of the largest one
 _LOWEST = 0.3
-_POWER_STEPS = 8
-_SAFETY = 1.05
+_POWER_STEPS = 5
+_SAFETY = 1.1
 
 
 class Relaxation:
