@@ -80,35 +80,43 @@ def scene(rows: int, cols: int, ripple_turn: float = 0.0) -> Scene:
     ripple_turn : float
         Direction of the fine ripples in radians: another value makes other normals on the same motif.
     """
+    p, q, motif = surface(rows, cols, ripple_turn)
+    return Scene(unit(np.dstack([-p, -q, np.ones_like(p)])), motif)
+
+
+def surface(rows: int, cols: int, ripple_turn: float = 0.0, band: slice = slice(None)) -> tuple[Float64, Float64, Mask]:
+    """Slopes p and q of motif and ground, and where the motif is, on a band of rows of the picture."""
     longer = max(rows, cols)
     x = (np.arange(cols) + 0.5) / longer
-    y = (rows - np.arange(rows)[:, None] - 0.5) / longer  # up
-    size = cols / longer, rows / longer
+    y = (rows - np.arange(rows)[band, None] - 0.5) / longer  # up
     p, q = np.broadcast_arrays(0.3 * np.cos(9 * x + 2 * y), 0.3 * np.sin(7 * y - 3 * x))
     p, q = p.copy(), q.copy()
-    top = np.full((rows, cols), -np.inf)
-    domes, holes = outline(size)
+    top = np.full(p.shape, -np.inf)
+    domes, holes = outline((cols / longer, rows / longer))
     for dome in domes:
         _raise_dome(top, p, q, x, y, dome)
     motif = np.isfinite(top)
     for hole in holes:
-        motif &= np.hypot(x - hole.x, y - hole.y) > hole.radius
+        box = _around(hole, x, y)
+        motif[box] &= np.hypot(x[box[1]] - hole.x, y[box[0]] - hole.y) > hole.radius
     across, up = np.cos(ripple_turn), np.sin(ripple_turn)
     ripple = 0.35 * np.cos(260 * (across * x + up * y)) * np.cos(90 * (up * x - across * y))
     p += across * ripple
     q += up * ripple
-    return Scene(unit(np.dstack([-p, -q, np.ones_like(p)])), motif)
+    return p, q, motif
 
 
-def _raise_dome(
-    top: Float64,
-    p: Float64,
-    q: Float64,
-    x: Float64,
-    y: Float64,
-    dome: Disc,
-) -> None:
+def _around(disc: Disc, x: Float64, y: Float64) -> tuple[slice, slice]:
+    """The rows and columns that a disc can reach; x rises, y falls."""
+    left, right = np.searchsorted(x, (disc.x - disc.radius, disc.x + disc.radius))
+    top, bottom = np.searchsorted(-y[:, 0], (-disc.y - disc.radius, -disc.y + disc.radius))
+    return slice(max(int(top) - 1, 0), int(bottom) + 1), slice(max(int(left) - 1, 0), int(right) + 1)
+
+
+def _raise_dome(top: Float64, p: Float64, q: Float64, x: Float64, y: Float64, dome: Disc) -> None:
     """Put one half sphere there; where it is in front of what is there, its slopes are seen."""
+    box = _around(dome, x, y)
+    top, p, q, x, y = top[box], p[box], q[box], x[box[1]], y[box[0]]
     below = dome.radius**2 - (x - dome.x) ** 2 - (y - dome.y) ** 2
     height = np.sqrt(np.maximum(below, 1e-9))
     # each dome stands at its own height: the jumps between them leave normals that no surface has, as real maps do
