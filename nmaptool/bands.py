@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
+import contextvars
+import itertools
 import os
+import threading
 from collections.abc import Callable, Sequence
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar, cast
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future, ThreadPoolExecutor
 
 _MOST_THREADS = 8
 _Task = TypeVar("_Task")
 _Result = TypeVar("_Result")
+
+_here = threading.local()
 
 
 def each_band(rows: int, rows_at_once: int, work: Callable[[slice], object]) -> None:
@@ -30,18 +39,97 @@ def each_of(
 ) -> list[_Result]:
     """What ``work`` gives for each task, in their order; several at a time.
 
+    Within ``work`` the same call goes through its tasks one by one.
+
     Parameters
     ----------
     tasks : sequence
         They must not depend on each other.
     work : callable
-        What it raises is raised here.
+        What it raises is raised here, of several the first in the order of the tasks; nothing runs any more then.
     most_threads : int
         However many cores there are.
     """
-    if len(tasks) < 2:
+    threads = min(cores(), most_threads, len(tasks))
+    if threads < 2 or getattr(_here, "busy", False):
         return [work(task) for task in tasks]
-    from concurrent.futures import ThreadPoolExecutor
+    return _Round(tasks, work).run(threads)
 
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, most_threads, len(tasks))) as pool:
-        return list(pool.map(work, tasks))
+
+def cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class _Round:
+    """One call's tasks: whoever is free takes the next, the caller too."""
+
+    def __init__(self, tasks: Sequence[_Task], work: Callable[[_Task], _Result]) -> None:
+        self._tasks = tasks
+        self._work = work
+        self._following = itertools.count()  # asking it for the next number is atomic
+        self._stopped = False
+        self._errors: dict[int, BaseException] = {}
+        self._results: list[object] = [None] * len(tasks)
+
+    def run(self, threads: int) -> list[_Result]:
+        others: list[Future[None]] = []
+        try:
+            with contextlib.suppress(RuntimeError):  # no more threads while Python is ending: the caller does it all
+                pool = _kept.threads()
+                for _ in range(threads - 1):
+                    others.append(pool.submit(contextvars.copy_context().run, self._take))  # noqa: PERF401 - see above
+            self._take()
+        finally:
+            self._stopped = True  # also where Ctrl-C came: what others have begun ends before arrays are let go
+            for other in others:
+                if not other.cancel():
+                    other.result()
+        if self._errors:
+            raise self._errors[min(self._errors)]
+        return cast("list[_Result]", self._results)
+
+    def _take(self) -> None:
+        _here.busy = True
+        try:
+            for number in self._following:
+                if self._stopped or number >= len(self._tasks):
+                    return
+                try:
+                    self._results[number] = self._work(self._tasks[number])
+                except Exception as error:  # noqa: BLE001 - raised again where the round was called
+                    self._errors[number] = error
+                    self._stopped = True
+        finally:
+            _here.busy = False
+
+
+class _Kept:
+    """The threads beside the caller's own, made when first needed."""
+
+    def __init__(self) -> None:
+        self._pool: ThreadPoolExecutor | None = None
+        self._making = threading.Lock()
+
+    def threads(self) -> ThreadPoolExecutor:
+        if self._pool is None:
+            from concurrent.futures import ThreadPoolExecutor
+
+            with self._making:
+                if self._pool is None:
+                    self._pool = ThreadPoolExecutor(max(1, min(cores(), _MOST_THREADS) - 1), "nmaptool")
+        return self._pool
+
+    def forget(self) -> None:
+        """In a forked process, which has none of its parent's threads."""
+        self._pool = None
+        self._making = threading.Lock()  # another thread may have been holding it
+        _here.busy = False
+
+
+# making threads takes longer than a pass over a small picture: those that were made wait for the next pass
+_kept = _Kept()
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_kept.forget)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from nmaptool.arrays import Float64, Mask
 
 
-def corner_sum(faces: Float64) -> Float64:
-    """(H+1, W+1) sum over the faces that meet at each vertex, from (H, W).
+def corner_sum(faces: NDArray[np.floating[Any]]) -> Float64:
+    """(H+1, W+1) float64 sum over the faces that meet at each vertex, from (H, W).
 
     >>> corner_sum(np.array([[1.0, 2.0]])).tolist()
     [[1.0, 3.0, 2.0], [1.0, 3.0, 2.0]]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 
 import numpy as np
@@ -10,7 +9,8 @@ from scipy import sparse
 
 from nmaptool.arrays import Float64, Mask
 from nmaptool.grid import corner_sum
-from nmaptool.progress import Progress
+from nmaptool.solver.islands import Islands
+from nmaptool.solver.method import Report
 from nmaptool.solver.system import QuadSystem
 
 _COARSEST = 500
@@ -51,16 +51,17 @@ class AmgMethod:
     Parameters
     ----------
     system : QuadSystem
-    anchors : (H+1, W+1) bool
-        Vertices to leave out besides the held ones, one per floating island.
+    islands : Islands
+        Its anchors are left out besides the held vertices, one per floating island.
     """
 
     name = "amg"
+    precision = np.float64
 
-    def __init__(self, system: QuadSystem, anchors: Mask) -> None:
+    def __init__(self, system: QuadSystem, islands: Islands) -> None:
         import pyamg
 
-        self._unknown = system.unknown & ~anchors
+        self._unknown = system.unknown & ~islands.anchors
         self._matrix = assemble(system, self._unknown)
         self._hierarchy = None
         if self._matrix.shape[0]:
@@ -69,35 +70,33 @@ class AmgMethod:
                 self._matrix, CF=("RS", {"second_pass": True}), max_coarse=_COARSEST, coarse_solver="splu"
             )
 
-    def correct(
-        self, residual: Float64, tolerance: float, max_iterations: int, progress: Progress | None
-    ) -> tuple[Float64, tuple[float, ...]]:
+    def improve(
+        self, z: Float64, residual: Float64, reduction: float, max_iterations: int, report: Report | None
+    ) -> tuple[float, ...]:
         """Preconditioned conjugate gradients from zero; see `nmaptool.solver.prepare.Method`."""
         from pyamg import krylov
 
-        step = np.zeros(residual.shape)
         b = residual[self._unknown]
         start = float(np.linalg.norm(b))
         if self._hierarchy is None or start == 0:
-            return step, (0.0,)
+            return (0.0,)
         seen: list[float] = []
 
-        def report(_: Float64) -> None:
-            if progress is not None and seen:
-                done = math.log(max(seen[-1] / start, 1e-300)) / math.log(tolerance)
-                progress("solving", min(max(done, 0.0), 1.0))
+        def tell(_: Float64) -> None:
+            if report is not None and len(seen) > 1:
+                report(seen[-1] / start)
 
         # pyamg warns of small curvature, whatever the filters say; recorded, nobody sees it: the residual decides
         with warnings.catch_warnings(record=True):
             x, _ = krylov.cg(
                 self._matrix,
                 b,
-                tol=tolerance,
+                tol=reduction,
                 maxiter=max_iterations,
                 M=self._hierarchy.aspreconditioner(cycle="V"),
                 residuals=seen,
-                callback=report,
+                callback=tell,
             )
         if np.isfinite(x).all():
-            step[self._unknown] = x
-        return step, tuple(r / start for r in seen[1:]) or (0.0,)
+            z[self._unknown] += x
+        return tuple(r / start for r in seen[1:]) or (0.0,)

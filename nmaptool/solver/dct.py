@@ -2,43 +2,70 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
-from nmaptool.arrays import Float64
-from nmaptool.progress import Progress
-from nmaptool.solver.system import QuadSystem, vertex_share
+from nmaptool.arrays import Float32, Float64
+from nmaptool.bands import cores, each_band
+from nmaptool.solver.method import Report
+from nmaptool.solver.operator import rows_at_once
+from nmaptool.solver.system import QuadSystem
 
 
 class DctMethod:
-    """Diagonal solve in the cosine basis.
+    """Diagonal solve in the cosine basis, in place: the first in float64, corrections of it in float32.
 
     After division by the vertices' shares (1, 1/2, 1/4) the operator's eigenvalues are
-    k ((1+cx)(1-cy) + (1-cx)(1+cy) + (1-cx)(1-cy)) + beta with cx = cos(pi j/W), cy = cos(pi i/H).
+    k ((1+cx)(1-cy) + (1-cx)(1+cy) + (1-cx)(1-cy)) + beta with cx = cos(pi j/W), cy = cos(pi i/H). With fx = 1 - cx and
+    fy = 1 - cy that is (2 k fy + beta) + k (2 - fy) fx: two numbers a row and one a column, none of them negative, make
+    them all without a loss of digits, and need no array of their own.
     """
 
     name = "dct"
+    precision = np.float32
 
     def __init__(self, system: QuadSystem) -> None:
         rows, cols = system.weight.shape
-        self._share = vertex_share((rows, cols))
+        weight = system.weight_range[1]
+        beta = 4 * float(system.beta.flat[0])  # a corner has a quarter of it
         # 1 - cos x as 2 sin^2(x/2): no digits are lost at low frequencies
         fall_x = 2 * np.sin(np.pi * np.arange(cols + 1) / (2 * cols)) ** 2
         fall_y = (2 * np.sin(np.pi * np.arange(rows + 1) / (2 * rows)) ** 2)[:, None]
-        shape = (2 - fall_x) * fall_y + fall_x * (2 - fall_y) + fall_x * fall_y
-        eigenvalues = float(system.weight.flat[0]) * shape + float(system.beta.flat[0] / self._share.flat[0])
-        with np.errstate(divide="ignore"):
-            self._inverse = 1 / eigenvalues
-        if not np.isfinite(self._inverse[0, 0]):
-            self._inverse[0, 0] = 0  # beta = 0: the constant is free
+        self._factors = 2 * weight * fall_y + beta, weight * (2 - fall_y), fall_x
 
-    def correct(
-        self, residual: Float64, tolerance: float, max_iterations: int, progress: Progress | None
-    ) -> tuple[Float64, tuple[float, ...]]:
-        """One exact solve; see `nmaptool.solver.prepare.Method`."""
-        spectrum = fft.dctn(residual / self._share, type=1, workers=-1, overwrite_x=True)
-        spectrum *= self._inverse
-        step = fft.idctn(spectrum, type=1, workers=-1, overwrite_x=True)
-        if progress is not None:
-            progress("solving", 1.0)
-        return step, (0.0,)
+    def answer(self, right_hand_side: Float64) -> None:
+        """Solve in place, see `nmaptool.solver.method.DirectMethod`."""
+        self._solve(right_hand_side)
+
+    def improve(
+        self, z: Float64, residual: Float32, reduction: float, max_iterations: int, report: Report | None
+    ) -> tuple[float, ...]:
+        """One solve, as exact as float32; see `nmaptool.solver.method.Method`."""
+        self._solve(residual)
+
+        def add(band: slice) -> None:
+            z[band] += residual[band]
+
+        each_band(len(z), rows_at_once(z.shape[1]), add)
+        return (0.0,)
+
+    def _solve(self, values: NDArray[Any]) -> None:
+        values[[0, -1]] *= 2
+        values[:, [0, -1]] *= 2
+        spectrum = fft.dctn(values, type=1, workers=cores(), overwrite_x=True)
+        offset, factor, fall_x = (part.astype(values.dtype, copy=False) for part in self._factors)
+
+        def divide(band: slice) -> None:
+            eigenvalues = factor[band] * fall_x
+            eigenvalues += offset[band]
+            if band.start == 0 and eigenvalues[0, 0] == 0:
+                eigenvalues[0, 0] = np.inf  # beta = 0: the constant is free
+            spectrum[band] /= eigenvalues
+
+        each_band(len(spectrum), rows_at_once(spectrum.shape[1]), divide)
+        heights = fft.idctn(spectrum, type=1, workers=cores(), overwrite_x=True)
+        if not np.may_share_memory(heights, values):
+            values[:] = heights

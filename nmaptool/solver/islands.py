@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.arrays import Float64, Mask
+from nmaptool.bands import each_band
+from nmaptool.grid import touching
+from nmaptool.solver.operator import rows_at_once
+from nmaptool.solver.runs import Runs
 from nmaptool.solver.system import QuadSystem
 
 # a height weight this small beside the slopes' weights is lost in rounding when both are added up
 _NO_TIE = 1e-11
+Level = Callable[[slice], Float64 | float]
 
 
 class Islands:
@@ -19,71 +29,174 @@ class Islands:
     count : int
     floating : (count+1,) bool
         Islands that neither held vertices nor a noticeable height weight tie: their shape is known up to a constant.
-    anchors : (H+1, W+1) bool
-        One vertex of each floating island, held at 0 while solving; the constant is settled by `center`.
+        Number 0 stands for the vertices of no island and never floats.
     """
 
     def __init__(self, system: QuadSystem) -> None:
-        self.labels, self.count = system.islands()
-        flat = self.labels.ravel()
-        self._beta = system.beta
-        self._sizes = np.bincount(flat, minlength=self.count + 1)
-        self._ties = self._sums(system.beta)
+        self._system = system
+        self._faces, self.count = system.faces()
+        # nothing holds them; one island of which all is held is none that floats
+        self._loose = self._find_loose()
+        self._ties = np.zeros(self.count + 1)
+        self.floating: Mask = np.zeros(self.count + 1, bool)
+        if self._loose.any():
+            operator, beta = system.operator, system.beta
+            self._ties = self._runs.sums(lambda band: beta[band].reshape(-1).astype(np.float64, copy=False))
+            self._sizes = np.maximum(self._runs.total(self._runs.lengths.astype(np.float64)), 1)
+            stiffness = 4 * system.weight_range[1] * self._sizes  # at most
+            if (self._loose & (self._ties > 0) & (self._ties < _NO_TIE * stiffness)).any():
+                stiffness = self._runs.sums(lambda band: operator.around(band).reshape(-1))
+            self.floating = self._loose & (self._ties < _NO_TIE * stiffness)
+
+    @functools.cached_property
+    def _runs(self) -> Runs:
+        return Runs(self._faces, self.count)
+
+    def _find_loose(self) -> Mask:
+        """(count+1,) bool: islands without a held vertex."""
+        held = self._system.held
+        if self.count == 1:
+            return np.array([False, not (held.any() and (held & touching(self._faces != 0)).any())])
         loose = np.ones(self.count + 1, bool)
-        loose[flat[system.held.ravel()]] = False
+        if held.any():
+            loose = self._runs.sums(lambda band: held[band].reshape(-1).astype(np.float64)) == 0
         loose[0] = False
-        self._loose = loose  # nothing holds them
-        self.floating = loose & (self._ties < _NO_TIE * self._sums(system.around))
-        self.anchors: Mask = np.zeros(self.labels.shape, bool)
+        return loose
+
+    @property
+    def labels(self) -> NDArray[np.int32]:
+        """(H+1, W+1) island of each vertex, 0 for none; made anew each time it is asked for."""
+        return self._runs.map()
+
+    @property
+    def anchors(self) -> Mask:
+        """(H+1, W+1) bool: one vertex of each floating island, to be left out of a matrix that is factored.
+
+        Its height is 0 then; the constant is settled by `center`.
+        """
+        out = np.zeros(self._system.beta.shape, bool)
         if self.floating.any():
-            label, first = np.unique(flat, return_index=True)
-            self.anchors.flat[first[self.floating[label]]] = True
+            out.flat[self._runs.firsts()[self.floating]] = True
+        return out
 
-    def _sums(self, values: Float64) -> Float64:
-        sums = np.bincount(self.labels.ravel(), values.ravel(), minlength=self.count + 1)
-        return sums.astype(np.float64, copy=False)
+    def residual(
+        self,
+        load: Float64,
+        z: Float64 | None,
+        out: NDArray[Any] | None,
+        level: Level | None = None,
+        *,
+        balanced: bool = True,
+    ) -> Float64:
+        """Put load - A z into ``out`` as `QuadSystem.residual` does.
 
-    def norms(self, values: Float64) -> Float64:
-        """(count+1,) Euclidean norm on each island."""
+        Parameters
+        ----------
+        load, z, out, level
+            As there; ``out`` may be None only where no island floats.
+        balanced : bool
+            Without its mean on floating islands, where only that part can be met.
+
+        Returns
+        -------
+        (count+1,) float64
+            Its Euclidean norm on each island.
+        """
+        system = self._system
+        balanced = balanced and bool(self.floating.any())
+        if self.count == 1 and not balanced:
+            return np.array([0.0, system.residual(load, z, out, level=level)])
+        runs, found = self._runs, np.empty(len(self._runs.labels))
+
+        def squares(band: slice, left: Float64) -> None:
+            found[runs.of(band)] = runs.add(band, left * left)
+
+        def plain(band: slice, left: Float64) -> None:
+            found[runs.of(band)] = runs.add(band, left)
+
+        if not balanced:
+            system.residual(load, z, out, level=level, see=squares)
+            return self._norms(found)
+        assert out is not None
+        system.residual(load, z, out, level=level, see=plain)
+        mean = np.where(self.floating, runs.total(found) / self._sizes, 0.0)
+
+        def balance(band: slice) -> None:
+            left = out[band].reshape(-1)
+            left -= runs.spread(band, mean)
+            squares(band, left.astype(np.float64, copy=False))
+
+        runs.each(balance)
+        return self._norms(found)
+
+    def _norms(self, squares: Float64) -> Float64:
+        """(count+1,) norms from the sums of squares of runs; one island's counts the vertices of none, too."""
+        found = self._runs.total(squares)
         if self.count == 1:
-            return np.array([0.0, np.linalg.norm(values)])
-        return np.sqrt(self._sums(values * values))
+            found = np.array([0.0, found.sum()])
+        return np.asarray(np.sqrt(found))
 
-    def worst(self, residual: Float64, scale: Float64) -> float:
-        """Largest residual relative to ``scale`` over the islands; 0 on islands whose load is 0."""
-        norms = self.norms(residual)
-        return float(np.max(np.divide(norms, scale, out=np.zeros_like(norms), where=scale > 0)))
+    def keep(self, which: Mask, out: NDArray[Any]) -> None:
+        """Set ``out`` to 0 on all islands but those of ``which`` (count+1,)."""
+        if which.all() or (self.count == 1 and which[1]):
+            return
+        runs = self._runs
 
-    def only_lagging(self, residual: Float64, scale: Float64, tolerance: float) -> Float64:
-        """The residual with islands that have converged set to 0."""
-        if self.count == 1:
-            return residual
-        lagging = self.norms(residual) > tolerance * scale
-        return np.where(lagging[self.labels], residual, 0.0)
+        def clear(band: slice) -> None:
+            out[band].reshape(-1)[~runs.spread(band, which)] = 0
 
-    def level(self, load: Float64) -> Float64:
+        runs.each(clear)
+
+    def level(self, load: Float64) -> Float64 | None:
         """The constant that solves each island nothing holds on the whole: sum of beta z = sum of the load.
 
         Taken out first, it leaves a problem about shape alone, however small beta or large delta is.
+
+        Returns
+        -------
+        (count+1,) float64 or None
+            None where every constant is 0.
         """
         tied = self._loose & (self._ties > 0)
         if not tied.any():
-            return np.zeros(self.labels.shape)
-        constant = np.divide(self._sums(load), self._ties, out=np.zeros(self.count + 1), where=tied)
-        return np.asarray(constant[self.labels])
+            return None
+        sums = self._runs.sums(lambda band: load[band].reshape(-1))
+        constant = np.divide(sums, self._ties, out=np.zeros(self.count + 1), where=tied)
+        return constant if constant.any() else None
 
-    def balance(self, load: Float64) -> Float64:
-        """The load with its mean removed on floating islands, where only that part can be met."""
-        if not self.floating.any():
-            return load
-        mean = np.where(self.floating, self._sums(load) / np.maximum(self._sizes, 1), 0.0)
-        return load - mean[self.labels]
+    def constant(self, of_islands: Float64 | None) -> Level | None:
+        """A constant on each island, for a band at a time."""
+        if of_islands is None:
+            return None
+        runs = self._runs
+        return lambda band: runs.spread(band, of_islands)
 
-    def center(self, z: Float64, load: Float64) -> Float64:
-        """Heights of floating islands shifted: to meet the height term where there is one, else to mean 0."""
+    def add(self, z: Float64, of_islands: Float64 | None) -> None:
+        """Add a constant to each island of ``z``, in place."""
+        constant = self.constant(of_islands)
+        if constant is None:
+            return
+
+        def work(band: slice) -> None:
+            here = z[band].reshape(-1)
+            here += constant(band)
+
+        each_band(len(z), rows_at_once(z.shape[1]), work)
+
+    def center(self, z: Float64) -> None:
+        """Shift floating islands in place: to meet the height term where there is one, else to mean 0.
+
+        Parameters
+        ----------
+        z : (H+1, W+1) float64
+            Without the constants of `level`.
+        """
         if not self.floating.any():
-            return z
+            return
+        runs, beta = self._runs, self._system.beta
         tied = self._ties > 0
-        needed = np.where(tied, self._sums(load) - self._sums(self._beta * z), -self._sums(z))
-        shift = needed / np.where(tied, self._ties, np.maximum(self._sizes, 1))
-        return z + np.where(self.floating, shift, 0.0)[self.labels]
+        shift = runs.sums(lambda band: z[band].reshape(-1)) / self._sizes
+        if (tied & self.floating).any():
+            pulled = runs.sums(lambda band: (beta[band] * z[band]).reshape(-1))
+            shift = np.where(tied, pulled / np.where(tied, self._ties, 1), shift)
+        self.add(z, np.where(self.floating, -shift, 0.0))

@@ -12,17 +12,21 @@ k_f (z_v - mean of z on f) and g_v the sum of k_f h_f over the corners at v.
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from nmaptool.arrays import Float64, Mask
+from nmaptool.bands import each_band
 from nmaptool.errors import InputError
-from nmaptool.grid import corner_mean, corner_sum
+from nmaptool.grid import corner_mean, corner_sum, touching
+from nmaptool.solver.operator import Operator, Weights, rows_at_once
 
-_EIGHT = np.ones((3, 3), bool)
+# given a band of rows and (rows * (W+1),) float64 of them
+See = Callable[[slice, Float64], None]
 
 
 def slope_load(p: Float64, q: Float64) -> Float64:
@@ -67,10 +71,10 @@ class QuadSystem:
 
     Parameters
     ----------
-    weight : (H, W) float64
-        k_f >= 0 per face; 0 outside the domain.
-    beta : (H+1, W+1) float64
-        Height weight per vertex, >= 0.
+    weight : (H, W) float32 or float64
+        k_f >= 0 per face; 0 outside the domain. Not copied.
+    beta : (H+1, W+1) float32 or float64
+        Height weight per vertex, >= 0. Not copied.
     held : (H+1, W+1) bool
         Vertices whose height is given.
 
@@ -80,8 +84,8 @@ class QuadSystem:
         If shapes do not fit, a weight is negative or not finite, or no weight is left.
     """
 
-    weight: Float64
-    beta: Float64
+    weight: Weights
+    beta: Weights
     held: Mask
 
     def __post_init__(self) -> None:
@@ -91,42 +95,152 @@ class QuadSystem:
                 f"weights of shape {self.weight.shape} need height weights and held vertices of shape "
                 f"{(rows + 1, cols + 1)}, found {self.beta.shape} and {self.held.shape}"
             )
-        for name, values in (("face", self.weight), ("height", self.beta)):
-            if not (np.isfinite(values).all() and values.min() >= 0):
+        for name in ("weight", "beta"):  # bands are flat pieces of them
+            values = getattr(self, name)
+            if values.dtype not in (np.float32, np.float64) or not values.flags.c_contiguous:
+                kept = values.dtype if values.dtype == np.float32 else np.float64
+                object.__setattr__(self, name, np.ascontiguousarray(values, kept))
+        object.__setattr__(self, "held", np.ascontiguousarray(self.held, bool))
+        for name, (least, most) in (("face", self.weight_range), ("height", extremes(self.beta))):
+            if not (least >= 0 and most < np.inf):
                 raise InputError(f"{name} weights must be finite and zero or more")
-        if not self.weight.any():
+        if self.weight_range[1] == 0:
             raise InputError("every face has weight zero: there is nothing to solve")
 
+    @functools.cached_property
+    def weight_range(self) -> tuple[float, float]:
+        """Least and greatest weight of a face."""
+        return extremes(self.weight)
+
+    @functools.cached_property
+    def operator(self) -> Operator:
+        """A z in bands."""
+        return Operator(self.weight, self.beta)
+
     def apply(self, z: Float64) -> Float64:
-        """(L + diag(beta)) z by two 2x2 box sums; no matrix is made."""
-        return (self.around + self.beta) * z - corner_sum(self.weight * corner_mean(z))
+        """(H+1, W+1) float64 (L + diag(beta)) z; no matrix is made."""
+        out = np.empty(self.beta.shape)
+
+        def keep(band: slice, product: Float64, _: Float64) -> None:
+            out[band].reshape(-1)[:] = product
+
+        self.operator.each(np.ascontiguousarray(z, np.float64), keep)
+        return out
+
+    def residual(
+        self,
+        load: Float64,
+        z: Float64 | None,
+        out: NDArray[Any] | None,
+        *,
+        level: Callable[[slice], Float64 | float] | None = None,
+        see: See | None = None,
+    ) -> float:
+        """Put load - A z into ``out`` at vertices to solve for and 0 elsewhere; computed in float64.
+
+        Parameters
+        ----------
+        load, z : (H+1, W+1) float64, C order
+            z None stands for 0 everywhere.
+        out : (H+1, W+1) float32 or float64, C order, or None
+            None: only the norm is wanted.
+        level : callable, optional
+            For a band of rows, (rows * (W+1),) float64 or a number: heights that count in the height term alone, since
+            they are constant on each island. For the residual of z + level without rounding z + level.
+        see : callable, optional
+            Called with every band and the residual there.
+
+        Returns
+        -------
+        float
+            Its Euclidean norm.
+        """
+        squares = np.zeros(self.beta.shape[0])
+
+        def finish(band: slice, product: Float64, other: Float64) -> None:
+            left = np.subtract(load[band].reshape(-1), product, out=product)
+            if level is not None:
+                left -= np.multiply(self.beta[band].reshape(-1), level(band), out=other)
+            left *= self.unknown[band].reshape(-1)
+            squares[band.start] = np.multiply(left, left, out=other).sum()  # BLAS brings threads of its own
+            if see is not None:
+                see(band, left)
+            if out is not None:
+                out[band].reshape(-1)[:] = left
+
+        _ = self.unknown  # made before threads ask for it
+        self.operator.each(z, finish)
+        return float(np.sqrt(squares.sum()))
 
     @functools.cached_property
     def around(self) -> Float64:
-        """(H+1, W+1) sum of the face weights around each vertex."""
+        """(H+1, W+1) float64 sum of the face weights around each vertex."""
         return corner_sum(self.weight)
 
     @functools.cached_property
     def unknown(self) -> Mask:
         """(H+1, W+1) bool: vertices to solve for."""
-        return ~self.held & ((self.around > 0) | (self.beta > 0))
+        if self.weight_range[0] > 0:
+            return ~self.held
+        out = touching(self.weight > 0)
+
+        def free(band: slice) -> None:
+            out[band] |= self.beta[band] > 0
+            out[band] &= ~self.held[band]
+
+        each_band(len(out), rows_at_once(out.shape[1]), free)
+        return out
+
+    def faces(self) -> tuple[NDArray[np.int32] | Mask, int]:
+        """(H, W) label of each face's island (0: none) and their count; a mask where there is one island.
+
+        Faces that share a vertex are one island.
+        """
+        import cv2
+
+        acting = self.weight > 0
+        if self.weight_range[0] > 0:
+            return acting, 1
+        found, labels = cv2.connectedComponents(acting.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+        return (acting, 1) if found == 2 else (labels, found - 1)
 
     def islands(self) -> tuple[NDArray[np.int32], int]:
         """Label of each vertex's island (0: none) and their count; faces that share a vertex are one island."""
-        faces, count = ndimage.label(self.weight > 0, _EIGHT)
+        faces, count = self.faces()
         labels = np.zeros(self.beta.shape, np.int32)
         for corner in (labels[:-1, :-1], labels[:-1, 1:], labels[1:, :-1], labels[1:, 1:]):
             np.maximum(corner, faces, out=corner)
-        return labels, int(count)
+        return labels, count
 
-    @property
+    @functools.cached_property
     def is_uniform(self) -> bool:
         """Whether it is a full rectangle with one weight, one beta and nothing held, as the DCT needs."""
-        weight = self.weight.flat[0]
-        if self.held.any() or weight == 0 or not (self.weight == weight).all():
+        if self.weight_range[0] != self.weight_range[1] or self.held.any():
             return False
-        beta = self.beta[1:-1, 1:-1].flat[0] if min(self.weight.shape) > 1 else self.beta.flat[0] * 4
-        return bool(np.allclose(self.beta, beta * vertex_share(self.weight.shape), rtol=1e-12, atol=0))
+        inner = self.beta[1:-1, 1:-1]
+        beta = float(inner.flat[0] if inner.size else self.beta.flat[0] * 4)
+        slack = (1e-6 if self.beta.dtype == np.float32 else 1e-12) * beta
+        sides = (self.beta[0, 1:-1], self.beta[-1, 1:-1], self.beta[1:-1, 0], self.beta[1:-1, -1])
+        corners = self.beta[[0, 0, -1, -1], [0, -1, 0, -1]]
+        parts = ((inner, 1.0), (corners, 0.25), *((side, 0.5) for side in sides))
+        return all(
+            abs(extreme - share * beta) <= share * slack
+            for part, share in parts
+            if part.size
+            for extreme in extremes(np.atleast_2d(part))
+        )
+
+
+def extremes(values: NDArray[Any]) -> tuple[float, float]:
+    """Least and greatest value of a 2-D array; NaN if there is one."""
+    found = np.empty((len(values), 2))
+    step = rows_at_once(values.shape[1])
+
+    def look(band: slice) -> None:
+        found[band.start] = values[band].min(), values[band].max()
+
+    each_band(len(values), step, look)
+    return float(found[::step, 0].min()), float(found[::step, 1].max())
 
 
 def vertex_share(shape: tuple[int, int]) -> Float64:

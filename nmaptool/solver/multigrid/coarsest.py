@@ -1,0 +1,82 @@
+"""The coarsest level, where masks have become irregular: an assembled matrix and pyamg's hierarchy for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy import sparse
+
+from nmaptool.arrays import Float32, Float64
+from nmaptool.solver.multigrid.level import Stencil, inner
+
+# up to so many unknowns a sparse LU is quicker than a hierarchy
+_DIRECT = 3000
+# ties below this share of a part's couplings are lost in rounding
+_NO_TIE = 1e-11
+
+
+def assemble(level: Stencil) -> tuple[sparse.csr_matrix, np.ndarray]:
+    """The level's matrix in CSR float64 for its active unknowns, grid first, then strays; also which they are.
+
+    The diagonal is summed up in float64, so that what nothing ties stays exactly singular.
+    """
+    rows, cols = level.shape
+    size, strays = level.size, level.strays
+    active = np.concatenate([level.diagonal > 0, strays.diagonal > 0])
+    number = np.cumsum(active) - 1
+    place = np.arange(size).reshape(rows, cols)
+    ends: list[tuple[np.ndarray, np.ndarray, Float32]] = []
+    for name, down, across in (("e", 0, 1), ("s", 1, 0), ("se", 1, 1), ("sw", 1, -1)):
+        values = inner(level.couplings[name], level.shape)
+        here = place[: rows - down, max(-across, 0) : cols - max(across, 0)].ravel()
+        found = here[values.ravel()[here] != 0]
+        ends.append((found, found + down * cols + across, values.ravel()[found]))
+    near, among = strays.to_grid.tocoo(), sparse.triu(strays.among, format="coo")
+    ends.append((strays.near[near.row], size + near.col, near.data))
+    ends.append((size + among.row, size + among.col, among.data))
+    one, two = (number[np.concatenate([end[i] for end in ends])] for i in (0, 1))
+    value = np.concatenate([end[2] for end in ends]).astype(np.float64)
+    count = int(active.sum())
+    tie = np.concatenate([inner(level.tie, level.shape).ravel(), strays.tie])[active].astype(np.float64)
+    couplings = sparse.csr_matrix(
+        (np.concatenate([value, value]), (np.concatenate([one, two]), np.concatenate([two, one]))),
+        shape=(count, count),
+    )
+    total = np.asarray(couplings.sum(axis=1)).ravel()
+    matrix = (sparse.diags(total + tie) - couplings).tocsr()
+    return _anchored(matrix, couplings, tie, total), np.flatnonzero(active)
+
+
+def _anchored(matrix: sparse.csr_matrix, couplings: sparse.csr_matrix, tie: Float64, total: Float64) -> sparse.csr_matrix:
+    """One unknown more firmly tied in each part that nothing ties: a constant is free there, any will do."""
+    count, label = sparse.csgraph.connected_components(couplings, directed=False)
+    ties, sums = (np.bincount(label, each, minlength=count) for each in (tie, total))
+    loose = ties <= _NO_TIE * sums
+    if not loose.any():
+        return matrix
+    _, first = np.unique(label, return_index=True)
+    more = np.zeros(matrix.shape[0])
+    anchors = first[loose]
+    more[anchors] = np.maximum(total[anchors], 1e-300)
+    return (matrix + sparse.diags(more)).tocsr()
+
+
+def coarse_solver(matrix: sparse.csr_matrix) -> Callable[[Float64], Float64]:
+    """An approximate inverse, symmetric positive definite: LU where that is quick, else a V-cycle of Ruge and Stueben."""
+    if matrix.shape[0] <= _DIRECT:
+        if matrix.shape[0] == 0:
+            return lambda b: b
+        from scipy.sparse.linalg import splu
+
+        solve: Callable[[Float64], Float64] = splu(
+            matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        ).solve
+        return solve
+    import pyamg
+
+    hierarchy = pyamg.ruge_stuben_solver(
+        matrix, CF=("RS", {"second_pass": True}), max_coarse=500, coarse_solver="splu"
+    )
+    operator = hierarchy.aspreconditioner(cycle="V")
+    return lambda b: operator @ b

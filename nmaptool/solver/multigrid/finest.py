@@ -1,0 +1,202 @@
+"""The finest level: faces' weights instead of a matrix, two 2x2 box sums instead of a product with one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from nmaptool.arrays import Float32
+from nmaptool.bands import each_band, each_of
+from nmaptool.solver.multigrid.level import BAND, Shape, inner, margin, new_field, rows_at_once
+from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, KINDS, Split, sorted_rows
+from nmaptool.solver.system import QuadSystem
+
+# Jacobi's step 1 / diagonal beside 1 / (sum of the weights around + beta); no system's step is too long with it
+_STEP = np.float32(4 / 3)
+
+
+class Finest:
+    """The system itself, in float32.
+
+    Attributes
+    ----------
+    shape : (int, int)
+        (H+1, W+1).
+    quarter : flat float32
+        A quarter of each face's weight, at the place of its upper left vertex, with margins; 0 in the last row and column.
+    step : (size,) float32
+        Of a smoothing step; 0 at vertices that are not to be solved for.
+    """
+
+    def __init__(self, system: QuadSystem) -> None:
+        self.shape: Shape = system.beta.shape
+        rows, cols = self.shape
+        self.size, self.edge = rows * cols, margin(self.shape)
+        self.quarter = new_field(self.shape)
+        np.multiply(system.weight, 0.25, out=inner(self.quarter, self.shape)[:-1, :-1], casting="unsafe")
+        self.beta = system.beta.reshape(-1)
+        self.unknown = system.unknown.reshape(-1)
+        self.holds = bool(system.held.any())
+        self.step = np.zeros(self.size, np.float32)
+        self._bands = max(BAND, 16 * cols)
+        each_band(self.size, self._bands, self._lay_step)
+
+    def in_bands(self, work: Callable[[int, int], object]) -> None:
+        """Call ``work`` with the start and stop of each band of vertices."""
+        each_band(self.size, self._bands, lambda band: work(band.start, band.stop))
+
+    def sum_over_bands(self, work: Callable[[int, int], float]) -> float:
+        """Sum of what ``work`` gives for the start and stop of each band of vertices."""
+        bands = [(first, min(first + self._bands, self.size)) for first in range(0, self.size, self._bands)]
+        return math.fsum(each_of(bands, lambda band: work(*band)))
+
+    def dot(self, one: Float32, two: Float32) -> float:
+        """Sum of the products of two flat arrays without margins."""
+        return self.sum_over_bands(lambda start, stop: float(np.dot(one[start:stop], two[start:stop])))
+
+    def times(self, x: Float32, out: Float32) -> float:
+        """Put A x into ``out`` (no margins), for x with margins; x^T A x."""
+
+        def band(start: int, stop: int) -> float:
+            out[start:stop] = self.apply(x, start, stop)
+            return float(np.dot(x[self.edge + start : self.edge + stop], out[start:stop]))
+
+        return self.sum_over_bands(band)
+
+    def _around(self, start: int, stop: int) -> Float32:
+        """Sum of the quarters around each vertex of a range."""
+        cols, first = self.shape[1], self.edge + start
+        count = stop - start
+        pair = self.quarter[first - cols - 1 : first + count - 1] + self.quarter[first - cols : first + count]
+        return pair[: count] + pair[cols : cols + count]
+
+    def _lay_step(self, band: slice) -> None:
+        total = self._around(band.start, band.stop)
+        total *= 4
+        total += self.beta[band]
+        unknown = self.unknown[band]
+        np.divide(_STEP, total, out=self.step[band], where=unknown & (total > 0))
+
+    def mixed(self, x: Float32, start: int, stop: int) -> Float32:
+        """What the means of the faces around pull: corner_sum(weight * corner_mean(x)) for a range of vertices."""
+        cols, first = self.shape[1], self.edge + start - self.shape[1] - 1
+        count = stop - start + cols + 1  # faces
+        pair = x[first : first + count + cols] + x[first + 1 : first + count + cols + 1]
+        sums = pair[:count] + pair[cols:]
+        sums *= self.quarter[first : first + count]
+        np.add(sums[:-1], sums[1:], out=pair[: count - 1])
+        return pair[: stop - start] + pair[cols : cols + stop - start]
+
+    def apply(self, x: Float32, start: int, stop: int) -> Float32:
+        """A x for a range of vertices, from differences: float32 loses nothing of what is smooth.
+
+        The four corners of a face have, besides their mean, a slope across, one along and a twist.
+        """
+        cols, first = self.shape[1], self.edge + start - self.shape[1] - 1
+        count = stop - start + cols + 1
+        quarter = self.quarter[first : first + count]
+        step = x[first + 1 : first + count + cols + 1] - x[first : first + count + cols]
+        across, twist = step[cols:] + step[:count], step[cols:] - step[:count]
+        drop = x[first + cols : first + count + cols + 1] - x[first : first + count + 1]
+        along = drop[1:] + drop[:-1]
+        for part in (across, twist, along):
+            part *= quarter
+        total = np.add(across, along, out=drop[:-1])
+        across -= along
+        # lower and upper pair of corners, still apart for the faces left and right
+        upper = np.subtract(twist, total, out=along)[1:]
+        lower = np.add(twist, total, out=total)[:-1]
+        right = across - twist
+        upper = upper + right[:-1]
+        across += twist
+        lower -= across[1:]
+        inside = stop - start
+        out = upper[cols : cols + inside]
+        out += lower[:inside]
+        own = self.beta[start:stop] * x[self.edge + start : self.edge + stop]
+        out += own
+        if self.holds:
+            out *= self.unknown[start:stop]
+        return np.asarray(out, np.float32)
+
+    def start(self, residual: Float32, z: Float32) -> None:
+        """First smoothing step, from zero: z (with margins) from the residual."""
+        edge = self.edge
+        self.in_bands(
+            lambda start, stop: np.multiply(
+                residual[start:stop], self.step[start:stop], out=z[edge + start : edge + stop]
+            )
+        )
+
+    def left_rows(self, residual: Float32, z: Float32, first: int, last: int) -> Float32:
+        """(last - first, cols) residual that is left after `start`."""
+        cols = self.shape[1]
+        left = self.mixed(z, first * cols, last * cols)
+        part = residual[first * cols : last * cols] * (1 - _STEP)
+        left += part
+        return left.reshape(-1, cols)
+
+    def finish(self, residual: Float32, z: Float32, out: Float32) -> None:
+        """Last smoothing step: ``out`` (no margins) from z and the residual."""
+        edge = self.edge
+
+        def band(start: int, stop: int) -> None:
+            moved = self.mixed(z, start, stop)
+            moved += residual[start:stop]
+            moved *= self.step[start:stop]
+            np.multiply(z[edge + start : edge + stop], 1 - _STEP, out=out[start:stop])
+            out[start:stop] += moved
+
+        self.in_bands(band)
+
+    def split(self, first: int, last: int) -> Split:
+        """Rows ``first`` to ``last`` of the next coarser grid, sorted by kind; see `split.Split`."""
+        rows, cols = self.shape
+        coarse = (rows + 1) // 2, (cols + 1) // 2
+        top, bottom = max(2 * (first - HALO) - 2, 0), min(2 * (last + HALO) + 2, rows)
+        start, stop = top * cols, bottom * cols
+        edge = self.edge
+        quarter = self.quarter[edge + start - cols - 1 : edge + stop + cols + 1]  # with a margin
+        here = slice(cols + 1, cols + 1 + stop - start)
+        full = {
+            "e": quarter[here] + quarter[1 : 1 + stop - start],
+            "s": quarter[here] + quarter[cols : cols + stop - start],
+            "se": quarter[here],
+            "sw": quarter[cols : cols + stop - start],
+        }
+        tie = np.array(self.beta[start:stop], np.float32)
+        if self.holds:
+            full = self._free_only(full, tie, top, bottom)
+        arrays = {}
+        for name, values in {**full, "tie": tie}.items():
+            grid = values.reshape(-1, cols)
+            for kind, part in sorted_rows(grid, top, coarse, first, last).items():
+                arrays[f"{name}_{kind}"] = part
+        split = Split(arrays, coarse[1], last - first)
+        for kind, _, _ in KINDS:
+            split.keep(f"out_{kind}")
+        return split
+
+    def _free_only(self, full: dict[str, Float32], tie: Float32, top: int, bottom: int) -> dict[str, Float32]:
+        """Couplings between unknown vertices alone; those to held ones become ties."""
+        rows, cols = self.shape
+        padded = np.zeros((bottom - top + 2, cols + 2), np.float32)
+        above, below = max(top - 1, 0), min(bottom + 1, rows)
+        padded[above - top + 1 : below - top + 1, 1:-1] = self.unknown.reshape(rows, cols)[above:below]
+        own = padded[1:-1, 1:-1]
+        out = {}
+        ties = tie.reshape(-1, cols)
+        for name, down, across in (("e", 0, 1), ("s", 1, 0), ("se", 1, 1), ("sw", 1, -1)):
+            values = full[name].reshape(-1, cols)
+            other = padded[1 + down : padded.shape[0] - 1 + down, 1 + across : padded.shape[1] - 1 + across]
+            out[name] = (values * own * other).ravel()
+            ties += values * own * (1 - other)
+            # the lower end of the coupling
+            lower = values * (1 - own) * other
+            ties[down:, max(across, 0) : cols + min(across, 0)] += lower[
+                : lower.shape[0] - down, max(-across, 0) : cols - max(across, 0)
+            ]
+        ties *= own
+        return out

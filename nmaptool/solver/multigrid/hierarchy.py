@@ -1,0 +1,151 @@
+"""Levels from the finest to the coarsest, and the V-cycle over them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nmaptool.arrays import Float32
+from nmaptool.bands import each_band
+from nmaptool.solver.multigrid.coarsest import assemble, coarse_solver
+from nmaptool.solver.multigrid.finest import Finest
+from nmaptool.solver.multigrid.galerkin import coarse_couplings, coarse_ties
+from nmaptool.solver.multigrid.interpolation import WEIGHTS, interpolate
+from nmaptool.solver.multigrid.level import Shape, Stencil, inner, margin, new_field, rows_at_once
+from nmaptool.solver.multigrid.relaxation import Relaxation
+from nmaptool.solver.multigrid.split import DIRECTIONS, KINDS, Split
+from nmaptool.solver.multigrid.strays import coarse_strays, none, transfer
+from nmaptool.solver.multigrid.transfer import Transfer
+from nmaptool.solver.system import QuadSystem
+
+# a grid this small, or a level with this share of strays, is left to algebra
+_SMALLEST = 2000
+_MOST_STRAYS = 0.4
+
+
+class _Found:
+    """What coarsening finds out about the finer level, in that level's layout; only where strays may come up."""
+
+    def __init__(self, shape: Shape) -> None:
+        self.shape = shape
+        self.stray, self.scale, self.gap, self.rest = (np.zeros(shape, np.float32) for _ in range(4))
+
+    def keep(self, split: Split, first: int, last: int) -> None:
+        """Put the rows of a band back into the level's order."""
+        for name, into in (("stray", self.stray), ("scale", self.scale), ("gap", self.gap), ("rest", self.rest)):
+            for kind, down, across in KINDS:
+                if f"{name}_{kind}" not in split.arrays:
+                    continue
+                where = into[2 * first + down : 2 * last : 2, across::2]
+                values = split(f"{name}_{kind}").reshape(-1, split.cols)
+                where[:] = values[: where.shape[0], : where.shape[1]]
+
+
+def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
+    """The next coarser level and the way to it."""
+    shape: Shape = (fine.shape[0] + 1) // 2, (fine.shape[1] + 1) // 2
+    couplings = {name: new_field(shape) for name in DIRECTIONS}
+    weights = {name: new_field(shape) for name in WEIGHTS}
+    tie = new_field(shape)
+    found = _Found(fine.shape) if isinstance(fine, Stencil) else None
+
+    def band(part: slice) -> None:
+        first, last = part.start, part.stop
+        split = fine.split(first, last)
+        interpolate(split)
+        split.reach(0)
+        rows = slice(first, last)
+        for name in WEIGHTS:
+            inner(weights[name], shape)[rows] = split(name).reshape(-1, shape[1])
+        for name, values in coarse_couplings(split).items():
+            inner(couplings[name], shape)[rows] = values.reshape(-1, shape[1])
+        inner(tie, shape)[rows] = coarse_ties(split).reshape(-1, shape[1])
+        if found is not None:
+            found.keep(split, first, last)
+
+    each_band(shape[0], rows_at_once(shape[1]), band)
+    strays, moved = none(), None
+    if isinstance(fine, Stencil) and found is not None:
+        became = np.flatnonzero(found.stray)
+        if fine.strays.count or len(became):
+            moved = transfer(fine.strays, fine.couplings, fine.shape, became, found.scale.ravel())
+            strays = coarse_strays(
+                fine.strays, moved, fine.couplings, fine.shape, weights, fine.total, found.rest.ravel(), found.gap.ravel()
+            )
+    return Transfer(fine.shape, shape, weights, moved), Stencil(shape, couplings, tie, strays)
+
+
+class Hierarchy:
+    """A preconditioner: one V-cycle, symmetric and positive definite.
+
+    Parameters
+    ----------
+    system : QuadSystem
+    """
+
+    def __init__(self, system: QuadSystem) -> None:
+        self.finest = Finest(system)
+        self.transfers: list[Transfer] = []
+        self.relaxations: list[Relaxation] = []
+        level: Finest | Stencil = self.finest
+        while True:
+            way, level = coarsen(level)
+            self.transfers.append(way)
+            active = int(np.count_nonzero(level.diagonal)) + level.strays.count
+            if level.size <= _SMALLEST or active <= _SMALLEST or level.strays.count > _MOST_STRAYS * active or min(level.shape)<3 and active<100000:
+                break
+            self.relaxations.append(Relaxation(level))
+        self.last = level
+        matrix, self._places = assemble(level)
+        self._solve = coarse_solver(matrix)
+
+    def cycle(self, residual: Float32, z: Float32, out: Float32) -> None:
+        """One V-cycle.
+
+        Parameters
+        ----------
+        residual : flat float32
+        z : flat float32 with margins
+            Work space.
+        out : flat float32
+            The correction.
+        """
+        finest, way = self.finest, self.transfers[0]
+        finest.start(residual, z)
+        coarse = np.empty(way.coarse[0] * way.coarse[1], np.float32)
+        way.restrict(lambda first, last: finest.left_rows(residual, z, first, last), coarse)
+        x, _ = self._descend(0, coarse, np.zeros(0, np.float32))
+        way.prolong(x, z)
+        finest.finish(residual, z, out)
+
+    def _descend(self, number: int, residual: Float32, at_strays: Float32) -> tuple[Float32, Float32]:
+        """Correction (with margins) and that of the strays, on coarse level ``number``."""
+        if number == len(self.relaxations):
+            return self._at_bottom(residual, at_strays)
+        relax, way = self.relaxations[number], self.transfers[number + 1]
+        relax.load(residual, at_strays)
+        relax.smooth(first=True)
+        left, left_strays = relax.left()
+        grid = left.reshape(way.fine)
+        below = np.empty(way.coarse[0] * way.coarse[1], np.float32)
+        way.restrict(lambda first, last: grid[first:last], below)
+        moved = way.strays
+        down = np.zeros(0, np.float32)
+        if moved is not None:
+            down = moved.back @ left[moved.rows]
+            down[: moved.kept] += left_strays
+        x, strays = self._descend(number + 1, below, down)
+        way.prolong(x, relax.x)
+        if moved is not None:
+            relax.x[margin(way.fine) + moved.rows] += moved.weights @ strays
+            relax.strays += strays[: moved.kept]
+        relax.smooth(first=False)
+        return relax.x, relax.strays
+
+    def _at_bottom(self, residual: Float32, at_strays: Float32) -> tuple[Float32, Float32]:
+        last = self.last
+        load = np.concatenate([residual, at_strays])
+        x = np.zeros(len(load), np.float32)
+        x[self._places] = self._solve(load[self._places].astype(np.float64))
+        out = new_field(last.shape)
+        inner(out, last.shape)[:] = x[: last.size].reshape(last.shape)
+        return out, x[last.size :]

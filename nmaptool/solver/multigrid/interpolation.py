@@ -1,0 +1,105 @@
+"""Interpolation that follows the couplings, after Dendy's black-box multigrid (J. Comput. Phys. 48, 1982).
+
+A vertex between two coarse ones takes from each as much as it is coupled to that side, so that nothing is carried over a
+gap or a jump of the weights. A vertex that the coarse ones next to it hardly hold (the end of a thin branch that runs
+between the coarse vertices) is left out: it becomes a stray, an unknown of its own on all coarser levels.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nmaptool.arrays import Float32
+from nmaptool.solver.multigrid.split import LINKS, Split
+
+# a vertex whose coarse neighbours hold less than this share of it is a stray
+HELD_SHARE = 0.4
+# a side counts if its nearest vertex has at least this share of the side's couplings
+_DIRECT_SHARE = 1e-3
+# ties to fixed heights below this share of the diagonal do not show in the interpolation
+_FELT_TIE = 0.02
+_TINY = np.float32(1e-37)
+
+# a side: its name, and its couplings, those of its middle vertex first
+Sides = tuple[str, tuple[tuple[str, int, int], ...]]
+_BESIDE: tuple[Sides, Sides] = (
+    ("w", (("e_o", 0, 0), ("se_u", -1, 0), ("sw_b", 0, 0))),
+    ("e", (("e_b", 0, 0), ("se_b", 0, 0), ("sw_u", -1, 1))),
+)
+_UNDER: tuple[Sides, Sides] = (
+    ("n", (("s_o", 0, 0), ("se_b", 0, -1), ("sw_b", 0, 0))),
+    ("s", (("s_u", 0, 0), ("se_u", 0, 0), ("sw_u", 0, 0))),
+)
+
+WEIGHTS = ("b_w", "b_e", "u_n", "u_s", "d_nw", "d_ne", "d_sw", "d_se")
+
+
+def interpolate(split: Split) -> None:
+    """Add the weights (`WEIGHTS`), what they lack to 1 ("gap_b", "gap_u", "gap_d"; never positive) and the strays.
+
+    Expects the couplings and, per kind, "tie" (coupling to fixed heights) and "out" (coupling to strays); works on the
+    band and one row more on either side. Strays are 1 in "stray_b", "stray_u", "stray_d"; "scale_b", "scale_u" and
+    "scale_d" are what couplings to strays are multiplied by for their weights.
+    """
+    split.reach(1)
+    for kind in "bud":
+        total = split.keep(f"sum_{kind}")
+        for _, _, _, name, down, across in LINKS[kind]:
+            total += split(name, down, across)
+        total += split(f"out_{kind}")
+    _between(split, "b", *_BESIDE)
+    _between(split, "u", *_UNDER)
+    _diagonal(split)
+
+
+def _side(split: Split, near: tuple[str, int, int], *others: tuple[str, int, int]) -> Float32:
+    """Coupling to one side, collapsed on its middle vertex; 0 if that is not among what it is coupled to."""
+    side = split(*near).copy()
+    for other in others:
+        side += split(*other)
+    side *= split(*near) > _DIRECT_SHARE * side
+    return side
+
+
+def _felt(split: Split, kind: str) -> Float32:
+    tie = split(f"tie_{kind}")
+    return tie * (tie > _FELT_TIE * (split(f"sum_{kind}") + tie))
+
+
+def _settle(split: Split, kind: str, held: Float32, felt: Float32, parts: dict[str, Float32]) -> None:
+    """Weights of a kind from its parts; their sum and couplings to strays are ``held``, to fixed heights ``felt``."""
+    tie, total = split(f"tie_{kind}"), split(f"sum_{kind}")
+    stray = held + tie < HELD_SHARE * (total + tie)
+    split.keep(f"stray_{kind}")[:] = stray
+    scale = np.maximum(held + felt, _TINY)
+    np.divide(1, scale, out=scale)
+    scale *= ~stray
+    split.keep(f"scale_{kind}")[:] = scale
+    for place, part in parts.items():
+        np.multiply(part, scale, out=split.keep(f"{kind}_{place}"))
+    np.multiply(felt, -scale, out=split.keep(f"gap_{kind}"))
+
+
+def _between(split: Split, kind: str, one: Sides, two: Sides) -> None:
+    first, second = _side(split, *one[1]), _side(split, *two[1])
+    held = first + second + split(f"out_{kind}")
+    _settle(split, kind, held, _felt(split, kind), {one[0]: first, two[0]: second})
+
+
+def _diagonal(split: Split) -> None:
+    """From all eight around it: the four coarse ones, and the four between them by their own weights."""
+    north, south = split("s_b"), split("s_d")
+    west, east = split("e_u"), split("e_d")
+    parts = {
+        "nw": split("se_o") + north * split("b_w") + west * split("u_n"),
+        "ne": split("sw_o", 0, 1) + north * split("b_e") + east * split("u_n", 0, 1),
+        "sw": split("sw_d") + south * split("b_w", 1) + west * split("u_s"),
+        "se": split("se_d") + south * split("b_e", 1) + east * split("u_s", 0, 1),
+    }
+    held, felt = split("out_d").copy(), _felt(split, "d")
+    for link, between, down, across in ((north, "b", 0, 0), (south, "b", 1, 0), (west, "u", 0, 0), (east, "u", 0, 1)):
+        held += link * split(f"stray_{between}", down, across)
+        felt -= link * split(f"gap_{between}", down, across)
+    for part in parts.values():
+        held += part
+    _settle(split, "d", held, felt, parts)

@@ -1,0 +1,107 @@
+"""What one level of the hierarchy holds, and the passes over it that every cycle makes.
+
+Arrays are flat with a margin of a row and a place on both sides, so that all eight neighbours are a constant step away;
+what a step over the edge of a row meets is multiplied by a coupling of zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nmaptool.arrays import Float32
+from nmaptool.bands import each_band
+from nmaptool.solver.multigrid.split import DIRECTIONS, Split, sorted_rows
+from nmaptool.solver.multigrid.strays import Strays
+
+Shape = tuple[int, int]
+# elements of a band: it and its temporaries stay in the cache
+BAND = 1 << 16
+
+
+def margin(shape: Shape) -> int:
+    """Elements before the first and after the last of a field."""
+    return shape[1] + 1
+
+
+def new_field(shape: Shape) -> Float32:
+    """Zeros for a level, with margins."""
+    return np.zeros(shape[0] * shape[1] + 2 * margin(shape), np.float32)
+
+
+def inner(values: Float32, shape: Shape) -> Float32:
+    """(rows, cols) view of a field without its margins."""
+    edge = margin(shape)
+    return values[edge : edge + shape[0] * shape[1]].reshape(shape)
+
+
+def in_bands(size: int, work) -> None:
+    """Call ``work`` with the start and stop of each band of a flat array."""
+    each_band(size, BAND, lambda band: work(band.start, band.stop))
+
+
+def rows_at_once(cols: int) -> int:
+    """Rows of ``cols`` elements that make a band."""
+    return max(8, BAND // cols)
+
+
+@dataclass(eq=False)
+class Stencil:
+    """Couplings of a coarse level.
+
+    Attributes
+    ----------
+    shape : (int, int)
+    couplings : mapping of str to flat float32 arrays with margins
+        To the east, south, south-east and south-west.
+    tie : flat float32 array with margins
+        To fixed heights.
+    strays : Strays
+    """
+
+    shape: Shape
+    couplings: dict[str, Float32]
+    tie: Float32
+    strays: Strays
+
+    def __post_init__(self) -> None:
+        size, edge = self.shape[0] * self.shape[1], margin(self.shape)
+        self.edge, self.size = edge, size
+        self.total = new_field(self.shape)  # of the couplings
+        self.out = self.strays.sums_at_grid(size + 2 * edge, edge)
+        steps = self._steps()
+
+        def add_up(start: int, stop: int) -> None:
+            total = self.total[edge + start : edge + stop]
+            total += self.out[edge + start : edge + stop]
+            for values, step in steps:
+                total += values[edge + start : edge + stop]
+                total += values[edge + start - step : edge + stop - step]
+
+        in_bands(size, add_up)
+        self.diagonal = self.total[edge : edge + size] + self.tie[edge : edge + size]
+        self.inverse = np.divide(1, self.diagonal, out=np.zeros(size, np.float32), where=self.diagonal > 0)
+
+    def _steps(self) -> list[tuple[Float32, int]]:
+        cols = self.shape[1]
+        return list(zip((self.couplings[d] for d in DIRECTIONS), (1, cols, cols + 1, cols - 1), strict=True))
+
+    def add_neighbours(self, x: Float32, out: Float32, start: int, stop: int) -> None:
+        """Add to ``out`` what the neighbours in ``x`` (with margins) pull, times their couplings; strays apart."""
+        first, last = self.edge + start, self.edge + stop
+        product = np.empty(stop - start, np.float32)
+        for values, step in self._steps():
+            np.multiply(values[first:last], x[first + step : last + step], out=product)
+            out += product
+            np.multiply(values[first - step : last - step], x[first - step : last - step], out=product)
+            out += product
+
+    def split(self, first: int, last: int) -> Split:
+        """Rows ``first`` to ``last`` of the next coarser grid, sorted by kind."""
+        coarse = (self.shape[0] + 1) // 2, (self.shape[1] + 1) // 2
+        arrays = {}
+        for name, values in {**self.couplings, "tie": self.tie, "out": self.out}.items():
+            for kind, part in sorted_rows(inner(values, self.shape), 0, coarse, first, last).items():
+                arrays[f"{name}_{kind}"] = part
+        return Split(arrays, coarse[1], last - first)

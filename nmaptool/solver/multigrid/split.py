@@ -1,0 +1,135 @@
+"""A band of a level, sorted by what its vertices are to the next coarser grid.
+
+Vertex (2i, 2j) of a level is vertex (i, j) of the coarser one. It brings along three others: the one beside it (2i, 2j+1),
+the one below (2i+1, 2j) and the diagonal one (2i+1, 2j+1). The letters are those of their places: o for the vertex
+itself, b beside, u under, d diagonal. All four kinds are held in arrays of the coarse grid's layout, so that
+every neighbour is a constant step away in flat memory.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.arrays import Float32
+
+# each kind with its place in the level: rows down, columns across from the coarse vertex's own
+KINDS = (("o", 0, 0), ("b", 0, 1), ("u", 1, 0), ("d", 1, 1))
+# rows above and below the band, which its own rows look at
+HALO = 2
+# couplings by direction: east, south, south-east, south-west
+DIRECTIONS = ("e", "s", "se", "sw")
+
+
+def sorted_rows(
+    fine: NDArray[np.float32], top: int, coarse_shape: tuple[int, int], first: int, last: int
+) -> dict[str, Float32]:
+    """Rows ``first - HALO`` to ``last + HALO`` of the coarse grid's layout, of each kind, flat; 0 beyond the edges.
+
+    Parameters
+    ----------
+    fine : (n, cols) float32
+        Values at a level's vertices, from its row ``top`` on.
+    top : int
+    coarse_shape : (int, int)
+        Of the coarser grid: half of both, rounded up.
+    first, last : int
+        The band in rows of the coarser grid.
+    """
+    rows, cols = coarse_shape
+    out = {}
+    begin, end = max(first - HALO, 0), min(last + HALO, rows)
+    skip = begin - (first - HALO)
+    for kind, down, across in KINDS:
+        part = fine[2 * begin + down - top : 2 * end - top : 2, across::2]
+        values = _zeros(last - first, cols)
+        values[1:-1].reshape(-1, cols)[skip : skip + part.shape[0], : part.shape[1]] = part
+        out[kind] = values
+    return out
+
+
+def _zeros(rows: int, cols: int) -> Float32:
+    """For a band of coarse rows, with their halo and a place more at both ends for steps aside."""
+    return np.zeros((rows + 2 * HALO) * cols + 2, np.float32)
+
+
+class Split:
+    """Couplings of a band by kind and direction, and what else a level knows of its vertices.
+
+    ``split(name, down, across)`` is a view of an array over the rows that are being worked on, from the place so many
+    coarse rows further down and columns across. Names of couplings are direction and kind, such as "se_o".
+
+    Parameters
+    ----------
+    arrays : mapping of str to flat float32 arrays
+        As of `sorted_rows`.
+    cols : int
+        Of the coarse grid.
+    rows : int
+        Of the band.
+    """
+
+    def __init__(self, arrays: dict[str, Float32], cols: int, rows: int) -> None:
+        self.arrays, self.cols, self.rows = arrays, cols, rows
+        self.reach(0)
+
+    def reach(self, margin: int) -> None:
+        """Work on the band and ``margin`` rows above and below."""
+        self._start = 1 + (HALO - margin) * self.cols
+        self._stop = 1 + (HALO + self.rows + margin) * self.cols
+        self.size = self._stop - self._start
+
+    def __call__(self, name: str, down: int = 0, across: int = 0) -> Float32:
+        step = down * self.cols + across
+        return self.arrays[name][self._start + step : self._stop + step]
+
+    def keep(self, name: str) -> Float32:
+        """A new array of zeros under a name; its part that is being worked on."""
+        self.arrays[name] = _zeros(self.rows, self.cols)
+        return self(name)
+
+
+# of each kind: its eight neighbours as (kind, down, across, coupling, down, across), the coupling held by one end
+Link = tuple[str, int, int, str, int, int]
+LINKS: dict[str, tuple[Link, ...]] = {
+    "o": (
+        ("b", 0, 0, "e_o", 0, 0),
+        ("b", 0, -1, "e_b", 0, -1),
+        ("u", 0, 0, "s_o", 0, 0),
+        ("u", -1, 0, "s_u", -1, 0),
+        ("d", 0, 0, "se_o", 0, 0),
+        ("d", 0, -1, "sw_o", 0, 0),
+        ("d", -1, -1, "se_d", -1, -1),
+        ("d", -1, 0, "sw_d", -1, 0),
+    ),
+    "b": (
+        ("o", 0, 0, "e_o", 0, 0),
+        ("o", 0, 1, "e_b", 0, 0),
+        ("d", 0, 0, "s_b", 0, 0),
+        ("d", -1, 0, "s_d", -1, 0),
+        ("u", 0, 1, "se_b", 0, 0),
+        ("u", 0, 0, "sw_b", 0, 0),
+        ("u", -1, 0, "se_u", -1, 0),
+        ("u", -1, 1, "sw_u", -1, 1),
+    ),
+    "u": (
+        ("o", 0, 0, "s_o", 0, 0),
+        ("o", 1, 0, "s_u", 0, 0),
+        ("d", 0, 0, "e_u", 0, 0),
+        ("d", 0, -1, "e_d", 0, -1),
+        ("b", 1, 0, "se_u", 0, 0),
+        ("b", 1, -1, "sw_u", 0, 0),
+        ("b", 0, -1, "se_b", 0, -1),
+        ("b", 0, 0, "sw_b", 0, 0),
+    ),
+    "d": (
+        ("b", 0, 0, "s_b", 0, 0),
+        ("b", 1, 0, "s_d", 0, 0),
+        ("u", 0, 0, "e_u", 0, 0),
+        ("u", 0, 1, "e_d", 0, 0),
+        ("o", 0, 0, "se_o", 0, 0),
+        ("o", 0, 1, "sw_o", 0, 1),
+        ("o", 1, 0, "sw_d", 0, 0),
+        ("o", 1, 1, "se_d", 0, 0),
+    ),
+}

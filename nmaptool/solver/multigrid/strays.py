@@ -1,0 +1,245 @@
+"""Strays: vertices that no coarse vertex stands for. They stay unknowns of their own down to the coarsest level."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from nmaptool.arrays import Float32
+
+Places = NDArray[np.int64]
+
+
+@dataclass(eq=False)
+class Strays:
+    """The strays of a level and their couplings.
+
+    Attributes
+    ----------
+    count : int
+    near : (n,) int64
+        Flat places of the grid's vertices that strays are coupled to, ascending.
+    to_grid : (n, count) CSR float32
+    among : (count, count) CSR float32
+        Symmetric, without a diagonal.
+    tie : (count,) float32
+        To fixed heights.
+    """
+
+    count: int
+    near: Places
+    to_grid: sparse.csr_matrix
+    among: sparse.csr_matrix
+    tie: Float32
+
+    def __post_init__(self) -> None:
+        self.from_grid = self.to_grid.T.tocsr()
+        self.total = np.asarray(self.from_grid.sum(axis=1) + self.among.sum(axis=1), np.float32).ravel()
+        self.diagonal = self.total + self.tie
+        self.inverse = np.divide(1, self.diagonal, out=np.zeros(self.count, np.float32), where=self.diagonal > 0)
+
+    def sums_at_grid(self, size: int, edge: int) -> Float32:
+        """(size,) float32: at each vertex of the grid, its couplings to strays."""
+        out = np.zeros(size, np.float32)
+        if self.count:
+            out[edge + self.near] = np.asarray(self.to_grid.sum(axis=1)).ravel()
+        return out
+
+
+def none() -> Strays:
+    """No strays at all."""
+    empty = sparse.csr_matrix((0, 0), dtype=np.float32)
+    return Strays(0, np.zeros(0, np.int64), empty, empty, np.zeros(0, np.float32))
+
+
+# the eight neighbours: step down, step across, direction of the coupling, whether this vertex holds it
+_AROUND = (
+    (0, 1, "e", True),
+    (0, -1, "e", False),
+    (1, 0, "s", True),
+    (-1, 0, "s", False),
+    (1, 1, "se", True),
+    (-1, -1, "se", False),
+    (1, -1, "sw", True),
+    (-1, 1, "sw", False),
+)
+
+
+def links(couplings: dict[str, Float32], shape: tuple[int, int], places: Places) -> tuple[Places, Places, Float32]:
+    """Positions in ``places``, flat places of their neighbours on the grid, couplings; zeros left out."""
+    cols, edge = shape[1], shape[1] + 1
+    whose, where, how = [], [], []
+    for down, across, direction, holds in _AROUND:
+        step = down * cols + across
+        values = couplings[direction][edge + places + (0 if holds else step)]
+        found = np.flatnonzero(values)
+        whose.append(found)
+        where.append(places[found] + step)
+        how.append(values[found])
+    return np.concatenate(whose), np.concatenate(where), np.concatenate(how)
+
+
+# place of a coarse vertex that a kind takes from, relative to its own, by the weight's name
+_FROM = {
+    0: (),
+    1: (("b_w", 0, 0), ("b_e", 0, 1)),
+    2: (("u_n", 0, 0), ("u_s", 1, 0)),
+    3: (("d_nw", 0, 0), ("d_ne", 0, 1), ("d_sw", 1, 0), ("d_se", 1, 1)),
+}
+
+
+def grid_weights(
+    weights: dict[str, Float32], shape: tuple[int, int], places: Places
+) -> sparse.csr_matrix:
+    """Rows of the interpolation between the grids, for the vertices at ``places`` of the finer one."""
+    cols, coarse_rows, coarse_cols = shape[1], (shape[0] + 1) // 2, (shape[1] + 1) // 2
+    down, across = places // cols, places % cols
+    own = (down // 2) * coarse_cols + across // 2
+    kind = 2 * (down % 2) + across % 2
+    rows, columns, values = [np.flatnonzero(kind == 0)], [own[kind == 0]], [np.ones(int((kind == 0).sum()), np.float32)]
+    for number, parts in _FROM.items():
+        mine = np.flatnonzero(kind == number)
+        for name, step_down, step_across in parts:
+            value = weights[name][coarse_cols + 1 + own[mine]]
+            found = np.flatnonzero(value)
+            rows.append(mine[found])
+            columns.append(own[mine[found]] + step_down * coarse_cols + step_across)
+            values.append(value[found])
+    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+    return sparse.csr_matrix(entries, shape=(len(places), coarse_rows * coarse_cols))
+
+
+@dataclass(eq=False)
+class StrayTransfer:
+    """Interpolation from the strays of the next level: to old strays and to vertices that become strays, as they are.
+
+    Attributes
+    ----------
+    kept : int
+        Strays of this level; they come first on the next.
+    rows : (n,) int64
+        Flat places of the grid's vertices that take from strays, those that become strays included; ascending.
+    weights : (n, strays of the next level) CSR float32
+    """
+
+    kept: int
+    rows: Places
+    weights: sparse.csr_matrix
+
+    def __post_init__(self) -> None:
+        self.back = self.weights.T.tocsr()
+
+
+def transfer(
+    strays: Strays,
+    couplings: dict[str, Float32],
+    shape: tuple[int, int],
+    became: Places,
+    scale: Float32,
+) -> StrayTransfer:
+    """Who takes from strays, and how much.
+
+    Parameters
+    ----------
+    strays : Strays
+        Of this level.
+    couplings : mapping of str to flat float32 arrays with margins
+    shape : (int, int)
+        Of this level.
+    became : (m,) int64
+        Flat places of the vertices that become strays, ascending.
+    scale : (rows * cols) float32
+        What couplings to strays are multiplied by for the weights; 0 for coarse vertices and those that become strays.
+    """
+    kept, added = strays.count, len(became)
+    old = strays.to_grid.tocoo()
+    rows, columns, values = [strays.near[old.row]], [old.col], [old.data]
+    whose, where, how = links(couplings, shape, became)
+    # only diagonal vertices look at those beside and under, which alone come before them
+    diagonal = (where // shape[1] % 2 == 1) & (where % shape[1] % 2 == 1)
+    between = ~((became // shape[1] % 2 == 1) & (became % shape[1] % 2 == 1))
+    seen = diagonal & between[whose]
+    seen &= (where // shape[1] == became[whose] // shape[1]) | (where % shape[1] == became[whose] % shape[1])
+    rows.append(where[seen])
+    columns.append(kept + whose[seen])
+    values.append(how[seen])
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    value = np.concatenate(values) * scale[row]
+    found = np.flatnonzero(value)
+    row = np.concatenate([row[found], became])
+    column = np.concatenate([column[found], kept + np.arange(added)])
+    value = np.concatenate([value[found], np.ones(added, np.float32)])
+    places, position = np.unique(row, return_inverse=True)
+    weights = sparse.csr_matrix((value, (position, column)), shape=(len(places), kept + added), dtype=np.float32)
+    return StrayTransfer(kept, places, weights)
+
+
+def coarse_strays(
+    strays: Strays,
+    moved: StrayTransfer,
+    couplings: dict[str, Float32],
+    shape: tuple[int, int],
+    grid: dict[str, Float32],
+    total: Float32,
+    rest: Float32,
+    gap: Float32,
+) -> Strays:
+    """Strays of the next level with the couplings P^T A P.
+
+    Parameters
+    ----------
+    strays, moved, couplings, shape
+        As in `transfer`.
+    grid : mapping of str to flat float32 arrays with margins
+        The interpolation's weights between the grids.
+    total : flat float32 array with margins
+        Sum of the couplings of each vertex.
+    rest, gap : (rows * cols) float32
+        Ties that the interpolation leaves, and what its weights lack to 1; see `galerkin.coarse_ties`.
+    """
+    kept, count = moved.kept, moved.weights.shape[1]
+    edge = shape[1] + 1
+    whose, where, how = links(couplings, shape, moved.rows)
+    places = np.unique(np.concatenate([where, moved.rows, strays.near]))
+    size = len(places)
+
+    def at(what: Places) -> Places:
+        return np.searchsorted(places, what)
+
+    pull = sparse.csr_matrix((how, (at(where), whose)), shape=(size, len(moved.rows)))
+    mine = sparse.csr_matrix(
+        (-total[edge + moved.rows], (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape
+    )
+    near = strays.to_grid.tocoo()
+    widened = sparse.csr_matrix((near.data, (at(strays.near)[near.row], near.col)), shape=(size, count))
+    on_grid = (pull + mine) @ moved.weights + widened  # (A P) at the grid's vertices
+    coarse = (grid_weights(grid, shape, places).T @ on_grid).tocoo()
+    # at the strays themselves
+    spread = sparse.csr_matrix(
+        (np.ones(len(moved.rows), np.float32), (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape
+    )
+    own = widened[:, :kept].T @ (spread @ moved.weights) + _padded(strays.among, kept, count)
+    among = moved.back @ (spread.T @ on_grid)
+    among = among + sparse.vstack([own, sparse.csr_matrix((count - kept, count), dtype=np.float32)])
+    among = among.tocoo()
+    link = (among.row != among.col) & (among.data > 0)
+    tie = moved.back @ rest[moved.rows]
+    tie[:kept] += strays.tie - strays.from_grid @ gap[strays.near]
+    found = coarse.data > 0
+    near_places, position = np.unique(coarse.row[found], return_inverse=True)
+    return Strays(
+        count,
+        near_places.astype(np.int64),
+        sparse.csr_matrix(
+            (coarse.data[found], (position, coarse.col[found])), shape=(len(near_places), count), dtype=np.float32
+        ),
+        sparse.csr_matrix((among.data[link], (among.row[link], among.col[link])), shape=(count, count)),
+        np.maximum(tie, 0).astype(np.float32),
+    )
+
+
+def _padded(values: sparse.csr_matrix, rows: int, cols: int) -> sparse.csr_matrix:
+    return sparse.csr_matrix((values.data, values.indices, values.indptr), shape=(rows, cols))

@@ -1,0 +1,103 @@
+"""Between a level and the next coarser one: residuals go down, corrections come up."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.arrays import Float32
+from nmaptool.bands import each_band
+from nmaptool.solver.multigrid.level import Shape, inner, margin, rows_at_once
+from nmaptool.solver.multigrid.strays import StrayTransfer
+
+
+@dataclass(eq=False)
+class Transfer:
+    """Interpolation from the next coarser level.
+
+    Attributes
+    ----------
+    fine, coarse : (int, int)
+        Shapes of the grids.
+    weights : mapping of str to flat float32 arrays with margins
+        In the coarse grid's layout, see `interpolation.WEIGHTS`.
+    strays : StrayTransfer
+    """
+
+    fine: Shape
+    coarse: Shape
+    weights: dict[str, Float32]
+    strays: StrayTransfer | None
+
+    def restrict(self, rows_of: Callable[[int, int], Float32], out: Float32) -> None:
+        """Coarse residual ``out`` (flat) from rows of the fine one, given as (n, cols) by ``rows_of(first, last)``."""
+        rows, cols = self.coarse
+
+        def band(part: slice) -> None:
+            first, last = part.start, part.stop
+            above = max(2 * first - 1, 0)
+            fine = rows_of(above, min(2 * last, self.fine[0]))
+            out[first * cols : last * cols] = self._restricted(fine, above - 2 * first, first, last)
+
+        each_band(rows, rows_at_once(2 * cols), band)
+
+    def _restricted(self, fine: Float32, top: int, first: int, last: int) -> Float32:
+        """Rows ``first`` to ``last`` from fine rows that start ``top`` (-1 or 0) rows from row ``first``'s own."""
+        cols = self.coarse[1]
+        count = (last - first) * cols
+        start, stop = margin(self.coarse) + first * cols, margin(self.coarse) + last * cols
+        weight = self.weights
+
+        lead = -top
+
+        def part(down: int, across: int) -> Float32:
+            """Rows of a kind, flat, after one place of zero; where it lies below, from one row higher on."""
+            kind = np.zeros(1 + (down + last - first) * cols, np.float32)
+            skip = down * (1 - lead)
+            found = fine[(1 - lead if down else lead) :: 2, across::2][: down + last - first - skip]
+            kind[1:].reshape(-1, cols)[skip : skip + found.shape[0], : found.shape[1]] = found
+            return kind
+
+        beside, under, diagonal = part(0, 1), part(1, 0), part(1, 1)
+        out = fine[lead::2, ::2][: last - first].ravel()
+        product = np.empty(count, np.float32)
+        for name, step, values in (
+            ("b_w", 0, beside[1:]),
+            ("b_e", 1, beside[:-1]),
+            ("u_n", 0, under[1 + cols :]),
+            ("u_s", cols, under[1:-cols]),
+            ("d_nw", 0, diagonal[1 + cols :]),
+            ("d_ne", 1, diagonal[cols:-1]),
+            ("d_sw", cols, diagonal[1:-cols]),
+            ("d_se", cols + 1, diagonal[: -cols - 1]),
+        ):
+            np.multiply(weight[name][start - step : stop - step], values, out=product)
+            out += product
+        return out
+
+    def prolong(self, coarse: Float32, out: Float32) -> None:
+        """Add the coarse correction to ``out``; both fields have margins."""
+        rows, cols = self.coarse
+        grid, edge, weight = inner(out, self.fine), margin(self.coarse), self.weights
+
+        def band(part: slice) -> None:
+            first, last = part.start, part.stop
+            start, stop = edge + first * cols, edge + last * cols
+            product = np.empty(stop - start, np.float32)
+
+            def add(down: int, across: int, *parts: tuple[str, int]) -> None:
+                where = grid[2 * first + down : 2 * last : 2, across::2]
+                total = weight[parts[0][0]][start:stop] * coarse[start + parts[0][1] : stop + parts[0][1]]
+                for name, step in parts[1:]:
+                    np.multiply(weight[name][start:stop], coarse[start + step : stop + step], out=product)
+                    np.add(total, product, out=total)
+                where += total.reshape(-1, cols)[: where.shape[0], : where.shape[1]]
+
+            grid[2 * first : 2 * last : 2, ::2] += coarse[start:stop].reshape(-1, cols)
+            add(0, 1, ("b_w", 0), ("b_e", 1))
+            add(1, 0, ("u_n", 0), ("u_s", cols))
+            add(1, 1, ("d_nw", 0), ("d_ne", 1), ("d_sw", cols), ("d_se", cols + 1))
+
+        each_band(rows, rows_at_once(2 * cols), band)
