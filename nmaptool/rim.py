@@ -6,6 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 from nmaptool.arrays import Float32, Mask
+from nmaptool.grid import grown
 
 # every rim has this width at least; wider ones are followed inwards while vectors stay short
 _RIM_PX = 2
@@ -56,13 +57,16 @@ def repair_rim(
     """
     mixed = vectors if mixed is None else mixed
     coverage = (~outside).astype(np.float32)
-    near = ndimage.binary_dilation(outside, _EIGHT, iterations=_RIM_PX) & ~outside
+    near = grown(outside, _RIM_PX) & ~outside
     if not near.any():
         return vectors, coverage, 0
     length = np.sqrt(np.einsum("ijk,ijk->ij", vectors, vectors))
     sound = ~outside & (np.abs(length - 1) <= _LENGTH_TOLERANCE)
-    zone = ndimage.binary_dilation(outside, _EIGHT, iterations=_WIDEST_RIM_PX) & ~outside
-    wide = ndimage.binary_propagation(near & ~sound, _EIGHT, mask=zone & ~sound)
+    begun = near & ~sound
+    wide = begun
+    if begun.any():
+        zone = grown(outside, _WIDEST_RIM_PX) & ~outside
+        wide = ndimage.binary_propagation(begun, _EIGHT, mask=zone & ~sound)
     if background is not None and not is_normal and (sound & ~near).any():
         at = near & sound
         inner = _nearest(mixed, sound & ~near, at)
