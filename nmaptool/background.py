@@ -85,7 +85,7 @@ def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
         for channel, code in enumerate(codes):
             near[band] &= np.abs(xyz[band, :, channel].astype(np.float32) - np.float32(code)) <= slack
 
-    each_band(len(near), max(1, _PIXELS_AT_ONCE // near.shape[1]), look)
+    each_band(len(near), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
     return near
 
 
@@ -102,7 +102,7 @@ def _exactly_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
         for codes in flat_codes(image.max_code).values():
             found[band] |= (x == codes[0]) & (y == codes[1]) & (z == codes[2])
 
-    each_band(len(found), max(1, _PIXELS_AT_ONCE // found.shape[1]), look)
+    each_band(len(found), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
     return found
 
 
@@ -126,12 +126,8 @@ def _noisy_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
     bounds = _range(image, xyz)
     if min(xyz.shape[:2]) >= _STRIP_PX:
         # what an edge is depends on a strip along it; an edge without noise is no speck either, being long
-        strips = (
-            xyz[:_STRIP_PX],
-            xyz[-_STRIP_PX:][::-1],
-            _turned(xyz[:, :_STRIP_PX]),
-            _turned(xyz[:, -_STRIP_PX:])[::-1],
-        )
+        turned = xyz.swapaxes(0, 1)
+        strips = (xyz[:_STRIP_PX], xyz[-_STRIP_PX:][::-1], turned[:_STRIP_PX], turned[-_STRIP_PX:][::-1])
         if sum(bool(_noisy(image, strip, bounds)[0].any()) for strip in strips) < sides:
             return np.zeros(xyz.shape[:2], bool)
     near = _noisy(image, xyz, bounds)
@@ -139,11 +135,6 @@ def _noisy_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
     small = np.bincount(specks.ravel(), minlength=count + 1) < _MIN_PATCH_PIXELS
     small[0] = False
     return np.asarray(near | small[specks])
-
-
-def _turned(strip: NDArray[Any]) -> NDArray[Any]:
-    """Columns as rows."""
-    return strip.swapaxes(0, 1)
 
 
 def _edge(picture: NDArray[Any]) -> NDArray[Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from nmaptool.arrays import Float32, Float64
 from nmaptool.errors import ConvergenceError
 from nmaptool.progress import Progress
-from nmaptool.solver import Solver
+from nmaptool.solver import DirectMethod, Solver
 
 # parts are solved this much more closely than asked, so that their sum is as close as asked at every delta but those
 # where the two loads all but cancel; not closer than what rounding allows
@@ -205,9 +205,14 @@ class SystemHeights:
     def _solve(
         self, load: Float64, held_z: Float64 | None, asked: Asked, start: Float64 | None, delta: float = 0.0
     ) -> tuple[_Solved, Account]:
+        if isinstance(self.solver.method, DirectMethod):
+            start = None  # it has the answer at once
+        elif start is not None and held_z is not None:
+            start = start + held_z
         solution = self.solver.solve(
             load,
             held_z,
+            start=start,
             tolerance=asked.tolerance,
             max_iterations=asked.max_iterations,
             progress=asked.progress,
