@@ -171,6 +171,7 @@ class ReliefSession:
         shape = (weights.mu, energy, options.slope_cap)
         for case in self._cases:
             if (case.ground, case.system, case.shape) == (ground, system, shape) and self._holds(case, options):
+                case.heights.solver.check_memory(options.memory_limit_bytes)
                 return case
         same_ground = (c for c in self._cases if c.ground == ground and self._holds(c, options))
         layout = next((c.layout for c in same_ground), None) or self._lay_out(options, pitch_mm)
@@ -188,8 +189,10 @@ class ReliefSession:
         load = targets.shape_load(base_px)
         weight, beta, pull, steep_share = targets.weight, targets.beta, targets.pull, targets.steep_share
         del targets  # its slopes are in the load
-        if solver is None:
-            solver = prepare(QuadSystem(weight, beta, layout.domain.held), options.solver)
+        if solver is not None:
+            solver.check_memory(options.memory_limit_bytes)
+        else:
+            solver = prepare(QuadSystem(weight, beta, layout.domain.held), options.solver, options.memory_limit_bytes)
         return _Case(
             ground,
             system,
