@@ -196,11 +196,11 @@ class QuadSystem:
 
         Faces that share a vertex are one island.
         """
-        import cv2
-
         acting = self.weight > 0
         if self.weight_range[0] > 0:
             return acting, 1
+        import cv2
+
         found, labels = cv2.connectedComponents(acting.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
         return (acting, 1) if found == 2 else (labels, found - 1)
 
