@@ -66,7 +66,7 @@ def _anchored(
 
 
 def coarse_solver(matrix: sparse.csr_matrix) -> Callable[[Float64], Float64]:
-    """An approximate inverse, symmetric positive definite: LU where that is quick, else two cycles of Ruge and Stueben."""
+    """An approximate inverse, symmetric and positive: LU where that is quick, else two cycles of Ruge and Stueben."""
     if matrix.shape[0] <= _DIRECT:
         if matrix.shape[0] == 0:
             return lambda b: b
