@@ -19,6 +19,28 @@ _MOTIF_SEED = 11
 _DOMES, _HOLES = 30, 12
 
 
+@dataclass(frozen=True)
+class Disc:
+    """A dome or a hole, in shares of the longer side, y up."""
+
+    x: float
+    y: float
+    radius: float
+    lift: float = 0.0
+
+
+def outline(size: tuple[float, float]) -> tuple[list[Disc], list[Disc]]:
+    """The domes that make up the motif and the holes in it, for a picture of these shares of its longer side."""
+    random = np.random.default_rng(_MOTIF_SEED)
+
+    def place(low: float, high: float) -> tuple[float, float]:
+        across, up = random.uniform(low, high, 2) * size
+        return float(across), float(up)
+
+    domes = [Disc(*place(0.15, 0.85), random.uniform(0.05, 0.17), random.uniform(0, 0.15)) for _ in range(_DOMES)]
+    return domes, [Disc(*place(0.2, 0.8), random.uniform(0.008, 0.045)) for _ in range(_HOLES)]
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """A picture's normals and where its motif is.
@@ -58,46 +80,50 @@ def scene(rows: int, cols: int, ripple_turn: float = 0.0) -> Scene:
     ripple_turn : float
         Direction of the fine ripples in radians: another value makes other normals on the same motif.
     """
+    p, q, motif = surface(rows, cols, ripple_turn)
+    return Scene(unit(np.dstack([-p, -q, np.ones_like(p)])), motif)
+
+
+def surface(rows: int, cols: int, ripple_turn: float = 0.0, band: slice = slice(None)) -> tuple[Float64, Float64, Mask]:
+    """Slopes p and q of motif and ground, and where the motif is, on a band of rows of the picture."""
     longer = max(rows, cols)
     x = (np.arange(cols) + 0.5) / longer
-    y = (rows - np.arange(rows)[:, None] - 0.5) / longer  # up
-    size = cols / longer, rows / longer
-    random = np.random.default_rng(_MOTIF_SEED)
+    y = (rows - np.arange(rows)[band, None] - 0.5) / longer  # up
     p, q = np.broadcast_arrays(0.3 * np.cos(9 * x + 2 * y), 0.3 * np.sin(7 * y - 3 * x))
     p, q = p.copy(), q.copy()
-    top = np.full((rows, cols), -np.inf)
-    for _ in range(_DOMES):
-        _raise_dome(top, p, q, x, y, size, random)
+    top = np.full(p.shape, -np.inf)
+    domes, holes = outline((cols / longer, rows / longer))
+    for dome in domes:
+        _raise_dome(top, p, q, x, y, dome)
     motif = np.isfinite(top)
-    for _ in range(_HOLES):
-        centre_x, centre_y = random.uniform(0.2, 0.8, 2) * size
-        motif &= np.hypot(x - centre_x, y - centre_y) > random.uniform(0.008, 0.045)
+    for hole in holes:
+        box = _around(hole, x, y)
+        motif[box] &= np.hypot(x[box[1]] - hole.x, y[box[0]] - hole.y) > hole.radius
     across, up = np.cos(ripple_turn), np.sin(ripple_turn)
     ripple = 0.35 * np.cos(260 * (across * x + up * y)) * np.cos(90 * (up * x - across * y))
     p += across * ripple
     q += up * ripple
-    return Scene(unit(np.dstack([-p, -q, np.ones_like(p)])), motif)
+    return p, q, motif
 
 
-def _raise_dome(
-    top: Float64,
-    p: Float64,
-    q: Float64,
-    x: Float64,
-    y: Float64,
-    size: tuple[float, float],
-    random: np.random.Generator,
-) -> None:
-    """Put one half sphere at a random place; where it is in front of what is there, its slopes are seen."""
-    centre_x, centre_y = random.uniform(0.15, 0.85, 2) * size
-    radius, lift = random.uniform(0.05, 0.17), random.uniform(0, 0.15)
-    below = radius**2 - (x - centre_x) ** 2 - (y - centre_y) ** 2
+def _around(disc: Disc, x: Float64, y: Float64) -> tuple[slice, slice]:
+    """The rows and columns that a disc can reach; x rises, y falls."""
+    left, right = np.searchsorted(x, (disc.x - disc.radius, disc.x + disc.radius))
+    top, bottom = np.searchsorted(-y[:, 0], (-disc.y - disc.radius, -disc.y + disc.radius))
+    return slice(max(int(top) - 1, 0), int(bottom) + 1), slice(max(int(left) - 1, 0), int(right) + 1)
+
+
+def _raise_dome(top: Float64, p: Float64, q: Float64, x: Float64, y: Float64, dome: Disc) -> None:
+    """Put one half sphere there; where it is in front of what is there, its slopes are seen."""
+    box = _around(dome, x, y)
+    top, p, q, x, y = top[box], p[box], q[box], x[box[1]], y[box[0]]
+    below = dome.radius**2 - (x - dome.x) ** 2 - (y - dome.y) ** 2
     height = np.sqrt(np.maximum(below, 1e-9))
     # each dome stands at its own height: the jumps between them leave normals that no surface has, as real maps do
-    seen = (below > 0) & (lift + height > top)
-    top[seen] = (lift + height)[seen]
-    p[seen] = (-(x - centre_x) / height)[seen]
-    q[seen] = (-(y - centre_y) / height)[seen]
+    seen = (below > 0) & (dome.lift + height > top)
+    top[seen] = (dome.lift + height)[seen]
+    p[seen] = (-(x - dome.x) / height)[seen]
+    q[seen] = (-(y - dome.y) / height)[seen]
 
 
 def main() -> None:

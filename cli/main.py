@@ -14,6 +14,7 @@ from cyclopts import App, Parameter
 from nmaptool._version import __version__
 from nmaptool.errors import UsageError
 from nmaptool_cli.compose import HELP as COMPOSE_HELP
+from nmaptool_cli.interrupt import interruptible
 from nmaptool_cli.session import STREAM, guarded
 
 HELP = """Meshes and normal maps in, carved bas-reliefs in exact millimetres out.
@@ -99,7 +100,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def run() -> None:
-    """Entry point of the console scripts."""
+    """Run the command of this process and end it."""
     # the solver's dot products are short: threads of the linear algebra library cost more than they bring
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    sys.exit(main())
+    with interruptible():
+        code = main()
+    sys.exit(code)

@@ -7,6 +7,7 @@ import json
 import os
 import sys
 import tempfile
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from cyclopts import Group, Parameter
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
 from nmaptool.errors import InputError, NmaptoolError, OutputError, UsageError, reason_of
+from nmaptool.io.unfinished import temporary_folder
 from nmaptool.options import FilterOptions
 from nmaptool.progress import Progress
 from nmaptool.units import Length, length
@@ -105,21 +107,17 @@ class Session:
 
     @contextlib.contextmanager
     def progress(self) -> Iterator[Progress | None]:
-        """A progress bar on stderr where that is a terminal, else nothing."""
+        """A progress bar on stderr where that is a terminal and the work takes longer than a second, else nothing."""
         if self.options.quiet or not sys.stderr.isatty():
             yield None
             return
-        from rich import progress
-        from rich.console import Console
+        from nmaptool_cli.late_bar import LateBar
 
-        columns = (progress.TextColumn("{task.description:<12}"), progress.BarColumn(), progress.TimeElapsedColumn())
-        with progress.Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-            task = bar.add_task("reading", total=1.0)
-
-            def report(word: str, share: float) -> None:
-                bar.update(task, description=word, completed=share)
-
-            yield report
+        bar = LateBar()
+        try:
+            yield bar.report
+        finally:
+            bar.stop()
 
 
 @contextlib.contextmanager
@@ -142,23 +140,6 @@ def standard_output() -> Iterator[BinaryIO]:
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter complains at exit
         raise OutputError(f"{STDOUT}: cannot be written ({reason_of(error)})") from None
-
-
-@contextlib.contextmanager
-def temporary_folder() -> Iterator[Path]:
-    """A folder for what comes from or goes to a stream.
-
-    Raises
-    ------
-    OutputError
-        If there is no place for temporary files, or it is full.
-    """
-    try:
-        folder = tempfile.TemporaryDirectory()
-    except OSError as error:
-        raise OutputError(f"no temporary folder can be made ({reason_of(error)}); set TMPDIR to one") from None
-    with folder as name:
-        yield Path(name)
 
 
 @contextlib.contextmanager
@@ -237,6 +218,14 @@ def _fail(text: str, code: int) -> int:
     return code
 
 
+_ending = threading.Lock()
+
+
+def interrupted() -> int:
+    """Say so, once however many threads say it."""
+    return _fail("interrupted; nothing was written", EXIT_INTERRUPTED) if _ending.acquire(False) else EXIT_INTERRUPTED
+
+
 def guarded(command: Callable[[], Any]) -> int:
     """Run a command; every failure is one line on stderr and an exit code, never a traceback."""
     try:
@@ -252,7 +241,7 @@ def guarded(command: Callable[[], Any]) -> int:
     except MemoryError:
         return _fail("out of memory; use a smaller map", EXIT_LIMIT)
     except KeyboardInterrupt:
-        return _fail("interrupted; nothing was written", EXIT_INTERRUPTED)
+        return interrupted()
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter complains at exit
         return EXIT_OUTPUT

@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     from nmaptool.verbs.place_layers import place_layers
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
+    from nmaptool.verbs.relief_session import ReliefSession
     from nmaptool.verbs.split import split
     from nmaptool.verbs.transform import transform
     from nmaptool.verbs.unpack import unpack
@@ -133,6 +134,7 @@ _MODULES = {
     "verbs.place_layers": "place_layers",
     "verbs.relief": "relief",
     "verbs.relief_inputs": "pitch_of",
+    "verbs.relief_session": "ReliefSession",
     "verbs.split": "split",
     "verbs.transform": "transform",
     "verbs.unpack": "unpack",
@@ -184,6 +186,7 @@ __all__ = [
     "RecipeLink",
     "Relief",
     "ReliefOptions",
+    "ReliefSession",
     "RendererError",
     "SolveReport",
     "SplitOptions",

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from nmaptool.arrays import Mask
+from nmaptool.bands import each_band
 from nmaptool.codec import flat_codes
 from nmaptool.model import RasterImage
 
@@ -23,14 +24,16 @@ _FLAT_SIDES = 3
 # in steps of an 8-bit code: around impossible colours, around flat, and the same in JPEG
 _TOLERANCE, _FLAT_NOISE, _LOSSY_TOLERANCE, _LOSSY_FLAT = 3.0, 2.5, 8.0, 4.0
 # noise around flat: its mean over a window is flat, and it varies more than that mean
-_NOISE_WINDOW_PX = 15
+_NOISE_WINDOW_PX = (15, 15)
 _NOISE_MEAN = 0.75
 _NOISE_ROUGHNESS = 0.1
 _ALL_OVER = 0.995
 # a colour that is no normal and fills so much of the edge and of the picture is a background, whatever it is
 _ODD_EDGE_SHARE, _ODD_SHARE, _ODD_LENGTH = 0.3, 0.05, 0.1
 _DATA_ALPHA_SHARE = 0.3
-_EIGHT = np.ones((3, 3), bool)
+# rows that decide what an edge of noise is: more than the windows around a pixel reach
+_STRIP_PX = 32
+_PIXELS_AT_ONCE = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +78,13 @@ def _hex_codes(text: str, image: RasterImage, order: tuple[int, ...]) -> tuple[f
 
 def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
     """Pixels within ``slack`` of a colour in every channel."""
-    near = np.ones(xyz.shape[:2], bool)
-    for channel, code in enumerate(codes):
-        near &= np.abs(xyz[..., channel].astype(np.float32) - np.float32(code)) <= slack
+    near: Mask = np.ones(xyz.shape[:2], bool)
+
+    def look(band: slice) -> None:
+        for channel, code in enumerate(codes):
+            near[band] &= np.abs(xyz[band, :, channel].astype(np.float32) - np.float32(code)) <= slack
+
+    each_band(len(near), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
     return near
 
 
@@ -87,26 +94,53 @@ def _exactly_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
         slack = 1e-6 if image.bits == 32 else 3e-4
         middles: tuple[float, ...] = (0.0,) if low < 0 else (0.0, 0.5, 128 / 255, 127 / 255)
         return np.asarray(np.any([_near(xyz, (m, m, top), slack) for m in middles], axis=0))
-    found = [(xyz == np.array(codes, xyz.dtype)).all(axis=-1) for codes in flat_codes(image.max_code).values()]
-    return np.asarray(np.any(found, axis=0))
+    found: Mask = np.zeros(xyz.shape[:2], bool)
+
+    def look(band: slice) -> None:
+        x, y, z = (xyz[band, :, channel] for channel in range(3))
+        for codes in flat_codes(image.max_code).values():
+            found[band] |= (x == codes[0]) & (y == codes[1]) & (z == codes[2])
+
+    each_band(len(found), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
+    return found
 
 
-def _noisy_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
-    """Flat under noise or dither: near flat, flat on average, and varying from pixel to pixel more than that."""
-    low, top, step = _range(image, xyz)
+def _noisy(image: RasterImage, xyz: NDArray[Any], bounds: tuple[float, float, float]) -> Mask:
+    """Near flat, flat on average, and varying from pixel to pixel more than that."""
+    low, top, step = bounds
     middle = (low + top) / 2
     slack = (_LOSSY_FLAT if image.lossy else _FLAT_NOISE) * step
     near = _near(xyz[..., :2], (middle, middle), slack) & (xyz[..., 2] >= top - slack - 2 * step)
     for channel in range(2):
         values = (xyz[..., channel].astype(np.float32) - np.float32(middle)) / np.float32(step)
-        values = np.where(near, values, 0)
-        mean = ndimage.uniform_filter(values, _NOISE_WINDOW_PX, mode="nearest")
-        rough = ndimage.uniform_filter(np.abs(values - ndimage.uniform_filter(values, 3)), _NOISE_WINDOW_PX)
+        values = np.ascontiguousarray(np.where(near, values, np.float32(0)))
+        mean = cv2.blur(values, _NOISE_WINDOW_PX, borderType=cv2.BORDER_REPLICATE)
+        off = np.abs(values - cv2.blur(values, (3, 3), borderType=cv2.BORDER_REFLECT))
+        rough = cv2.blur(off, _NOISE_WINDOW_PX, borderType=cv2.BORDER_REFLECT)
         near &= (np.abs(mean) <= _NOISE_MEAN) & (rough > _NOISE_ROUGHNESS * np.abs(mean)) & (rough > 0)
-    specks, count = ndimage.label(~near, _EIGHT)
-    small = np.bincount(specks.ravel(), minlength=count + 1) < _MIN_PATCH_PIXELS
+    return near
+
+
+def _noisy_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
+    """Flat under noise or dither, its specks filled; nothing where it cannot reach so many sides of the picture."""
+    bounds = _range(image, xyz)
+    if min(xyz.shape[:2]) >= _STRIP_PX:
+        # what an edge is depends on a strip along it; an edge without noise is no speck either, being long
+        turned = xyz.swapaxes(0, 1)
+        strips = (xyz[:_STRIP_PX], xyz[-_STRIP_PX:][::-1], turned[:_STRIP_PX], turned[-_STRIP_PX:][::-1])
+        if sum(bool(_noisy(image, strip, bounds)[0].any()) for strip in strips) < sides:
+            return np.zeros(xyz.shape[:2], bool)
+    near = _noisy(image, xyz, bounds)
+    count, specks = _patches(~near)
+    small = np.bincount(specks.ravel(), minlength=count) < _MIN_PATCH_PIXELS
     small[0] = False
     return np.asarray(near | small[specks])
+
+
+def _patches(mask: Mask) -> tuple[int, NDArray[np.int32]]:
+    """Labels of the patches of a mask, 0 around them, and the count of labels."""
+    count, labels = cv2.connectedComponents(mask.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+    return count, labels
 
 
 def _edge(picture: NDArray[Any]) -> NDArray[Any]:
@@ -115,7 +149,7 @@ def _edge(picture: NDArray[Any]) -> NDArray[Any]:
 
 
 def _big_patches(mask: Mask) -> Mask:
-    labels, _ = ndimage.label(mask, _EIGHT)
+    _, labels = _patches(mask)
     keep = np.bincount(labels.ravel()) >= max(_MIN_PATCH_PIXELS, _MIN_PATCH_SHARE * mask.size)
     keep[0] = False
     return np.asarray(keep[labels])
@@ -123,8 +157,8 @@ def _big_patches(mask: Mask) -> Mask:
 
 def _edge_patches(mask: Mask, sides: int) -> Mask:
     """The patches that reach the picture's edge, where one of them reaches ``sides`` sides; else nothing."""
-    labels, count = ndimage.label(mask, _EIGHT)
-    reached = np.zeros(count + 1, int)
+    count, labels = _patches(mask)
+    reached = np.zeros(count, int)
     for side in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
         reached[np.unique(side)] += 1
     reached[0] = 0
@@ -135,7 +169,7 @@ def _edge_patches(mask: Mask, sides: int) -> Mask:
 
 def _find_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
     exact = _edge_patches(_exactly_flat(image, xyz), sides)
-    noisy = _edge_patches(_noisy_flat(image, xyz), sides)
+    noisy = _edge_patches(_noisy_flat(image, xyz, sides), sides)
     # a map that is noise near flat all over is a very shallow surface
     return noisy if noisy.sum() > 1.25 * exact.sum() and noisy.mean() < _ALL_OVER else exact
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32
+from nmaptool.bands import each_band
 from nmaptool.errors import UsageError
 from nmaptool.model import RasterImage
 
@@ -20,6 +21,7 @@ _SWIZZLE = re.compile(r"([+-]?)([rgb])")
 _SPIKE = 4
 _SPIKE_PIXELS = 64
 _ROWS_AT_ONCE = 64
+_CODES_AT_ONCE = 1 << 17
 
 
 def narrowed(image: RasterImage) -> RasterImage:
@@ -110,9 +112,15 @@ def decode_codes(rgb: NDArray[Any], zero_code: str) -> Float32:
     max_code = int(np.iinfo(rgb.dtype).max)
     zero, scale = zero_and_scale(zero_code, max_code)
     table = ((np.arange(max_code + 1, dtype=np.float64) - zero) / scale).clip(-1, 1).astype(np.float32)
-    vectors: Float32 = table[rgb]
-    flat = flat_codes(max_code)["127" if zero_code == "127" else "128"]
-    vectors[(rgb == np.array(flat, rgb.dtype)).all(axis=-1)] = (0, 0, 1)
+    vectors = np.empty(rgb.shape, np.float32)
+    x, y, z = flat_codes(max_code)["127" if zero_code == "127" else "128"]
+
+    def look_up(band: slice) -> None:
+        codes = rgb[band]
+        np.take(table, codes, out=vectors[band], mode="clip")
+        vectors[band][(codes[..., 0] == x) & (codes[..., 1] == y) & (codes[..., 2] == z)] = (0, 0, 1)
+
+    each_band(len(rgb), max(1, _CODES_AT_ONCE // max(1, rgb[0].size)), look_up)
     return vectors
 
 

@@ -59,3 +59,20 @@ def touching(faces: Mask) -> Mask:
     out[1:, :-1] |= faces
     out[1:, 1:] |= faces
     return out
+
+
+def grown(mask: Mask, px: int) -> Mask:
+    """(H, W) bool: what lies within so many rows and columns of an (H, W) mask.
+
+    >>> grown(np.array([[True, False, False]]), 1).tolist()
+    [[True, True, False]]
+    """
+    down = mask.copy()
+    for step in range(1, min(px, len(mask) - 1) + 1):
+        down[step:] |= mask[:-step]
+        down[:-step] |= mask[step:]
+    out = down.copy()
+    for step in range(1, min(px, mask.shape[1] - 1) + 1):
+        out[:, step:] |= down[:, :-step]
+        out[:, :-step] |= down[:, step:]
+    return out

@@ -11,7 +11,7 @@ from nmaptool.errors import InputError
 from nmaptool.formulation.domain import lay_out
 from nmaptool.formulation.targets import Weights, aim
 from nmaptool.grid import height_slopes, touching
-from nmaptool.solver import QuadSystem, prepare, slope_load
+from nmaptool.solver import QuadSystem, prepare
 
 
 def test_mean_height_grows_with_delta():
@@ -89,7 +89,7 @@ def test_held_outline_carves_no_groove():
     for name, layout in (("free outline", everywhere), ("held outline", domain)):
         targets = aim(original, None, layout, weights, 3.0, "eq6")
         solver = prepare(QuadSystem(targets.weight, targets.beta, layout.held))
-        z = solver.solve(slope_load(targets.p, targets.q) + weights.delta * targets.pull).z
+        z = solver.solve(targets.shape_load(None) + weights.delta * targets.pull).z
         rim = touching(fg) & touching(~fg)
         depth[name] = z[rim].min()
     assert depth["free outline"] < -0.2

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from nmaptool.errors import OutputError, UsageError
+from nmaptool.io.unfinished import temporary_folder
 from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool_cli.session import (
     STDOUT,
@@ -22,7 +23,6 @@ from nmaptool_cli.session import (
     refuse_inputs,
     said_name,
     standard_output,
-    temporary_folder,
 )
 
 if TYPE_CHECKING:

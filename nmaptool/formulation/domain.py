@@ -24,8 +24,8 @@ class Domain:
         Faces on which the height term acts.
     held : (H+1, W+1) bool
         Vertices held at the background's height.
-    base_px : (H+1, W+1) float64
-        The background's height; delta counts from it.
+    base_px : (H+1, W+1) float64 or None
+        The background's height, from which delta counts; None: 0 everywhere.
     share : (H, W) float32 or None
         How much of each face is motif, where the rest is a held background (soft edges); None: all of it.
     """
@@ -34,7 +34,7 @@ class Domain:
     acting: Mask
     foreground: Mask
     held: Mask
-    base_px: Float64
+    base_px: Float64 | None = None
     share: Float32 | None = None
 
 
@@ -70,12 +70,10 @@ def lay_out(
         Where the curved background is, for ``surface``. Default: everywhere.
     """
     rows, cols = foreground.shape
-    vertices = (rows + 1, cols + 1)
-    flat = np.zeros(vertices) if base_px is None else base_px
     pulled = foreground if pulled is None else pulled
     if mode in ("plane", "surface"):
         everywhere = np.ones(foreground.shape, bool) if ground is None else ground | foreground
         # faces between held vertices only have no say: leaving them out keeps separate motifs separate
-        return Domain(everywhere, foreground, pulled, touching(~foreground), flat, share)
+        return Domain(everywhere, foreground, pulled, touching(~foreground), base_px, share)
     acting = foreground if mode == "cut" else covered | foreground
-    return Domain(acting, acting, pulled, np.zeros(vertices, bool), flat)
+    return Domain(acting, acting, pulled, np.zeros((rows + 1, cols + 1), bool), base_px)

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
-from nmaptool.arrays import Float32, Float64
+from nmaptool.arrays import Float32, Float64, Mask
+from nmaptool.bands import each_band
 from nmaptool.formulation.domain import Domain
-from nmaptool.grid import corner_sum, height_slopes
+from nmaptool.grid import height_slopes
 from nmaptool.model import NormalMap
 from nmaptool.vectors import slopes
 
 REFERENCE_SIDE_PX = 1000
+_FACES_AT_ONCE = 1 << 16
+_Array = TypeVar("_Array", Float32, Float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,42 +58,90 @@ def to_pixels(beta: float, delta: float, longer_side: int, per_pixel: bool) -> t
 
 
 @dataclass(frozen=True, eq=False)
-class Targets:
-    """The pieces of the right-hand side and the weights.
+class Leaning:
+    """A map's slopes, no steeper than a cap.
 
     Attributes
     ----------
-    weight : (H, W) float64
+    p, q : (H, W) float32
+        Slopes dz/dx and dz/dy (y up).
+    steep : (H, W) bool
+        Where the map is steeper than the cap.
+    """
+
+    p: Float32
+    q: Float32
+    steep: Mask
+
+
+def lean(normals: Float32, cap: float) -> Leaning:
+    """Capped slopes of (H, W, 3) float32 unit normals."""
+    shape = normals.shape[:2]
+    p, q, steep = np.empty(shape, np.float32), np.empty(shape, np.float32), np.empty(shape, bool)
+
+    def fill(band: slice) -> None:
+        part = normals[band]
+        p[band], q[band] = slopes(part, cap)
+        nx, ny, steepest = part[..., 0], part[..., 1], np.float32(cap) * part[..., 2]
+        steep[band] = nx * nx + ny * ny > steepest * np.maximum(steepest, 0)
+        steep[band] |= steepest < 0
+
+    each_band(shape[0], _rows_at_once(shape), fill)
+    return Leaning(p, q, steep)
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """The pieces of the right-hand side and the weights, in float32: sums over faces are float64.
+
+    Attributes
+    ----------
+    weight : (H, W) float32
         Face weights k_f.
-    p, q : (H, W) float64
+    p, q : (H, W) float32
         Target slopes, each times its weight.
-    beta : (H+1, W+1) float64
+    beta : (H+1, W+1) float32
         Height weight per vertex.
-    pull : (H+1, W+1) float64
-        beta delta for delta = 1.
+    pull : (H+1, W+1) float32
+        beta delta for delta = 1; the same array as ``beta`` without a delta map.
     steep_share : float
         Share of the acting faces whose slope was capped.
     """
 
-    weight: Float64
-    p: Float64
-    q: Float64
-    beta: Float64
-    pull: Float64
+    weight: Float32
+    p: Float32
+    q: Float32
+    beta: Float32
+    pull: Float32
     steep_share: float
 
+    def shape_load(self, base_px: Float64 | None) -> Float64:
+        """(H+1, W+1) float64 load for delta = 0: that of the slopes, and beta times the background's height."""
+        load = np.zeros(self.beta.shape)
 
-def _mapped(value: float, by: Float32 | None, shape: tuple[int, int]) -> Float64:
-    return np.full(shape, value) if by is None else value * by.astype(np.float64)
+        def fill(band: slice) -> None:
+            above, upper, below, lower = _faces_at(band, load[band], len(self.p))
+            rising, falling = _halves(self.p[above], self.q[above])
+            upper[:, :-1] -= rising
+            upper[:, 1:] += falling
+            rising, falling = _halves(self.p[below], self.q[below])
+            lower[:, :-1] -= falling
+            lower[:, 1:] += rising
+            if base_px is not None:
+                load[band] += self.beta[band] * base_px[band]  # float64, as the heights are
 
-
-def _steep_share(normals: Float32, acting: np.ndarray, cap: float) -> float:
-    across = np.hypot(normals[..., 0], normals[..., 1])
-    return float((across > cap * normals[..., 2])[acting].mean())
+        each_band(len(load), _rows_at_once(load.shape), fill)
+        return load
 
 
 def aim(
-    original: NormalMap, detail: NormalMap | None, domain: Domain, weights: Weights, cap: float, energy: str
+    original: NormalMap,
+    detail: NormalMap | None,
+    domain: Domain,
+    weights: Weights,
+    cap: float,
+    energy: str,
+    leanings: tuple[Leaning, Leaning | None] | None = None,
 ) -> Targets:
     """State the least-squares problem for one or two maps.
 
@@ -106,27 +158,81 @@ def aim(
     energy : {"eq6", "eq4"}
         "eq6": target slope (g_O + mu g_D)/(1 + mu) with weight 1 + mu; "eq4": g_O + mu g_D with weight 1. Both count
         from the slopes of a held background, and fade with the share of each face that is motif.
+    leanings : pair of Leaning, optional
+        Capped slopes of both maps, where they are known already.
     """
     shape = original.frame.shape
-    acting = domain.acting.astype(np.float64)
-    p, q = (slope * acting for slope in slopes(original.normals, cap))
-    share = acting if domain.share is None else domain.share * acting
-    p_base, q_base = height_slopes(domain.base_px)
-    # what stands out of the held background; where nothing is held, that is everything
-    p, q = share * (p - acting * p_base), share * (q - acting * q_base)
-    weight = acting
-    if detail is not None:
-        mu = _mapped(weights.mu, weights.mu_map, shape) * acting
-        p_detail, q_detail = slopes(detail.normals, cap)
-        p += mu * share * detail.coverage * p_detail
-        q += mu * share * detail.coverage * q_detail
-        if energy == "eq6":
-            weight = weight + mu
-    p += weight * p_base
-    q += weight * q_base
-    beta = _mapped(weights.beta, weights.beta_map, shape) * domain.foreground
-    if domain.share is not None:
-        beta = beta * domain.share
-    pull = beta if weights.delta_map is None else beta * weights.delta_map
-    steep = _steep_share(original.normals, domain.acting, cap)
-    return Targets(weight, p, q, corner_sum(beta) / 4, corner_sum(pull) / 4, steep)
+    if leanings is None:
+        leanings = lean(original.normals, cap), None if detail is None else lean(detail.normals, cap)
+    first, second = leanings
+    weight, p, q, beta = (np.empty(shape, np.float32) for _ in range(4))
+    steep: list[tuple[int, int]] = []
+
+    def fill(band: slice) -> None:
+        acting = domain.acting[band]
+        share = acting if domain.share is None else domain.share[band] * acting
+        weight[band] = acting
+        np.multiply(first.p[band], share, out=p[band])
+        np.multiply(first.q[band], share, out=q[band])
+        if detail is not None and second is not None:
+            mu = _mapped(weights.mu, weights.mu_map, band) * acting
+            if energy == "eq6":
+                weight[band] += mu
+            mu = mu * share * detail.coverage[band]
+            p[band] += mu * second.p[band]
+            q[band] += mu * second.q[band]
+        if domain.base_px is not None:
+            # what stands out of the held background, on top of the background itself
+            p_base, q_base = height_slopes(domain.base_px[band.start : band.stop + 1])
+            p[band] += (weight[band] - share) * p_base
+            q[band] += (weight[band] - share) * q_base
+        beta[band] = _mapped(weights.beta, weights.beta_map, band) * domain.foreground[band]
+        if domain.share is not None:
+            beta[band] *= domain.share[band]
+        steep.append((int(np.count_nonzero(first.steep[band] & acting)), int(np.count_nonzero(acting))))
+
+    each_band(shape[0], _rows_at_once(shape), fill)
+    pull = at_vertices = _at_vertices(beta)
+    if weights.delta_map is not None:
+        pull = _at_vertices(beta, weights.delta_map)
+    capped, acting = (sum(counts) for counts in zip(*steep, strict=True))
+    return Targets(weight, p, q, at_vertices, pull, capped / acting if acting else 0.0)
+
+
+def _mapped(value: float, by: Float32 | None, band: slice) -> Any:
+    return np.float32(value) if by is None else np.float32(value) * by[band]
+
+
+def _at_vertices(faces: Float32, by: Float32 | None = None) -> Float32:
+    """(H+1, W+1) quarter of the sum over the faces at each vertex, each face times ``by``."""
+    rows, cols = faces.shape
+    out = np.zeros((rows + 1, cols + 1), np.float32)
+
+    def fill(band: slice) -> None:
+        part = out[band]
+        above, upper, below, lower = _faces_at(band, part, rows)
+        for near, at in ((above, upper), (below, lower)):
+            values = faces[near] if by is None else faces[near] * by[near]
+            at[:, :-1] += values
+            at[:, 1:] += values
+        part *= np.float32(0.25)
+
+    each_band(rows + 1, _rows_at_once(out.shape), fill)
+    return out
+
+
+def _halves(p: Float32, q: Float32) -> tuple[Float64, Float64]:
+    """Half the sum and half the difference of slopes, in float64."""
+    wide = p.astype(np.float64)
+    return (wide + q) / 2, (wide - q) / 2
+
+
+def _faces_at(band: slice, vertices: _Array, rows: int) -> tuple[slice, _Array, slice, _Array]:
+    """The rows of faces above a band of vertices and those of its vertices that have one, and the same below."""
+    above = slice(max(band.start - 1, 0), band.stop - 1)
+    below = slice(band.start, min(band.stop, rows))
+    return above, vertices[len(vertices) - (above.stop - above.start) :], below, vertices[: below.stop - below.start]
+
+
+def _rows_at_once(shape: tuple[int, ...]) -> int:
+    return max(1, _FACES_AT_ONCE // shape[1])

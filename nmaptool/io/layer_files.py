@@ -17,6 +17,7 @@ from nmaptool.io.image_writer import write_image, write_pictures
 from nmaptool.io.layer_pictures import NORMAL_LAYERS, layer_picture
 from nmaptool.io.map_files import curl_shot
 from nmaptool.io.replace import check_target, named, written_beside
+from nmaptool.io.unfinished import unfinished
 from nmaptool.layer_set import LayerSet
 from nmaptool.mixture_plot import mixture_plot
 
@@ -153,7 +154,8 @@ class LayerFiles:
                     except OSError as error:
                         raise OutputError(f"{folder}: cannot be made ({reason_of(error)})") from None
                     made.append(folder)
-            yield
+            with unfinished(folders=made):
+                yield
         except BaseException:
             for folder in reversed(made):
                 with contextlib.suppress(OSError):

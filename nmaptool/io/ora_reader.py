@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import struct
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from nmaptool.io.ora_archive import OraArchive
 from nmaptool.io.ora_writer import MIMETYPE, WORDS_FILE
 from nmaptool.io.plain_xml import Element, parse_xml
 from nmaptool.io.png import SIGNATURE, check_size
+from nmaptool.io.unfinished import temporary_folder
 from nmaptool.io.workspace_limits import Budget
 from nmaptool.io.workspace_pages import four_channels, grey_channel
 from nmaptool.model import Frame, RasterImage
@@ -54,8 +54,8 @@ def read_ora(path: Path, max_megapixels: float) -> Workspace:
         cols, rows = (_whole(root, key, archive, 1) for key in ("w", "h"))
         check_size(path, cols, rows, max_megapixels)
         own = words.from_json(archive.read(WORDS_FILE, _LARGEST_WORDS)) if WORDS_FILE in archive else None
-        with tempfile.TemporaryDirectory() as folder:
-            found = _Layers(archive, max_megapixels, Path(folder) / "picture.png")
+        with temporary_folder() as folder:
+            found = _Layers(archive, max_megapixels, folder / "picture.png")
             for child in root.children:
                 if child.tag == "stack":
                     found.check(child, 0)

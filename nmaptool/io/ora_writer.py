@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from nmaptool.errors import OutputError
 from nmaptool.io import workspace_words as words
 from nmaptool.io.image_writer import write_image
+from nmaptool.io.unfinished import temporary_folder
 from nmaptool.workspace import MASK_SUFFIX, PASS_THROUGH, Workspace, WorkspaceGroup, WorkspaceLayer, flattened
 
 MIMETYPE = "image/openraster"
@@ -31,9 +31,9 @@ def write_ora(path: Path, workspace: Workspace) -> None:
     OutputError
         If a picture in it cannot be written.
     """
-    with zipfile.ZipFile(path, "w") as archive, tempfile.TemporaryDirectory() as folder:
+    with zipfile.ZipFile(path, "w") as archive, temporary_folder() as folder:
         _add(archive, "mimetype", MIMETYPE.encode("ascii"))
-        picture = Path(folder) / "picture.png"
+        picture = folder / "picture.png"
 
         def add_png(name: str, pixels: NDArray[Any]) -> None:
             count = pixels.shape[2]

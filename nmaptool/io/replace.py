@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from nmaptool.errors import OutputError, UsageError, reason_of
+from nmaptool.io.unfinished import unfinished
 
 
 def check_target(path: Path, overwrite: bool) -> None:
@@ -84,7 +85,8 @@ def written_beside(targets: list[Path], overwrite: bool) -> Iterator[list[Path]]
     beside = [target.with_name(f".{mark}-{i}{target.suffix}") for i, target in enumerate(targets)]
     kept = [target.with_name(f".{mark}-{i}.kept") for i, target in enumerate(targets)]
     try:
-        yield beside
+        with unfinished(beside):
+            yield beside
         _rename_all(beside, targets, kept, overwrite)
     finally:
         for path in (*beside, *kept):

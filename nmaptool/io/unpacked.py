@@ -19,6 +19,7 @@ from nmaptool.errors import OutputError, UsageError, reason_of
 from nmaptool.io.image_writer import write_image, write_pictures
 from nmaptool.io.normal_maps import normal_picture
 from nmaptool.io.replace import check_target, named, written_beside
+from nmaptool.io.unfinished import unfinished
 from nmaptool.options import CanvasOptions, GroupOptions, LayerMode, LayerOptions
 from nmaptool.recipe import Recipe, RecipeGroup, RecipeLayer
 from nmaptool.recipe_toml import to_toml
@@ -116,7 +117,8 @@ class UnpackedFiles:
             except OSError as error:
                 raise OutputError(f"{self.folder}: cannot be made ({reason_of(error)})") from None
         try:
-            yield
+            with unfinished(folders=[self.folder] if new else []):
+                yield
         except BaseException:
             if new:
                 with contextlib.suppress(OSError):

@@ -65,7 +65,7 @@ def _method(name: str, system: QuadSystem, islands: Islands) -> Method:
     if name == "multigrid":
         from nmaptool.solver.multigrid.method import MultigridMethod
 
-        return MultigridMethod(system, islands)
+        return MultigridMethod(system)
     from nmaptool.solver.amg import AmgMethod
 
     return AmgMethod(system, islands)

@@ -194,10 +194,10 @@ class QuadSystem:
 
         Faces that share a vertex are one island.
         """
-        import cv2
-
         if self.weight_range[0] > 0:
             return np.broadcast_to(np.True_, self.weight.shape), 1
+        import cv2
+
         acting = self.weight > 0
         found, labels = cv2.connectedComponents(acting.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
         return (acting, 1) if found == 2 else (labels, found - 1)

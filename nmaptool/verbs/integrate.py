@@ -10,7 +10,7 @@ from nmaptool.formulation.domain import lay_out
 from nmaptool.formulation.targets import Weights, aim
 from nmaptool.grid import touching
 from nmaptool.model import NormalMap
-from nmaptool.solver import QuadSystem, prepare, slope_load
+from nmaptool.solver import QuadSystem, prepare
 
 
 def integrate(normal_map: NormalMap, slope_cap: float = 3.0, tolerance: float = 1e-8) -> Float64:
@@ -44,6 +44,6 @@ def integrate(normal_map: NormalMap, slope_cap: float = 3.0, tolerance: float = 
     domain = lay_out("free", covered, covered)
     targets = aim(normal_map, None, domain, Weights(0, 0, 0), slope_cap, "eq6")
     solver = prepare(QuadSystem(targets.weight, targets.beta, domain.held))
-    z: Float64 = solver.solve(slope_load(targets.p, targets.q), tolerance=tolerance).z
+    z: Float64 = solver.solve(targets.shape_load(None), tolerance=tolerance).z
     inside = touching(covered)
     return np.where(inside, z - z[inside].min(), 0)

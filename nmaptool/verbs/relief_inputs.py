@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import ndimage
 
 from nmaptool.arrays import Float32, Float64, Mask
 from nmaptool.errors import InputError, UsageError
@@ -90,6 +90,59 @@ def check_mask(mask: Any) -> Float32 | None:
     if array.size and not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= 1):
         raise InputError("the mask must hold values from 0 to 1 (divide 8-bit codes by 255)")
     return array
+
+
+@dataclass(frozen=True, eq=False)
+class ReliefMaps:
+    """What a relief is made of, checked: all of one size.
+
+    Attributes
+    ----------
+    original : NormalMap
+    detail : NormalMap or None
+    mask : (H, W) float32 or None
+    surface : NormalMap or Height or None
+    mu, beta, delta : (H, W) float32 or None
+        What multiplies them.
+    """
+
+    original: NormalMap
+    detail: NormalMap | None
+    mask: Float32 | None
+    surface: Any
+    mu: Float32 | None
+    beta: Float32 | None
+    delta: Float32 | None
+
+
+def check_maps(
+    original: Any, detail: Any, mask: Any, surface: Any, mu_map: Any, beta_map: Any, delta_map: Any
+) -> ReliefMaps:
+    """The inputs of a relief, checked.
+
+    Raises
+    ------
+    InputError
+        If sizes differ, or a map holds bad values.
+    UsageError
+        If one is not what it should be, or there is a mu map without a detail map.
+    """
+    require_map(original, "the original")
+    others: dict[str, tuple[int, ...]] = {}
+    if detail is not None:
+        require_map(detail, "the detail map")
+        others[f"the detail map {detail.name}"] = detail.frame.shape
+    elif mu_map is not None:
+        raise UsageError("--mu-map: weighs the detail map; give one with --detail")
+    coverage = check_mask(mask)
+    if coverage is not None:
+        others["the mask"] = coverage.shape
+    if isinstance(surface, NormalMap | Height):
+        others["the curved background"] = surface.frame.shape
+    checked = check_weights({"mu": mu_map, "beta": beta_map, "delta": delta_map})
+    others |= {f"the {name} map": values.shape for name, values in checked.items() if values is not None}
+    check_sizes(original, others)
+    return ReliefMaps(original, detail, coverage, surface, **checked)
 
 
 def pitch_of(original: NormalMap, options: ReliefOptions) -> tuple[float, str]:
@@ -189,6 +242,8 @@ def _extended(z: Float64, ground: Mask) -> Float64:
     """Heights at vertices off the ground: those of the nearest one on it."""
     if ground.all():
         return z
+    from scipy import ndimage  # takes long to load
+
     nearest = ndimage.distance_transform_edt(~touching(ground), return_distances=False, return_indices=True)
     extended: Float64 = z[tuple(nearest)]
     return extended

@@ -1,0 +1,62 @@
+"""What the solvers are meant to reach on two cores, and whether they do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bench.runs import Outcome
+from bench.systems import Case
+
+_MOTIFS = [Case(900, 1000, background=background) for background in ("cut", "plane", "free")]
+Results = Mapping[tuple[Case, str], Outcome]
+
+
+def line(what: str, found: float | None, most: float, unit: str) -> str:
+    """One check, against an upper limit."""
+    if found is None:
+        return f"check: {what}: not measured"
+    return f"check: {what}: {found:.3g} {unit}, at most {most:g}: {'ok' if found <= most else 'MISSED'}"
+
+
+def checks(results: Results) -> list[str]:
+    """A line for each goal."""
+    large, small = Case(4096, 4096), Case(1024, 1024)
+    return [
+        line("a motif at 1000x900 px, setup and solve to 1e-6", _worst(results, _MOTIFS, 0), 0.12, "s"),
+        line("the same beside amg with its assembly, as a share of its time", _share(results), 1 / 15, "of it"),
+        line("a motif at 1000x900 px, setup and solve to 1e-10", _worst(results, _MOTIFS, 1), 0.25, "s"),
+        line("the motif at 4096 px, setup and solve to 1e-6", _total(results, large, "multigrid", 0), 2.5, "s"),
+        line("its memory beyond the input", _bytes_per_pixel(results, large), 60, "bytes per pixel"),
+        line("time per pixel at 8192 px over that at 1024 px", _growth(results, small, Case(8192, 8192)), 1.3, "times"),
+        line("dct at 4096 px to 1e-6", _total(results, Case(4096, 4096, "full"), "dct", 0), 0.7, "s"),
+    ]
+
+
+def _total(results: Results, case: Case, solver: str, which: int) -> float | None:
+    outcome = results.get((case, solver))
+    return None if outcome is None else outcome.total(which)
+
+
+def _worst(results: Results, cases: list[Case], which: int) -> float | None:
+    totals = [_total(results, case, "multigrid", which) for case in cases]
+    known = [total for total in totals if total is not None]
+    return max(known) if len(known) == len(totals) else None
+
+
+def _share(results: Results) -> float | None:
+    pairs = [(_total(results, case, "multigrid", 0), _total(results, case, "amg", 0)) for case in _MOTIFS]
+    shares = [mine / its for mine, its in pairs if mine is not None and its is not None]
+    return max(shares) if len(shares) == len(pairs) else None
+
+
+def _bytes_per_pixel(results: Results, case: Case) -> float | None:
+    outcome = results.get((case, "multigrid"))
+    first = outcome.answers[0] if outcome is not None and outcome.answers else None
+    return None if first is None else first.peak / case.pixels
+
+
+def _growth(results: Results, small: Case, large: Case) -> float | None:
+    totals = [_total(results, case, "multigrid", 0) for case in (small, large)]
+    if totals[0] is None or totals[1] is None:
+        return None
+    return totals[1] / large.pixels / (totals[0] / small.pixels)

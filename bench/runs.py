@@ -1,0 +1,175 @@
+"""One solver on one system in a process of its own, so that its memory is its own and its time can be limited.
+
+`measure` is what the parent calls; run as a program it is the child: jobs come in as JSON, results go out line by line.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench import peak
+from bench.systems import Case, Problem, relative_residual, state, unknowns
+
+_MOST_RUNS = 12
+
+
+@dataclass(frozen=True)
+class Job:
+    """A solver by its name in `bench.rivals.SOLVERS`, on a case, to each tolerance from zero, on one setup."""
+
+    case: Case
+    solver: str
+    tolerances: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """One solve. ``peak`` is the most bytes held until its end, set-up included, beyond the inputs."""
+
+    solve: float
+    iterations: int
+    residual: float
+    peak: int
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a job: seconds and answers, None where a tolerance was not reached; or why there is nothing."""
+
+    setup: float = 0.0
+    answers: tuple[Answer | None, ...] = ()
+    unknowns: int = 0
+    failure: str = ""
+
+    def total(self, which: int) -> float | None:
+        """Seconds of setup and one solve, if there are."""
+        answer = None if self.failure else self.answers[which]
+        return None if answer is None else self.setup + answer.solve
+
+    @property
+    def seconds(self) -> float:
+        """Of everything."""
+        return self.setup + sum(each.solve for each in self.answers if each is not None)
+
+
+def measure(jobs: Sequence[Job], limit: float, spend: float) -> list[Outcome]:
+    """Carry out jobs one after the other in one new process.
+
+    Parameters
+    ----------
+    jobs : sequence of Job
+    limit : float
+        Seconds after which the process is ended; jobs that are not done by then have that as their failure.
+    spend : float
+        Seconds to spend on repeats of each job; the least times count.
+    """
+    asked = json.dumps({"spend": spend, "jobs": [dataclasses.asdict(job) for job in jobs]})
+    late = f"over {limit:.0f} s"
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "bench.runs"],
+            check=False,
+            input=asked,
+            capture_output=True,
+            text=True,
+            timeout=limit,
+            cwd=Path(__file__).parents[1],
+        )
+        said, left = done.stdout, "out of memory" if done.returncode in (-9, 137) else f"failed: {_last(done.stderr)}"
+    except subprocess.TimeoutExpired as stopped:
+        printed = stopped.stdout or b""
+        said, left = printed.decode() if isinstance(printed, bytes) else printed, late
+    outcomes = [_read(line) for line in said.splitlines() if line.startswith("{")]
+    return outcomes + [Outcome(failure=left)] * (len(jobs) - len(outcomes))
+
+
+def _last(text: str) -> str:
+    return text.strip().rpartition("\n")[2][:80]
+
+
+def _read(line: str) -> Outcome:
+    said = json.loads(line)
+    answers = tuple(None if each is None else Answer(**each) for each in said["answers"])
+    return Outcome(**said | {"answers": answers})
+
+
+def _carry_out(job: Job, problem: Problem, spend: float) -> Outcome:
+    from bench.rivals import SOLVERS
+    from nmaptool.errors import UsageError
+
+    try:
+        # once in small, so that no measured set-up pays for what is loaded or started with the first one
+        small = state(dataclasses.replace(job.case, rows=48, cols=48))
+        SOLVERS[job.solver](small.system)(small.load, 1e-3)
+        best = _once(job, problem)
+        runs, spent = 1, best.seconds
+        while spent < spend and runs < _MOST_RUNS:
+            again = _once(job, problem)
+            spent += again.seconds
+            runs += 1
+            best = _better(best, again)
+        return best
+    except UsageError as error:
+        return Outcome(failure="cannot" if job.solver == "dct" and "needs" in str(error) else "not there")
+    except ImportError:
+        return Outcome(failure="not installed")
+    except MemoryError:
+        return Outcome(failure="out of memory")
+
+
+def _better(one: Outcome, other: Outcome) -> Outcome:
+    """The lesser time of each part; memory and the rest are of the first run, which found the process clean."""
+    pairs = zip(one.answers, other.answers, strict=True)
+    answers = tuple(a and b and dataclasses.replace(a, solve=min(a.solve, b.solve)) for a, b in pairs)
+    return dataclasses.replace(one, setup=min(one.setup, other.setup), answers=answers)
+
+
+def _once(job: Job, problem: Problem) -> Outcome:
+    from bench.rivals import SOLVERS
+    from nmaptool.errors import ConvergenceError
+
+    system = dataclasses.replace(problem.system)  # a new one keeps nothing that an earlier solver left in its caches
+    answers: list[Answer | None] = []
+    before = peak.begin()
+    started = time.perf_counter()
+    solve = SOLVERS[job.solver](system)
+    setup = time.perf_counter() - started
+    most = peak.peak() - before
+    for tolerance in job.tolerances:
+        peak.begin()
+        started = time.perf_counter()
+        try:
+            z, iterations = solve(problem.load, tolerance)
+        except ConvergenceError:
+            answers.append(None)
+            continue
+        seconds = time.perf_counter() - started
+        most = max(most, peak.peak() - before)
+        answers.append(Answer(seconds, iterations, relative_residual(problem, z), most))
+        del z
+    return Outcome(setup, tuple(answers), int(unknowns(system).sum()))
+
+
+def main() -> None:
+    """The child."""
+    asked: dict[str, Any] = json.load(sys.stdin)
+    stated: tuple[Case, Problem] | None = None
+    for entry in asked["jobs"]:
+        job = Job(Case(**entry["case"]), entry["solver"], tuple(entry["tolerances"]))
+        if stated is None or stated[0] != job.case:
+            stated = None  # the old one goes before the new one comes
+            stated = job.case, state(job.case)
+        outcome = _carry_out(job, stated[1], asked["spend"])
+        print(json.dumps(dataclasses.asdict(outcome)), flush=True)
+
+
+if __name__ == "__main__":
+    main()

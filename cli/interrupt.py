@@ -1,0 +1,41 @@
+"""Ctrl-C ends a command within a second, also in the middle of a long call."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import threading
+import time
+from collections.abc import Iterator
+
+from nmaptool.io.unfinished import remove_unfinished
+from nmaptool_cli.session import interrupted
+
+# Python itself hears of Ctrl-C between two of its steps only: decoding or compressing a large picture is one step.
+# Where none has ended after this time, the process is.
+_PATIENCE_S = 0.6
+
+
+@contextlib.contextmanager
+def interruptible() -> Iterator[None]:
+    """While the block runs in the main thread, a second thread waits for Ctrl-C."""
+    ours, signals = socket.socketpair()
+    signals.setblocking(False)
+    before = signal.set_wakeup_fd(signals.fileno(), warn_on_full_buffer=False)
+    threading.Thread(target=_wait, args=(ours,), daemon=True).start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        signals.close()
+
+
+def _wait(ours: socket.socket) -> None:
+    """End the process some time after Ctrl-C; where that does it first, this thread ends with it."""
+    while numbers := ours.recv(1):
+        if numbers[0] == signal.SIGINT:
+            time.sleep(_PATIENCE_S)
+            remove_unfinished()
+            os._exit(interrupted())
