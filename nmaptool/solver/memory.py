@@ -58,7 +58,8 @@ def plan(system_shape: tuple[int, int], unknowns: int, method: str, limit_bytes:
     if limit_bytes is None:
         found, last = f"{memory_text(allowed)} are free", "close other programs"
     else:
-        found, last = f"--memory-limit allows {memory_text(allowed)}", f"raise it to {memory_text(needed)}"
+        # a little more, so that it is enough as it is printed
+        found, last = f"--memory-limit allows {memory_text(allowed)}", f"raise it to {memory_text(needed * 21 // 20)}"
     raise LimitError(
         f"{cols} x {rows} px: the {method} solver needs about {memory_text(needed)} of memory, {found}; "
         f"{remedies}, or {last}"
