@@ -53,6 +53,8 @@ class Islands:
         self._faces, self.count = system.faces()
         # nothing holds them; one island of which all is held is none that floats
         self._loose = self._find_loose()
+        if self.count > 1:
+            _ = self._runs
         self._ties = np.zeros(self.count + 1)
         self.floating: Mask = np.zeros(self.count + 1, bool)
         self._weak = self.floating

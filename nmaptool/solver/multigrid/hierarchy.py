@@ -75,7 +75,7 @@ def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
                 fine.couplings,
                 fine.shape,
                 weights,
-                fine.total,
+                fine.diagonal - inner(fine.tie, fine.shape).ravel(),
                 found.rest.ravel(),
                 found.gap.ravel(),
             )
@@ -97,7 +97,10 @@ class Hierarchy:
         self.relaxations: list[Relaxation] = []
         level: Finest | Stencil = self.finest
         while True:
-            way, level = coarsen(level)
+            way, below = coarsen(level)
+            if isinstance(level, Stencil):
+                level.forget_ties()
+            level = below
             self.transfers.append(way)
             active = int(np.count_nonzero(level.diagonal)) + level.strays.count
             few = min(level.size, active) <= _SMALLEST

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from nmaptool.bands import each_band
-from nmaptool.solver.multigrid.split import DIRECTIONS, Split, sorted_rows
+from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, Split, sorted_rows
 from nmaptool.solver.multigrid.strays import Strays
 from nmaptool.solver.multigrid.values import Values
 
@@ -71,20 +71,23 @@ class Stencil:
         size, edge = self.shape[0] * self.shape[1], margin(self.shape)
         self.edge, self.size = edge, size
         self.dtype = self.tie.dtype
-        self.total = new_field(self.shape, self.dtype)  # of the couplings
-        self.out = self.strays.sums_at_grid(size + 2 * edge, edge, self.dtype)
+        self.diagonal = self.tie[edge : edge + size].copy()
+        self.diagonal[self.strays.near] += self.strays.sums_at_grid()
+        self.inverse = np.zeros(size, self.dtype)
         steps = self._steps()
 
         def add_up(start: int, stop: int) -> None:
-            total = self.total[edge + start : edge + stop]
-            total += self.out[edge + start : edge + stop]
+            total = self.diagonal[start:stop]
             for values, step in steps:
                 total += values[edge + start : edge + stop]
                 total += values[edge + start - step : edge + stop - step]
+            np.divide(1, total, out=self.inverse[start:stop], where=total > 0)
 
         in_bands(size, add_up)
-        self.diagonal = self.total[edge : edge + size] + self.tie[edge : edge + size]
-        self.inverse = np.divide(1, self.diagonal, out=np.zeros(size, self.dtype), where=self.diagonal > 0)
+
+    def forget_ties(self) -> None:
+        """Give back the memory of what only coarsening asks for."""
+        self.tie = np.zeros(0, self.dtype)
 
     def _steps(self) -> list[tuple[Values, int]]:
         cols = self.shape[1]
@@ -104,7 +107,19 @@ class Stencil:
         """Rows ``first`` to ``last`` of the next coarser grid, sorted by kind."""
         coarse = (self.shape[0] + 1) // 2, (self.shape[1] + 1) // 2
         arrays = {}
-        for name, values in {**self.couplings, "tie": self.tie, "out": self.out}.items():
+        for name, values in {**self.couplings, "tie": self.tie}.items():
             for kind, part in sorted_rows(inner(values, self.shape), 0, coarse, first, last).items():
                 arrays[f"{name}_{kind}"] = part
+        top, bottom = max(2 * (first - HALO), 0), min(2 * (last + HALO), self.shape[0])
+        out = self._to_strays(top, bottom)
+        for kind, part in sorted_rows(out, top, coarse, first, last).items():
+            arrays[f"out_{kind}"] = part
         return Split(arrays, coarse[1], last - first)
+
+    def _to_strays(self, top: int, bottom: int) -> Values:
+        """(bottom - top, cols) couplings to strays."""
+        cols = self.shape[1]
+        out = np.zeros((bottom - top, cols), self.dtype)
+        first, last = np.searchsorted(self.strays.near, (top * cols, bottom * cols))
+        out.flat[self.strays.near[first:last] - top * cols] = self.strays.sums_at_grid()[first:last]
+        return out

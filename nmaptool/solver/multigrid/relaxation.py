@@ -29,9 +29,8 @@ class Relaxation:
     def __init__(self, level: Stencil) -> None:
         self.level = level
         self.x, self._next = new_field(level.shape, level.dtype), new_field(level.shape, level.dtype)
-        self._left = np.zeros(level.size, level.dtype)
         self.strays = np.zeros(level.strays.count, level.dtype)
-        self._load: Values = self._left
+        self._load: Values = self.x
         self._load_strays: Values = self.strays
         top = min(2.0, _SAFETY * self._largest())
         middle, half = (1 + _LOWEST) / 2, (1 - _LOWEST) / 2 * math.cos(math.pi / 4)
@@ -106,9 +105,10 @@ class Relaxation:
     def left(self) -> tuple[Values, Values]:
         """The residual on the grid and at the strays."""
         level, edge, x = self.level, self.level.edge, self.x
+        left = self._next[edge : edge + level.size]  # free until the next step
 
         def band(start: int, stop: int) -> None:
-            out = self._left[start:stop]
+            out = left[start:stop]
             np.multiply(level.diagonal[start:stop], x[edge + start : edge + stop], out=out)
             np.subtract(self._load[start:stop], out, out=out)
             level.add_neighbours(x, out, start, stop)
@@ -116,7 +116,7 @@ class Relaxation:
         in_bands(level.size, band)
         pulls = self._pull_of_strays()
         if pulls is None:
-            return self._left, self._load_strays
+            return left, self._load_strays
         strays = level.strays
-        self._left[strays.near] += pulls[0]
-        return self._left, self._load_strays - strays.diagonal * self.strays + pulls[1]
+        left[strays.near] += pulls[0]
+        return left, self._load_strays - strays.diagonal * self.strays + pulls[1]

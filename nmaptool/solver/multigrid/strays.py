@@ -41,12 +41,9 @@ class Strays:
         self.diagonal = self.total + self.tie
         self.inverse = np.divide(1, self.diagonal, out=np.zeros(self.count, self.tie.dtype), where=self.diagonal > 0)
 
-    def sums_at_grid(self, size: int, edge: int, dtype: DTypeLike) -> Values:
-        """(size,) float32: at each vertex of the grid, its couplings to strays."""
-        out = np.zeros(size, dtype)
-        if self.count:
-            out[edge + self.near] = np.asarray(self.to_grid.sum(axis=1)).ravel()
-        return out
+    def sums_at_grid(self) -> Values:
+        """(n,) couplings to strays of the grid's vertices ``near``."""
+        return np.asarray(self.to_grid.sum(axis=1), self.tie.dtype).ravel()
 
 
 def none(dtype: DTypeLike) -> Strays:
@@ -197,13 +194,12 @@ def coarse_strays(
         As in `transfer`.
     grid : mapping of str to flat arrays with margins
         The interpolation's weights between the grids.
-    total : flat array with margins
+    total : (rows * cols)
         Sum of the couplings of each vertex.
     rest, gap : (rows * cols)
         Ties that the interpolation leaves, and what its weights lack to 1; see `galerkin.coarse_ties`.
     """
     kept, count = moved.kept, moved.weights.shape[1]
-    edge = shape[1] + 1
     whose, where, how = links(couplings, shape, moved.rows)
     places = np.unique(np.concatenate([where, moved.rows, strays.near]))
     size = len(places)
@@ -212,9 +208,7 @@ def coarse_strays(
         return np.searchsorted(places, what)
 
     pull = sparse.csr_matrix((how, (at(where), whose)), shape=(size, len(moved.rows)))
-    mine = sparse.csr_matrix(
-        (-total[edge + moved.rows], (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape
-    )
+    mine = sparse.csr_matrix((-total[moved.rows], (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape)
     near = strays.to_grid.tocoo()
     widened = sparse.csr_matrix((near.data, (at(strays.near)[near.row], near.col)), shape=(size, count))
     on_grid = (pull + mine) @ moved.weights + widened  # (A P) at the grid's vertices
