@@ -228,6 +228,8 @@ def interrupted() -> int:
 
 def guarded(command: Callable[[], Any]) -> int:
     """Run a command; every failure is one line on stderr and an exit code, never a traceback."""
+    if _ending.locked():  # by a command before, where one process runs several
+        _ending.release()
     try:
         code = command()
         sys.stdout.flush()

@@ -168,7 +168,7 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     if alpha is not None and options.background_color == "auto" and bg.alpha_is_data(image):
         facts["warnings"] += ("alpha looks like data (a height or gloss channel), not coverage: ignored",)
     vectors, coverage, outside = _cover(vectors, stored, found, alpha, facts, _decode_like(image, facts))
-    off = off_length_share(vectors[~outside])
+    off = off_length_share(vectors, outside)
     if off >= NOT_NORMALS_SHARE:
         facts["warnings"] += (f"does not look like a normal map: {off:.0%} of its vectors are not of unit length",)
     normals = unit(vectors)
@@ -183,9 +183,10 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     return NormalMap(normals, coverage, image.frame, foreground, image.name, Decoding(**facts))
 
 
-def off_length_share(vectors: Float32) -> float:
-    """Share of (N, 3) stored vectors whose length is more than 0.1 off 1; a sample of them is enough."""
-    sample = vectors[:: max(1, len(vectors) // 100_000)].astype(np.float64)
+def off_length_share(vectors: Float32, outside: Mask) -> float:
+    """Share of (H, W, 3) stored vectors not ``outside`` whose length is more than 0.1 off 1; a sample is enough."""
+    inside = np.flatnonzero(~outside)
+    sample = vectors.reshape(-1, 3)[inside[:: max(1, len(inside) // 100_000)]].astype(np.float64)
     return float((np.abs(np.linalg.norm(sample, axis=1) - 1) > LENGTH_OFF).mean()) if len(sample) else 0.0
 
 

@@ -95,3 +95,24 @@ def test_streams_are_for_reports_only(run, clean_map):
     done = run("relief", clean_map, "-o", "-")
     assert done.code == 2
     assert "a relief or a preview is written to a file" in done.err
+
+
+def test_the_account_tells_the_solve_and_what_it_took(run, tmp_path, clean_map):
+    done = run("relief", clean_map, "-o", tmp_path / "z.npy", "--report", tmp_path / "r.json", "--json", "-v")
+    report = json.loads(done.out)
+    assert report == json.loads((tmp_path / "r.json").read_text())
+    assert report["solver"] == "multigrid"
+    assert report["planned_bytes"] > 57 * 97 * 97
+    assert report["iterations"] == len(report["history"]) > 1
+    assert report["residual"] <= 1e-8
+    assert report["history"][-1] == pytest.approx(report["residual"])
+    assert list(report["seconds"]) == ["reading", "inputs", "setup", "solve", "finish"]
+    assert all(seconds > 0 for seconds in report["seconds"].values())
+    for words in ("memory planned for the solver 1", "residuals ", "seconds reading ", ", inputs ", ", finish "):
+        assert words in done.err
+
+
+def test_a_memory_limit_is_kept(run, refused, tmp_path, clean_map):
+    refused(4, r"96 x 96 px: the multigrid solver needs about \d+MB of memory, --memory-limit allows 1MB",
+            "relief", clean_map, "-o", tmp_path / "z.npy", "--memory-limit", "1MB")  # fmt: skip
+    assert run("relief", clean_map, "-o", tmp_path / "z.npy", "--memory-limit", "1GB").code == 0

@@ -66,7 +66,7 @@ class ReliefSession:
         Multiply mu, beta and delta per pixel; finite, mu and beta not negative.
     keep : int
         Settings of mu, beta, background and the like whose solver and heights are kept, the latest used: 2 let one go
-        back and forth between two. Each takes what a solve takes, and 28 bytes a pixel more. 0 keeps nothing.
+        back and forth between two. Each takes what a solve takes, and 32 bytes a pixel more. 0 keeps nothing.
 
     Notes
     -----
