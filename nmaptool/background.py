@@ -79,7 +79,7 @@ def _hex_codes(text: str, image: RasterImage, order: tuple[int, ...]) -> tuple[f
 
 def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
     """Pixels within ``slack`` of a colour in every channel."""
-    near = np.ones(xyz.shape[:2], bool)
+    near: Mask = np.ones(xyz.shape[:2], bool)
 
     def look(band: slice) -> None:
         for channel, code in enumerate(codes):
@@ -95,7 +95,7 @@ def _exactly_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
         slack = 1e-6 if image.bits == 32 else 3e-4
         middles: tuple[float, ...] = (0.0,) if low < 0 else (0.0, 0.5, 128 / 255, 127 / 255)
         return np.asarray(np.any([_near(xyz, (m, m, top), slack) for m in middles], axis=0))
-    found = np.zeros(xyz.shape[:2], bool)
+    found: Mask = np.zeros(xyz.shape[:2], bool)
 
     def look(band: slice) -> None:
         x, y, z = (xyz[band, :, channel] for channel in range(3))

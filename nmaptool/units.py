@@ -1,4 +1,4 @@
-"""Lengths with their unit: ``12mm``, ``4px``, ``3%`` (of the longer side), also ``cm`` and ``in``; and places."""
+"""Lengths with their unit: ``12mm``, ``4px``, ``3%`` (of the longer side), also ``cm`` and ``in``; places; memory."""
 
 from __future__ import annotations
 
@@ -9,8 +9,14 @@ from dataclasses import dataclass
 from nmaptool.errors import UsageError
 
 _MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "in": 25.4}
+_BYTES_PER_UNIT = {
+    "b": 1,
+    **{f"{letter}b": 1000**power for power, letter in enumerate("kmgt", 1)},
+    **{f"{letter}ib": 1024**power for power, letter in enumerate("kmgt", 1)},
+}
 _SMALLEST, _LARGEST = 1e-6, 1e6
 _PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(mm|cm|in|px|%)\s*", re.IGNORECASE)
+_MEMORY = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kmgt]?i?b)\s*", re.IGNORECASE)
 
 
 def _require_unit(unit: str) -> None:
@@ -171,3 +177,35 @@ def offsets(text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, .
     if len(parts) not in counts:
         raise UsageError(f"{text!r}: expected {' or '.join(map(str, counts))} distances with commas, such as {such_as}")
     return tuple(offset(part) for part in parts)
+
+
+def memory(text: str) -> int:
+    """Bytes of an amount of memory such as ``8GB``, ``500MB`` or ``12GiB``.
+
+    Raises
+    ------
+    UsageError
+        If the text is not a number greater than zero with one of B, kB, MB, GB, TB, KiB, MiB, GiB, TiB.
+
+    Examples
+    --------
+    >>> memory("1.5 GB"), memory("2GiB")
+    (1500000000, 2147483648)
+    """
+    match = _MEMORY.fullmatch(text)
+    unit = None if match is None else _BYTES_PER_UNIT.get(match.group(2).lower())
+    if match is None or unit is None:
+        raise UsageError(f"memory {text!r}: expected a number with a unit (MB, GB, MiB, GiB), such as 8GB")
+    amount = float(match.group(1)) * unit
+    if not 1 <= amount < 2**63:
+        raise UsageError(f"memory {text!r}: must be at least one byte and less than 8 EiB, such as 8GB")
+    return int(amount)
+
+
+def memory_text(amount: int) -> str:
+    """An amount of memory for people.
+
+    >>> memory_text(15_260_000_000), memory_text(420_000_000)
+    ('15.3GB', '420MB')
+    """
+    return f"{amount / 1e9:.1f}GB" if amount >= 1e9 else f"{amount / 1e6:.0f}MB"

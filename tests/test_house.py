@@ -146,7 +146,7 @@ def test_every_option_of_a_layer_is_a_flag_of_paste_with_its_default(capsys, mon
         ({"fit": "delta"}, "--fit delta: needs --height"),
         ({"background": "wall"}, "--background 'wall': use one of plane, free, cut, surface"),
         ({"energy": "eq5"}, "--energy 'eq5': use one of eq6, eq4"),
-        ({"solver": "lu"}, "--solver 'lu': use one of auto, dct, amg"),
+        ({"solver": "lu"}, "--solver 'lu': use one of auto, dct, multigrid, amg"),
     ],
 )
 def test_relief_options_that_cannot_be_meant(changes, message):

@@ -165,7 +165,7 @@ def test_report_says_what_was_done():
     original, _, detail = dome(bumps=1)
     relief = solve(original, detail, mu=0.2, beta=0.01, delta=10.0)
     report = relief.report
-    assert report.solver == "amg"
+    assert report.solver == "multigrid"
     assert report.unknowns == (touching(relief.foreground) & ~touching(~relief.foreground)).sum()
     assert (report.islands, report.floating_islands) == (1, 0)
     assert report.reach_px == pytest.approx(np.sqrt(1.2 / 0.01) * 0.096)

@@ -30,6 +30,7 @@ CHANGES = {
     "solver": ({"solver": "amg"}, True),
     "tolerance": ({"tolerance": 1e-5}, False),
     "max_iterations": ({"max_iterations": 50}, False),
+    "memory_limit": ({"memory_limit": "8GB"}, False),
 }
 
 

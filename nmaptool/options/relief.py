@@ -11,12 +11,12 @@ from typing import Literal
 
 from nmaptool.errors import UsageError
 from nmaptool.options.checks import LARGEST_WEIGHT, require_absolute, require_at_least_zero, require_choices
-from nmaptool.units import Length, length
+from nmaptool.units import Length, length, memory
 
 BackgroundMode = Literal["plane", "free", "cut", "surface"]
 Energy = Literal["eq6", "eq4"]
 Fit = Literal["scale", "slope", "delta"]
-SolverName = Literal["auto", "dct", "amg"]
+SolverName = Literal["auto", "dct", "multigrid", "amg"]
 
 _SMALLEST_BETA = 1e-9
 _LARGEST_SLOPE = 1e4
@@ -58,11 +58,16 @@ class ReliefOptions:
     width:
         Width of the whole picture, such as 100mm. Default: what the file says, else 100 mm on the longer side.
     solver:
-        "auto", "dct" (exact; full rectangle and one weight only) or "amg" (any mask, any weights).
+        "auto" takes the quickest: "dct" (exact) for a picture that is all surface with one weight everywhere,
+        "multigrid" for every mask and all weights. "amg" answers the same by a second way, slower and with ten times
+        the memory, to check by.
     tolerance:
         Relative residual at which the solver stops.
     max_iterations:
         Solver iterations after which the solve is given up.
+    memory_limit:
+        Most memory that solving may take, such as 8GB; a picture that needs more is refused before the work begins.
+        Default: what is free on the machine.
     """
 
     mu: float = 0.1
@@ -78,13 +83,14 @@ class ReliefOptions:
     solver: SolverName = "auto"
     tolerance: float = 1e-8
     max_iterations: int = 100
+    memory_limit: str | None = None
 
     def __post_init__(self) -> None:
         require_choices(
             ("background", self.background, ("plane", "free", "cut", "surface")),
             ("energy", self.energy, ("eq6", "eq4")),
             ("fit", self.fit, ("scale", "slope", "delta")),
-            ("solver", self.solver, ("auto", "dct", "amg")),
+            ("solver", self.solver, ("auto", "dct", "multigrid", "amg")),
         )
         for name in ("height", "width"):  # text is as good as a Length
             if isinstance(getattr(self, name), str):
@@ -100,6 +106,16 @@ class ReliefOptions:
             raise UsageError(f"--tolerance {self.tolerance:g}: must lie between 1e-14 and 1, such as 1e-8")
         if self.max_iterations < 1:
             raise UsageError(f"--max-iterations {self.max_iterations}: must be at least 1")
+        if self.memory_limit is not None:
+            try:
+                memory(self.memory_limit)
+            except UsageError as error:
+                raise UsageError(f"--memory-limit: {error}") from None
         require_absolute(width=self.width)
         if self.fit != "scale" and self.height is None:
             raise UsageError(f"--fit {self.fit}: needs --height, such as --height 3mm")
+
+    @property
+    def memory_limit_bytes(self) -> int | None:
+        """The limit in bytes; None where none is given."""
+        return None if self.memory_limit is None else memory(self.memory_limit)

@@ -18,6 +18,8 @@ from nmaptool.solver.system import QuadSystem
 
 # a height weight this small beside the slopes' weights is lost in rounding when both are added up
 _NO_TIE = 1e-11
+# with one below this a residual hardly tells how high an island lies
+_WEAK_TIE = 1e-4
 Level = Callable[[slice], Float64 | float]
 
 
@@ -39,6 +41,7 @@ class Islands:
         self._loose = self._find_loose()
         self._ties = np.zeros(self.count + 1)
         self.floating: Mask = np.zeros(self.count + 1, bool)
+        self._weak = self.floating
         if self._loose.any():
             operator, beta = system.operator, system.beta
             self._ties = self._runs.sums(lambda band: beta[band].reshape(-1).astype(np.float64, copy=False))
@@ -47,6 +50,7 @@ class Islands:
             if (self._loose & (self._ties > 0) & (self._ties < _NO_TIE * stiffness)).any():
                 stiffness = self._runs.sums(lambda band: operator.around(band).reshape(-1))
             self.floating = self._loose & (self._ties < _NO_TIE * stiffness)
+            self._weak = self._loose & (self._ties < _WEAK_TIE * stiffness)
 
     @functools.cached_property
     def _runs(self) -> Runs:
@@ -184,19 +188,23 @@ class Islands:
         each_band(len(z), rows_at_once(z.shape[1]), work)
 
     def center(self, z: Float64) -> None:
-        """Shift floating islands in place: to meet the height term where there is one, else to mean 0.
+        """Shift floating and weakly tied islands in place: to meet the height term if there is one, else to mean 0.
+
+        What solves an island that nothing holds meets the height term on the whole, however small beta is.
 
         Parameters
         ----------
         z : (H+1, W+1) float64
             Without the constants of `level`.
         """
-        if not self.floating.any():
+        if not self._weak.any():
             return
         runs, beta = self._runs, self._system.beta
         tied = self._ties > 0
-        shift = runs.sums(lambda band: z[band].reshape(-1)) / self._sizes
-        if (tied & self.floating).any():
+        shift = np.zeros(self.count + 1)
+        if (self._weak & ~tied).any():
+            shift = runs.sums(lambda band: z[band].reshape(-1)) / self._sizes
+        if (self._weak & tied).any():
             pulled = runs.sums(lambda band: (beta[band] * z[band]).reshape(-1))
             shift = np.where(tied, pulled / np.where(tied, self._ties, 1), shift)
-        self.add(z, np.where(self.floating, -shift, 0.0))
+        self.add(z, np.where(self._weak, -shift, 0.0))

@@ -1,54 +1,71 @@
-"""Choose a method, prepare it once for any number of right-hand sides."""
+"""Choose a method, see that there is memory for it, prepare it once for any number of right-hand sides."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from nmaptool.errors import UsageError
 from nmaptool.solver.islands import Islands
+from nmaptool.solver.memory import plan
 from nmaptool.solver.method import DirectMethod, Method
 from nmaptool.solver.solve import Solution, Solver
 from nmaptool.solver.system import QuadSystem
 
 __all__ = ["DirectMethod", "Method", "Solution", "Solver", "choose", "prepare"]
 
+_NAMES = ("auto", "dct", "multigrid", "amg")
+
 
 def choose(system: QuadSystem, wanted: str) -> str:
-    """The method to use: "auto" takes the DCT where it is exact and algebraic multigrid elsewhere.
+    """The method to use: "auto" takes the DCT where it is exact and multigrid elsewhere.
 
     Raises
     ------
     UsageError
         If the method is unknown, or is "dct" for a system that is not a full rectangle with one weight.
     """
+    if wanted not in _NAMES:
+        raise UsageError(f"--solver {wanted!r}: use one of {', '.join(_NAMES)}")
     if wanted == "auto":
-        return "dct" if system.is_uniform else "amg"
-    if wanted not in ("dct", "amg"):
-        raise UsageError(f"--solver {wanted!r}: use one of auto, dct, amg")
+        return "dct" if system.is_uniform else "multigrid"
     if wanted == "dct" and not system.is_uniform:
-        raise UsageError(
-            "--solver dct: needs a map without background and one weight everywhere; use --solver amg or auto"
-        )
+        raise UsageError("--solver dct: needs a map without background and one weight everywhere; use --solver auto")
     return wanted
 
 
-def prepare(system: QuadSystem, method: str = "auto") -> Solver:
+def prepare(system: QuadSystem, method: str = "auto", memory_limit_bytes: int | None = None) -> Solver:
     """Set up a solver for a system.
 
     Parameters
     ----------
     system : QuadSystem
-    method : {"auto", "dct", "amg"}
+    method : {"auto", "dct", "multigrid", "amg"}
+    memory_limit_bytes : int, optional
+        Most memory to take. Default: what is free on the machine.
 
     Raises
     ------
     UsageError
         As `choose`.
+    LimitError
+        If it takes more memory than it may; nothing has been allocated then.
     """
     chosen = choose(system, method)
+    planned = plan(system.weight.shape, int(np.count_nonzero(system.unknown)), chosen, memory_limit_bytes)
     islands = Islands(system)
-    if chosen == "dct":
+    return Solver(system, _method(chosen, system, islands), islands, planned)
+
+
+def _method(name: str, system: QuadSystem, islands: Islands) -> Method:
+    # imported when used: each brings libraries that the others do without
+    if name == "dct":
         from nmaptool.solver.dct import DctMethod
 
-        return Solver(system, DctMethod(system), islands)
+        return DctMethod(system)
+    if name == "multigrid":
+        from nmaptool.solver.multigrid.method import MultigridMethod
+
+        return MultigridMethod(system)
     from nmaptool.solver.amg import AmgMethod
 
-    return Solver(system, AmgMethod(system, islands), islands)
+    return AmgMethod(system, islands)

@@ -152,6 +152,7 @@ class _Solve:
         """Solve in place; the relative residual of each island."""
         self._islands.residual(self._load, None, self._z, self._constant)
         method.answer(self._z)
+        self._islands.center(self._z)
         self._flat = False
         return self._relative(None if not self._islands.floating.any() else self._room())
 
@@ -171,6 +172,7 @@ class _Solve:
         left = self._room()
         self._islands.keep(lagging, left)
         seen = self._method.improve(self._z, left, tolerance / share, max_iterations, report.times(share))
+        self._islands.center(self._z)
         self._flat = False
         now = self._relative(left)
         return now, [*(each * share for each in seen[:-1]), float(now.max())]
@@ -178,7 +180,6 @@ class _Solve:
     def finished(self) -> Float64:
         """The heights with their constants."""
         self._left = None
-        self._islands.center(self._z)
         self._islands.add(self._z, self._level)
         if self._unit != 1:
             self._z *= self._unit
@@ -206,6 +207,7 @@ class _Solve:
         silent[0] &= islands.count > 1  # one island's norm counts what belongs to none, too
         if silent.any():
             z[system.unknown & silent[islands.labels]] = 0
+        islands.center(z)
         self._flat = False
 
 

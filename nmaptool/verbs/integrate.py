@@ -43,7 +43,7 @@ def integrate(normal_map: NormalMap, slope_cap: float = 3.0, tolerance: float = 
         )
     domain = lay_out("free", covered, covered)
     targets = aim(normal_map, None, domain, Weights(0, 0, 0), slope_cap, "eq6")
-    solver = prepare(QuadSystem(targets.weight.astype(np.float64), targets.beta.astype(np.float64), domain.held))
+    solver = prepare(QuadSystem(targets.weight, targets.beta, domain.held))
     z: Float64 = solver.solve(targets.shape_load(None), tolerance=tolerance).z
     inside = touching(covered)
     return np.where(inside, z - z[inside].min(), 0)

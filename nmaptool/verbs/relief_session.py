@@ -6,8 +6,6 @@ import dataclasses
 import threading
 import time
 
-import numpy as np
-
 from nmaptool.arrays import Float32, Mask
 from nmaptool.errors import UsageError
 from nmaptool.formulation.domain import lay_out
@@ -191,9 +189,8 @@ class ReliefSession:
         weight, beta, pull, steep_share = targets.weight, targets.beta, targets.pull, targets.steep_share
         del targets  # its slopes are in the load
         if solver is None:
-            solver = prepare(
-                QuadSystem(weight.astype(np.float64), beta.astype(np.float64), layout.domain.held), options.solver
-            )
+            system_here = QuadSystem(weight, beta, layout.domain.held)
+            solver = prepare(system_here, options.solver, options.memory_limit_bytes)
         return _Case(
             ground,
             system,

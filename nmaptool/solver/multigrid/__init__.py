@@ -1,5 +1,5 @@
 """Multigrid without a matrix on the finest level, for any mask and any weights."""
 
-from nmaptool.solver.multigrid.hierarchy import Hierarchy
+from nmaptool.solver.multigrid.method import MultigridMethod
 
-__all__ = ["Hierarchy"]
+__all__ = ["MultigridMethod"]

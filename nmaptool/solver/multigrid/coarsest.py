@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy import sparse
 
-from nmaptool.arrays import Float32, Float64
+from nmaptool.arrays import Float64
 from nmaptool.solver.multigrid.level import Stencil, inner
+from nmaptool.solver.multigrid.values import Values
 
 # up to so many unknowns a sparse LU is quicker than a hierarchy
 _DIRECT = 3000
@@ -26,7 +27,7 @@ def assemble(level: Stencil) -> tuple[sparse.csr_matrix, np.ndarray]:
     active = np.concatenate([level.diagonal > 0, strays.diagonal > 0])
     number = np.cumsum(active) - 1
     place = np.arange(size).reshape(rows, cols)
-    ends: list[tuple[np.ndarray, np.ndarray, Float32]] = []
+    ends: list[tuple[np.ndarray, np.ndarray, Values]] = []
     for name, down, across in (("e", 0, 1), ("s", 1, 0), ("se", 1, 1), ("sw", 1, -1)):
         values = inner(level.couplings[name], level.shape)
         here = place[: rows - down, max(-across, 0) : cols - max(across, 0)].ravel()
@@ -48,7 +49,9 @@ def assemble(level: Stencil) -> tuple[sparse.csr_matrix, np.ndarray]:
     return _anchored(matrix, couplings, tie, total), np.flatnonzero(active)
 
 
-def _anchored(matrix: sparse.csr_matrix, couplings: sparse.csr_matrix, tie: Float64, total: Float64) -> sparse.csr_matrix:
+def _anchored(
+    matrix: sparse.csr_matrix, couplings: sparse.csr_matrix, tie: Float64, total: Float64
+) -> sparse.csr_matrix:
     """One unknown more firmly tied in each part that nothing ties: a constant is free there, any will do."""
     count, label = sparse.csgraph.connected_components(couplings, directed=False)
     ties, sums = (np.bincount(label, each, minlength=count) for each in (tie, total))
@@ -63,7 +66,7 @@ def _anchored(matrix: sparse.csr_matrix, couplings: sparse.csr_matrix, tie: Floa
 
 
 def coarse_solver(matrix: sparse.csr_matrix) -> Callable[[Float64], Float64]:
-    """An approximate inverse, symmetric positive definite: LU where that is quick, else a V-cycle of Ruge and Stueben."""
+    """An approximate inverse, symmetric positive definite: LU where that is quick, else Ruge and Stueben's V-cycle."""
     if matrix.shape[0] <= _DIRECT:
         if matrix.shape[0] == 0:
             return lambda b: b
@@ -75,8 +78,6 @@ def coarse_solver(matrix: sparse.csr_matrix) -> Callable[[Float64], Float64]:
         return solve
     import pyamg
 
-    hierarchy = pyamg.ruge_stuben_solver(
-        matrix, CF=("RS", {"second_pass": True}), max_coarse=500, coarse_solver="splu"
-    )
+    hierarchy = pyamg.ruge_stuben_solver(matrix, CF=("RS", {"second_pass": True}), max_coarse=500, coarse_solver="splu")
     operator = hierarchy.aspreconditioner(cycle="V")
     return lambda b: operator @ b

@@ -6,40 +6,47 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import DTypeLike
 
-from nmaptool.arrays import Float32
 from nmaptool.bands import each_band, each_of
-from nmaptool.solver.multigrid.level import BAND, Shape, inner, margin, new_field, rows_at_once
-from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, KINDS, Split, sorted_rows
+from nmaptool.solver.multigrid.level import BAND, Shape, inner, margin, new_field
+from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
+from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
 # Jacobi's step 1 / diagonal beside 1 / (sum of the weights around + beta); no system's step is too long with it
-_STEP = np.float32(4 / 3)
+_STEP = 4 / 3
+
+
+def inner_product(one: Values, two: Values) -> float:
+    """Sum of products; BLAS would bring threads of its own into each of ours."""
+    return float((one * two).sum(dtype=np.float64))
 
 
 class Finest:
-    """The system itself, in float32.
+    """The system itself, in float32 or float64.
 
     Attributes
     ----------
     shape : (int, int)
         (H+1, W+1).
-    quarter : flat float32
-        A quarter of each face's weight, at the place of its upper left vertex, with margins; 0 in the last row and column.
-    step : (size,) float32
+    quarter : flat
+        A quarter of each face's weight, at its upper left vertex, with margins; 0 in the last row and column.
+    step : (size,)
         Of a smoothing step; 0 at vertices that are not to be solved for.
     """
 
-    def __init__(self, system: QuadSystem) -> None:
+    def __init__(self, system: QuadSystem, dtype: DTypeLike) -> None:
         self.shape: Shape = system.beta.shape
         rows, cols = self.shape
         self.size, self.edge = rows * cols, margin(self.shape)
-        self.quarter = new_field(self.shape)
+        self.dtype = np.dtype(dtype)
+        self.quarter = new_field(self.shape, dtype)
         np.multiply(system.weight, 0.25, out=inner(self.quarter, self.shape)[:-1, :-1], casting="unsafe")
         self.beta = system.beta.reshape(-1)
         self.unknown = system.unknown.reshape(-1)
         self.holds = bool(system.held.any())
-        self.step = np.zeros(self.size, np.float32)
+        self.step = np.zeros(self.size, dtype)
         self._bands = max(BAND, 16 * cols)
         each_band(self.size, self._bands, self._lay_step)
 
@@ -52,25 +59,25 @@ class Finest:
         bands = [(first, min(first + self._bands, self.size)) for first in range(0, self.size, self._bands)]
         return math.fsum(each_of(bands, lambda band: work(*band)))
 
-    def dot(self, one: Float32, two: Float32) -> float:
+    def dot(self, one: Values, two: Values) -> float:
         """Sum of the products of two flat arrays without margins."""
-        return self.sum_over_bands(lambda start, stop: float(np.dot(one[start:stop], two[start:stop])))
+        return self.sum_over_bands(lambda start, stop: inner_product(one[start:stop], two[start:stop]))
 
-    def times(self, x: Float32, out: Float32) -> float:
+    def times(self, x: Values, out: Values) -> float:
         """Put A x into ``out`` (no margins), for x with margins; x^T A x."""
 
         def band(start: int, stop: int) -> float:
             out[start:stop] = self.apply(x, start, stop)
-            return float(np.dot(x[self.edge + start : self.edge + stop], out[start:stop]))
+            return inner_product(x[self.edge + start : self.edge + stop], out[start:stop])
 
         return self.sum_over_bands(band)
 
-    def _around(self, start: int, stop: int) -> Float32:
+    def _around(self, start: int, stop: int) -> Values:
         """Sum of the quarters around each vertex of a range."""
         cols, first = self.shape[1], self.edge + start
         count = stop - start
         pair = self.quarter[first - cols - 1 : first + count - 1] + self.quarter[first - cols : first + count]
-        return pair[: count] + pair[cols : cols + count]
+        return pair[:count] + pair[cols : cols + count]
 
     def _lay_step(self, band: slice) -> None:
         total = self._around(band.start, band.stop)
@@ -79,7 +86,7 @@ class Finest:
         unknown = self.unknown[band]
         np.divide(_STEP, total, out=self.step[band], where=unknown & (total > 0))
 
-    def mixed(self, x: Float32, start: int, stop: int) -> Float32:
+    def mixed(self, x: Values, start: int, stop: int) -> Values:
         """What the means of the faces around pull: corner_sum(weight * corner_mean(x)) for a range of vertices."""
         cols, first = self.shape[1], self.edge + start - self.shape[1] - 1
         count = stop - start + cols + 1  # faces
@@ -89,8 +96,8 @@ class Finest:
         np.add(sums[:-1], sums[1:], out=pair[: count - 1])
         return pair[: stop - start] + pair[cols : cols + stop - start]
 
-    def apply(self, x: Float32, start: int, stop: int) -> Float32:
-        """A x for a range of vertices, from differences: float32 loses nothing of what is smooth.
+    def apply(self, x: Values, start: int, stop: int) -> Values:
+        """A x for a range of vertices, from differences: rounding loses nothing of what is smooth.
 
         The four corners of a face have, besides their mean, a slope across, one along and a twist.
         """
@@ -101,8 +108,9 @@ class Finest:
         across, twist = step[cols:] + step[:count], step[cols:] - step[:count]
         drop = x[first + cols : first + count + cols + 1] - x[first : first + count + 1]
         along = drop[1:] + drop[:-1]
-        for part in (across, twist, along):
-            part *= quarter
+        across *= quarter
+        twist *= quarter
+        along *= quarter
         total = np.add(across, along, out=drop[:-1])
         across -= along
         # lower and upper pair of corners, still apart for the faces left and right
@@ -119,9 +127,9 @@ class Finest:
         out += own
         if self.holds:
             out *= self.unknown[start:stop]
-        return np.asarray(out, np.float32)
+        return np.asarray(out, self.dtype)
 
-    def start(self, residual: Float32, z: Float32) -> None:
+    def start(self, residual: Values, z: Values) -> None:
         """First smoothing step, from zero: z (with margins) from the residual."""
         edge = self.edge
         self.in_bands(
@@ -130,7 +138,7 @@ class Finest:
             )
         )
 
-    def left_rows(self, residual: Float32, z: Float32, first: int, last: int) -> Float32:
+    def left_rows(self, residual: Values, z: Values, first: int, last: int) -> Values:
         """(last - first, cols) residual that is left after `start`."""
         cols = self.shape[1]
         left = self.mixed(z, first * cols, last * cols)
@@ -138,7 +146,7 @@ class Finest:
         left += part
         return left.reshape(-1, cols)
 
-    def finish(self, residual: Float32, z: Float32, out: Float32) -> None:
+    def finish(self, residual: Values, z: Values, out: Values) -> None:
         """Last smoothing step: ``out`` (no margins) from z and the residual."""
         edge = self.edge
 
@@ -166,7 +174,7 @@ class Finest:
             "se": quarter[here],
             "sw": quarter[cols : cols + stop - start],
         }
-        tie = np.array(self.beta[start:stop], np.float32)
+        tie = np.array(self.beta[start:stop], self.dtype)
         if self.holds:
             full = self._free_only(full, tie, top, bottom)
         arrays = {}
@@ -179,10 +187,10 @@ class Finest:
             split.keep(f"out_{kind}")
         return split
 
-    def _free_only(self, full: dict[str, Float32], tie: Float32, top: int, bottom: int) -> dict[str, Float32]:
+    def _free_only(self, full: dict[str, Values], tie: Values, top: int, bottom: int) -> dict[str, Values]:
         """Couplings between unknown vertices alone; those to held ones become ties."""
         rows, cols = self.shape
-        padded = np.zeros((bottom - top + 2, cols + 2), np.float32)
+        padded = np.zeros((bottom - top + 2, cols + 2), self.dtype)
         above, below = max(top - 1, 0), min(bottom + 1, rows)
         padded[above - top + 1 : below - top + 1, 1:-1] = self.unknown.reshape(rows, cols)[above:below]
         own = padded[1:-1, 1:-1]

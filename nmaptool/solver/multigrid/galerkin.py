@@ -1,15 +1,15 @@
 """Couplings of the coarser grid: P^T A P, for the interpolation P and the couplings of a band.
 
-What is kept of A is its couplings and its ties to fixed heights, each of one sign, never the diagonal, their sum: a surface
-that nothing ties keeps its free constant exactly on every level, whatever the rounding. Ties are lumped.
+What is kept of A is its couplings and its ties to fixed heights, each of one sign, never the diagonal, their sum: a
+surface that nothing ties keeps its free constant exactly on every level, whatever the rounding. Ties are lumped.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from nmaptool.arrays import Float32
 from nmaptool.solver.multigrid.split import LINKS, Split
+from nmaptool.solver.multigrid.values import Values
 
 _Term = tuple[str, int, int]
 # kind and place of the weights with which each vertex takes from the coarse vertex at (0, 0)
@@ -25,9 +25,9 @@ TAKES: tuple[tuple[str, int, int, str], ...] = (
 )
 
 
-def _sum(split: Split, *terms: tuple[_Term, ...]) -> Float32:
+def _sum(split: Split, *terms: tuple[_Term, ...]) -> Values:
     """Sum of products."""
-    out = np.zeros(split.size, np.float32)
+    out = np.zeros(split.size, split.dtype)
     for first, *others in terms:
         if not others:
             out += split(*first)
@@ -39,7 +39,7 @@ def _sum(split: Split, *terms: tuple[_Term, ...]) -> Float32:
     return out
 
 
-def coarse_couplings(split: Split) -> dict[str, Float32]:
+def coarse_couplings(split: Split) -> dict[str, Values]:
     """Couplings "e", "s", "se", "sw" of the coarse vertices of the band, none negative."""
     split.reach(0)
     out = {"e": _east(split), "s": _south(split), "se": _south_east(split), "sw": _south_west(split)}
@@ -48,7 +48,7 @@ def coarse_couplings(split: Split) -> dict[str, Float32]:
     return out
 
 
-def _east(split: Split) -> Float32:
+def _east(split: Split) -> Values:
     """To (0, 1): over the vertex beside it, and the diagonal ones south and north of that."""
     b_w, b_e = split("b_w"), split("b_e")
     to_south, from_south = split("d_nw"), split("d_ne")
@@ -69,7 +69,7 @@ def _east(split: Split) -> Float32:
     return out
 
 
-def _south(split: Split) -> Float32:
+def _south(split: Split) -> Values:
     """To (1, 0): over the vertex under it, and the diagonal ones east and west of that."""
     u_n, u_s = split("u_n"), split("u_s")
     to_east, from_east = split("d_nw"), split("d_sw")
@@ -88,7 +88,7 @@ def _south(split: Split) -> Float32:
     return out
 
 
-def _south_east(split: Split) -> Float32:
+def _south_east(split: Split) -> Values:
     """To (1, 1): over the diagonal vertex between."""
     into, out_of = split("d_nw"), split("d_se")
     out = out_of * _sum(split, (("se_o", 0, 0),), (("s_b", 0, 0), ("b_w", 0, 0)), (("e_u", 0, 0), ("u_n", 0, 0)))
@@ -98,12 +98,10 @@ def _south_east(split: Split) -> Float32:
     return out
 
 
-def _south_west(split: Split) -> Float32:
+def _south_west(split: Split) -> Values:
     """To (1, -1): over the diagonal vertex between, which belongs to (0, -1)."""
     into, out_of = split("d_ne", 0, -1), split("d_sw", 0, -1)
-    out = out_of * _sum(
-        split, (("sw_o", 0, 0),), (("s_b", 0, -1), ("b_e", 0, -1)), (("e_d", 0, -1), ("u_n", 0, 0))
-    )
+    out = out_of * _sum(split, (("sw_o", 0, 0),), (("s_b", 0, -1), ("b_e", 0, -1)), (("e_d", 0, -1), ("u_n", 0, 0)))
     out += into * _sum(split, (("sw_d", 0, -1),), (("s_d", 0, -1), ("b_w", 1, -1)), (("e_u", 0, -1), ("u_s", 0, -1)))
     out -= split("sum_d", 0, -1) * into * out_of
     out += _sum(
@@ -112,7 +110,7 @@ def _south_west(split: Split) -> Float32:
     return out
 
 
-def coarse_ties(split: Split) -> Float32:
+def coarse_ties(split: Split) -> Values:
     """Ties of the coarse vertices of the band to fixed heights: P^T A (P 1), none negative."""
     split.reach(1)
     uneven = any(split(f"gap_{kind}").any() for kind in "bud")

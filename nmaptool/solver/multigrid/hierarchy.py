@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import DTypeLike
 
-from nmaptool.arrays import Float32
 from nmaptool.bands import each_band
 from nmaptool.solver.multigrid.coarsest import assemble, coarse_solver
 from nmaptool.solver.multigrid.finest import Finest
@@ -15,6 +15,7 @@ from nmaptool.solver.multigrid.relaxation import Relaxation
 from nmaptool.solver.multigrid.split import DIRECTIONS, KINDS, Split
 from nmaptool.solver.multigrid.strays import coarse_strays, none, transfer
 from nmaptool.solver.multigrid.transfer import Transfer
+from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
 # a grid this small, or a level with this share of strays, is left to algebra
@@ -25,9 +26,9 @@ _MOST_STRAYS = 0.4
 class _Found:
     """What coarsening finds out about the finer level, in that level's layout; only where strays may come up."""
 
-    def __init__(self, shape: Shape) -> None:
+    def __init__(self, shape: Shape, dtype: DTypeLike) -> None:
         self.shape = shape
-        self.stray, self.scale, self.gap, self.rest = (np.zeros(shape, np.float32) for _ in range(4))
+        self.stray, self.scale, self.gap, self.rest = (np.zeros(shape, dtype) for _ in range(4))
 
     def keep(self, split: Split, first: int, last: int) -> None:
         """Put the rows of a band back into the level's order."""
@@ -43,10 +44,10 @@ class _Found:
 def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
     """The next coarser level and the way to it."""
     shape: Shape = (fine.shape[0] + 1) // 2, (fine.shape[1] + 1) // 2
-    couplings = {name: new_field(shape) for name in DIRECTIONS}
-    weights = {name: new_field(shape) for name in WEIGHTS}
-    tie = new_field(shape)
-    found = _Found(fine.shape) if isinstance(fine, Stencil) else None
+    couplings = {name: new_field(shape, fine.dtype) for name in DIRECTIONS}
+    weights = {name: new_field(shape, fine.dtype) for name in WEIGHTS}
+    tie = new_field(shape, fine.dtype)
+    found = _Found(fine.shape, fine.dtype) if isinstance(fine, Stencil) else None
 
     def band(part: slice) -> None:
         first, last = part.start, part.stop
@@ -63,13 +64,20 @@ def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
             found.keep(split, first, last)
 
     each_band(shape[0], rows_at_once(shape[1]), band)
-    strays, moved = none(), None
+    strays, moved = none(fine.dtype), None
     if isinstance(fine, Stencil) and found is not None:
         became = np.flatnonzero(found.stray)
         if fine.strays.count or len(became):
             moved = transfer(fine.strays, fine.couplings, fine.shape, became, found.scale.ravel())
             strays = coarse_strays(
-                fine.strays, moved, fine.couplings, fine.shape, weights, fine.total, found.rest.ravel(), found.gap.ravel()
+                fine.strays,
+                moved,
+                fine.couplings,
+                fine.shape,
+                weights,
+                fine.total,
+                found.rest.ravel(),
+                found.gap.ravel(),
             )
     return Transfer(fine.shape, shape, weights, moved), Stencil(shape, couplings, tie, strays)
 
@@ -80,10 +88,11 @@ class Hierarchy:
     Parameters
     ----------
     system : QuadSystem
+    dtype : float32 or float64
     """
 
-    def __init__(self, system: QuadSystem) -> None:
-        self.finest = Finest(system)
+    def __init__(self, system: QuadSystem, dtype: DTypeLike) -> None:
+        self.finest = Finest(system, dtype)
         self.transfers: list[Transfer] = []
         self.relaxations: list[Relaxation] = []
         level: Finest | Stencil = self.finest
@@ -91,33 +100,34 @@ class Hierarchy:
             way, level = coarsen(level)
             self.transfers.append(way)
             active = int(np.count_nonzero(level.diagonal)) + level.strays.count
-            if level.size <= _SMALLEST or active <= _SMALLEST or level.strays.count > _MOST_STRAYS * active or min(level.shape)<3 and active<100000:
+            few = min(level.size, active) <= _SMALLEST
+            if few or level.strays.count > _MOST_STRAYS * active:
                 break
             self.relaxations.append(Relaxation(level))
         self.last = level
         matrix, self._places = assemble(level)
         self._solve = coarse_solver(matrix)
 
-    def cycle(self, residual: Float32, z: Float32, out: Float32) -> None:
+    def cycle(self, residual: Values, z: Values, out: Values) -> None:
         """One V-cycle.
 
         Parameters
         ----------
-        residual : flat float32
-        z : flat float32 with margins
+        residual : flat
+        z : flat with margins
             Work space.
-        out : flat float32
+        out : flat
             The correction.
         """
         finest, way = self.finest, self.transfers[0]
         finest.start(residual, z)
-        coarse = np.empty(way.coarse[0] * way.coarse[1], np.float32)
+        coarse = np.empty(way.coarse[0] * way.coarse[1], residual.dtype)
         way.restrict(lambda first, last: finest.left_rows(residual, z, first, last), coarse)
-        x, _ = self._descend(0, coarse, np.zeros(0, np.float32))
+        x, _ = self._descend(0, coarse, np.zeros(0, residual.dtype))
         way.prolong(x, z)
         finest.finish(residual, z, out)
 
-    def _descend(self, number: int, residual: Float32, at_strays: Float32) -> tuple[Float32, Float32]:
+    def _descend(self, number: int, residual: Values, at_strays: Values) -> tuple[Values, Values]:
         """Correction (with margins) and that of the strays, on coarse level ``number``."""
         if number == len(self.relaxations):
             return self._at_bottom(residual, at_strays)
@@ -126,10 +136,10 @@ class Hierarchy:
         relax.smooth(first=True)
         left, left_strays = relax.left()
         grid = left.reshape(way.fine)
-        below = np.empty(way.coarse[0] * way.coarse[1], np.float32)
+        below = np.empty(way.coarse[0] * way.coarse[1], residual.dtype)
         way.restrict(lambda first, last: grid[first:last], below)
         moved = way.strays
-        down = np.zeros(0, np.float32)
+        down = np.zeros(0, residual.dtype)
         if moved is not None:
             down = moved.back @ left[moved.rows]
             down[: moved.kept] += left_strays
@@ -141,11 +151,11 @@ class Hierarchy:
         relax.smooth(first=False)
         return relax.x, relax.strays
 
-    def _at_bottom(self, residual: Float32, at_strays: Float32) -> tuple[Float32, Float32]:
+    def _at_bottom(self, residual: Values, at_strays: Values) -> tuple[Values, Values]:
         last = self.last
         load = np.concatenate([residual, at_strays])
-        x = np.zeros(len(load), np.float32)
+        x = np.zeros(len(load), residual.dtype)
         x[self._places] = self._solve(load[self._places].astype(np.float64))
-        out = new_field(last.shape)
+        out = new_field(last.shape, last.dtype)
         inner(out, last.shape)[:] = x[: last.size].reshape(last.shape)
         return out, x[last.size :]

@@ -1,16 +1,18 @@
 """Interpolation that follows the couplings, after Dendy's black-box multigrid (J. Comput. Phys. 48, 1982).
 
-A vertex between two coarse ones takes from each as much as it is coupled to that side, so that nothing is carried over a
-gap or a jump of the weights. A vertex that the coarse ones next to it hardly hold (the end of a thin branch that runs
-between the coarse vertices) is left out: it becomes a stray, an unknown of its own on all coarser levels.
+A vertex between two coarse ones takes from each as much as it is coupled to that side, so that nothing is carried over
+a gap or a jump of the weights. A vertex that the coarse ones next to it hardly hold (a thin branch that runs between
+the coarse vertices) is left out: it becomes a stray, an unknown of its own on all coarser levels.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from nmaptool.arrays import Float32
 from nmaptool.solver.multigrid.split import LINKS, Split
+from nmaptool.solver.multigrid.values import Values
 
 # a vertex whose coarse neighbours hold less than this share of it is a stray
 HELD_SHARE = 0.4
@@ -18,7 +20,7 @@ HELD_SHARE = 0.4
 _DIRECT_SHARE = 1e-3
 # ties to fixed heights below this share of the diagonal do not show in the interpolation
 _FELT_TIE = 0.02
-_TINY = np.float32(1e-37)
+_TINY = 1e-37
 
 # a side: its name, and its couplings, those of its middle vertex first
 Sides = tuple[str, tuple[tuple[str, int, int], ...]]
@@ -52,7 +54,7 @@ def interpolate(split: Split) -> None:
     _diagonal(split)
 
 
-def _side(split: Split, near: tuple[str, int, int], *others: tuple[str, int, int]) -> Float32:
+def _side(split: Split, near: tuple[str, int, int], *others: tuple[str, int, int]) -> Values:
     """Coupling to one side, collapsed on its middle vertex; 0 if that is not among what it is coupled to."""
     side = split(*near).copy()
     for other in others:
@@ -61,12 +63,12 @@ def _side(split: Split, near: tuple[str, int, int], *others: tuple[str, int, int
     return side
 
 
-def _felt(split: Split, kind: str) -> Float32:
+def _felt(split: Split, kind: str) -> Values:
     tie = split(f"tie_{kind}")
     return tie * (tie > _FELT_TIE * (split(f"sum_{kind}") + tie))
 
 
-def _settle(split: Split, kind: str, held: Float32, felt: Float32, parts: dict[str, Float32]) -> None:
+def _settle(split: Split, kind: str, held: Values, felt: Values, parts: Mapping[str, Values]) -> None:
     """Weights of a kind from its parts; their sum and couplings to strays are ``held``, to fixed heights ``felt``."""
     tie, total = split(f"tie_{kind}"), split(f"sum_{kind}")
     stray = held + tie < HELD_SHARE * (total + tie)

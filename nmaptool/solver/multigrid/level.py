@@ -6,14 +6,16 @@ what a step over the edge of a row meets is multiplied by a coupling of zero.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import DTypeLike
 
-from nmaptool.arrays import Float32
 from nmaptool.bands import each_band
 from nmaptool.solver.multigrid.split import DIRECTIONS, Split, sorted_rows
 from nmaptool.solver.multigrid.strays import Strays
+from nmaptool.solver.multigrid.values import Values
 
 Shape = tuple[int, int]
 # elements of a band: it and its temporaries stay in the cache
@@ -25,18 +27,18 @@ def margin(shape: Shape) -> int:
     return shape[1] + 1
 
 
-def new_field(shape: Shape) -> Float32:
+def new_field(shape: Shape, dtype: DTypeLike) -> Values:
     """Zeros for a level, with margins."""
-    return np.zeros(shape[0] * shape[1] + 2 * margin(shape), np.float32)
+    return np.zeros(shape[0] * shape[1] + 2 * margin(shape), dtype)
 
 
-def inner(values: Float32, shape: Shape) -> Float32:
+def inner(values: Values, shape: Shape) -> Values:
     """(rows, cols) view of a field without its margins."""
     edge = margin(shape)
     return values[edge : edge + shape[0] * shape[1]].reshape(shape)
 
 
-def in_bands(size: int, work) -> None:
+def in_bands(size: int, work: Callable[[int, int], object]) -> None:
     """Call ``work`` with the start and stop of each band of a flat array."""
     each_band(size, BAND, lambda band: work(band.start, band.stop))
 
@@ -53,23 +55,24 @@ class Stencil:
     Attributes
     ----------
     shape : (int, int)
-    couplings : mapping of str to flat float32 arrays with margins
+    couplings : mapping of str to flat arrays with margins
         To the east, south, south-east and south-west.
-    tie : flat float32 array with margins
+    tie : flat array with margins
         To fixed heights.
     strays : Strays
     """
 
     shape: Shape
-    couplings: dict[str, Float32]
-    tie: Float32
+    couplings: dict[str, Values]
+    tie: Values
     strays: Strays
 
     def __post_init__(self) -> None:
         size, edge = self.shape[0] * self.shape[1], margin(self.shape)
         self.edge, self.size = edge, size
-        self.total = new_field(self.shape)  # of the couplings
-        self.out = self.strays.sums_at_grid(size + 2 * edge, edge)
+        self.dtype = self.tie.dtype
+        self.total = new_field(self.shape, self.dtype)  # of the couplings
+        self.out = self.strays.sums_at_grid(size + 2 * edge, edge, self.dtype)
         steps = self._steps()
 
         def add_up(start: int, stop: int) -> None:
@@ -81,16 +84,16 @@ class Stencil:
 
         in_bands(size, add_up)
         self.diagonal = self.total[edge : edge + size] + self.tie[edge : edge + size]
-        self.inverse = np.divide(1, self.diagonal, out=np.zeros(size, np.float32), where=self.diagonal > 0)
+        self.inverse = np.divide(1, self.diagonal, out=np.zeros(size, self.dtype), where=self.diagonal > 0)
 
-    def _steps(self) -> list[tuple[Float32, int]]:
+    def _steps(self) -> list[tuple[Values, int]]:
         cols = self.shape[1]
         return list(zip((self.couplings[d] for d in DIRECTIONS), (1, cols, cols + 1, cols - 1), strict=True))
 
-    def add_neighbours(self, x: Float32, out: Float32, start: int, stop: int) -> None:
+    def add_neighbours(self, x: Values, out: Values, start: int, stop: int) -> None:
         """Add to ``out`` what the neighbours in ``x`` (with margins) pull, times their couplings; strays apart."""
         first, last = self.edge + start, self.edge + stop
-        product = np.empty(stop - start, np.float32)
+        product = np.empty(stop - start, self.dtype)
         for values, step in self._steps():
             np.multiply(values[first:last], x[first + step : last + step], out=product)
             out += product

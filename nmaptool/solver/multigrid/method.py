@@ -4,22 +4,31 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from nmaptool.arrays import Float32, Float64
+from nmaptool.arrays import Float64
+from nmaptool.solver.method import Report
+from nmaptool.solver.multigrid.finest import inner_product
 from nmaptool.solver.multigrid.hierarchy import Hierarchy
 from nmaptool.solver.multigrid.level import new_field
+from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
-if TYPE_CHECKING:
-    from nmaptool.solver.islands import Islands
+# so far the residual keeps in step with the heights; then a new one is due
+_REDUCTION: dict[type[np.floating[Any]], float] = {np.float32: 4e-7, np.float64: 1e-13}
+# weights of faces that span more than this need float64
+_MOST_SPAN = 1e3
+_PATIENCE = 12
 
-# float32 keeps the residual in step with the heights down to about here; then a new one is due
-_REDUCTION = 4e-7
-_PATIENCE = 3
+
+def _spans_much(system: QuadSystem) -> bool:
+    least, most = system.weight_range
+    if least == 0:
+        least = float(np.min(system.weight, where=system.weight > 0, initial=most))
+    return most > _MOST_SPAN * least
 
 
 def _stalls(history: list[float]) -> bool:
@@ -28,80 +37,96 @@ def _stalls(history: list[float]) -> bool:
 
 
 class MultigridMethod:
-    """One hierarchy, any number of right-hand sides; see `nmaptool.solver.prepare.Method`.
+    """One hierarchy, any number of right-hand sides; see `nmaptool.solver.method.Method`.
 
     Parameters
     ----------
     system : QuadSystem
-    islands : Islands
     """
 
     name = "multigrid"
-    precision: type[np.floating] = np.float32
 
-    def __init__(self, system: QuadSystem, islands: Islands | None = None) -> None:
-        self._hierarchy = Hierarchy(system)
-        self._lock = threading.Lock()
+    def __init__(self, system: QuadSystem) -> None:
+        self.precision: type[np.floating[Any]] = np.float64 if _spans_much(system) else np.float32
+        self._hierarchy = Hierarchy(system, self.precision)
+        self._floor = _REDUCTION[self.precision]
+        self._one_at_a_time = threading.Lock()  # the levels have one work space
 
     def improve(
-        self,
-        z: Float64,
-        residual: Float32,
-        reduction: float,
-        max_iterations: int,
-        report: Callable[[float], None] | None,
+        self, z: Float64, residual: NDArray[Any], reduction: float, max_iterations: int, report: Report | None
     ) -> tuple[float, ...]:
-        """Add a correction for the residual to z; the levels' work space serves one caller at a time."""
-        with self._lock:
-            return self._improve(z.reshape(-1), residual.reshape(-1), reduction, max_iterations, report)
-
-    def _improve(
-        self,
-        z: Float64,
-        residual: Float32,
-        reduction: float,
-        max_iterations: int,
-        report: Callable[[float], None] | None,
-    ) -> tuple[float, ...]:
+        """Conjugate gradients from zero."""
         finest = self._hierarchy.finest
-        edge = finest.edge
-        scale = float(max(residual.max(), -residual.min()))
-        if scale == 0:
+        left = residual.reshape(-1)
+        size = float(max(left.max(), -left.min()))
+        if size == 0:
             return (0.0,)
-        residual *= np.float32(1 / scale)
-        start = math.sqrt(finest.dot(residual, residual))
-        work, direction = new_field(finest.shape), new_field(finest.shape)
-        inside = direction[edge : edge + finest.size]
-        other = np.empty(finest.size, np.float32)  # what the cycle gives, then A times the direction
+        left *= 1 / size
+        start = math.sqrt(finest.dot(left, left))
         history: list[float] = []
-        before = math.inf
-        while len(history) < max_iterations:
-            self._hierarchy.cycle(residual, work, other)
-            product = finest.dot(residual, other)
-            turn = np.float32(product / before)
+        with self._one_at_a_time:
+            search = _Search(self._hierarchy, left)
+            while len(history) < max_iterations:
+                rest = search.step(z.reshape(-1), size)
+                if rest is None:
+                    break  # what is left is rounding
+                history.append(math.sqrt(rest) / start)
+                if report is not None:
+                    report(history[-1])
+                if not history[-1] > max(reduction, self._floor) or _stalls(history):
+                    break
+        return tuple(history) or (1.0,)
 
-            def steer(first: int, last: int, turn: np.float32 = turn) -> None:
-                inside[first:last] *= turn
-                inside[first:last] += other[first:last]
 
-            finest.in_bands(steer)
-            before = product
-            curvature = finest.times(direction, other)
-            if not (product > 0 and curvature > 0):
-                break  # nothing left that float32 can tell
-            length = product / curvature
+class _Search:
+    """Conjugate gradients on their way: one residual, one direction.
 
-            def move(first: int, last: int, length: float = length) -> float:
-                step = np.multiply(inside[first:last], length * scale, dtype=np.float64)
-                z[first:last] += step
-                part = residual[first:last]
-                np.multiply(other[first:last], np.float32(length), out=other[first:last])
-                part -= other[first:last]
-                return float(np.dot(part, part))
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    left : flat
+        The residual; kept up to date in place.
+    """
 
-            history.append(math.sqrt(finest.sum_over_bands(move)) / start)
-            if report is not None:
-                report(history[-1])
-            if not history[-1] > max(reduction, _REDUCTION) or _stalls(history):
-                break
-        return tuple(history)
+    def __init__(self, hierarchy: Hierarchy, left: Values) -> None:
+        self._hierarchy, self._left = hierarchy, left
+        finest = hierarchy.finest
+        self._work, self._direction = (new_field(finest.shape, finest.dtype) for _ in range(2))
+        # what a cycle gives, then A times the direction
+        self._other = np.empty(finest.size, finest.dtype)
+        self._before = math.inf
+
+    def step(self, z: Float64, size: float) -> float | None:
+        """One step; the square of the residual's norm, or None where rounding has taken over.
+
+        Parameters
+        ----------
+        z : flat float64
+            ``size`` times the step is added to it.
+        size : float
+        """
+        finest, left, other = self._hierarchy.finest, self._left, self._other
+        direction = self._direction[finest.edge : finest.edge + finest.size]
+        self._hierarchy.cycle(left, self._work, other)
+        product = finest.dot(left, other)
+        turn = product / self._before
+
+        def steer(first: int, last: int) -> None:
+            direction[first:last] *= turn
+            direction[first:last] += other[first:last]
+
+        finest.in_bands(steer)
+        self._before = product
+        curvature = finest.times(self._direction, other)
+        if not (product > 0 and curvature > 0):
+            return None
+        length = product / curvature
+
+        def move(first: int, last: int) -> float:
+            # in float64: a step rounded to float32 would part the heights from the residual
+            z[first:last] += np.multiply(direction[first:last], length * size, dtype=np.float64)
+            other[first:last] *= length
+            left[first:last] -= other[first:last]
+            return inner_product(left[first:last], left[first:last])
+
+        return finest.sum_over_bands(move)

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from nmaptool.arrays import Float32
 from nmaptool.solver.multigrid.level import Stencil, in_bands, new_field
+from nmaptool.solver.multigrid.values import Values
 
 # the smoother damps modes whose eigenvalue is more than this share of the largest one
 _LOWEST = 0.3
@@ -21,18 +21,18 @@ class Relaxation:
     Attributes
     ----------
     level : Stencil
-    x : flat float32 with margins
+    x : flat with margins
         The correction on the grid.
-    strays : (count,) float32
+    strays : (count,)
     """
 
     def __init__(self, level: Stencil) -> None:
         self.level = level
-        self.x, self._next = new_field(level.shape), new_field(level.shape)
-        self._left = np.zeros(level.size, np.float32)
-        self.strays = np.zeros(level.strays.count, np.float32)
-        self._load: Float32 = self._left
-        self._load_strays: Float32 = self.strays
+        self.x, self._next = new_field(level.shape, level.dtype), new_field(level.shape, level.dtype)
+        self._left = np.zeros(level.size, level.dtype)
+        self.strays = np.zeros(level.strays.count, level.dtype)
+        self._load: Values = self._left
+        self._load_strays: Values = self.strays
         top = min(2.0, _SAFETY * self._largest())
         middle, half = (1 + _LOWEST) / 2, (1 - _LOWEST) / 2 * math.cos(math.pi / 4)
         self._steps = (1 / (top * (middle + half)), 1 / (top * (middle - half)))
@@ -41,24 +41,24 @@ class Relaxation:
         """Largest eigenvalue of the diagonally scaled matrix, by the power method from a fixed start."""
         level, random = self.level, np.random.default_rng(0)
         edge = level.edge
-        self.x[edge : edge + level.size] = random.random(level.size, np.float32) - np.float32(0.5)
+        self.x[edge : edge + level.size] = random.random(level.size) - 0.5
         self.x[edge : edge + level.size] *= level.inverse > 0
-        self.strays = random.random(level.strays.count, np.float32) - np.float32(0.5)
-        self._load, self._load_strays = np.zeros(level.size, np.float32), np.zeros(level.strays.count, np.float32)
+        self.strays = (random.random(level.strays.count) - 0.5).astype(level.dtype)
+        self._load, self._load_strays = np.zeros(level.size, level.dtype), np.zeros(level.strays.count, level.dtype)
         size = 1.0
         for _ in range(_POWER_STEPS):
             size = math.sqrt(float(np.dot(self.x, self.x)) + float(np.dot(self.strays, self.strays)))
             if size == 0:
                 return 1.0
-            self.x /= np.float32(size)
-            self.strays = self.strays / np.float32(size)
+            self.x /= size
+            self.strays = self.strays / size
             before, strays_before = self.x, self.strays
             self._step(1.0)  # x - D^-1 A x; its old value is now the work space
             np.subtract(before, self.x, out=self.x)
             self.strays = strays_before - self.strays
         return math.sqrt(float(np.dot(self.x, self.x)) + float(np.dot(self.strays, self.strays)))
 
-    def load(self, residual: Float32, strays: Float32) -> None:
+    def load(self, residual: Values, strays: Values) -> None:
         """What is to be solved for."""
         self._load, self._load_strays = residual, strays
 
@@ -68,22 +68,22 @@ class Relaxation:
         one, two = self._steps
         if first:
             np.multiply(self._load, level.inverse, out=self.x[level.edge : level.edge + level.size])
-            self.x *= np.float32(one)
-            self.strays = self._load_strays * level.strays.inverse * np.float32(one)
+            self.x *= one
+            self.strays = self._load_strays * level.strays.inverse * one
             self._step(two)
         else:
             self._step(two)
             self._step(one)
 
-    def _pull_of_strays(self) -> tuple[Float32, Float32] | None:
+    def _pull_of_strays(self) -> tuple[Values, Values] | None:
         strays, edge = self.level.strays, self.level.edge
         if not strays.count:
             return None
         return strays.to_grid @ self.strays, strays.from_grid @ self.x[edge + strays.near] + strays.among @ self.strays
 
     def _step(self, length: float) -> None:
-        """x + length D^-1 (load - A x)."""
-        level, edge, factor = self.level, self.level.edge, np.float32(length)
+        """Take x + length D^-1 (load - A x)."""
+        level, edge, factor = self.level, self.level.edge, length
         x, out = self.x, self._next
         pulls = self._pull_of_strays()
 
@@ -103,7 +103,7 @@ class Relaxation:
             self.strays = (1 - factor) * self.strays + factor * strays.inverse * (self._load_strays + pulls[1])
         self.x, self._next = out, x
 
-    def left(self) -> tuple[Float32, Float32]:
+    def left(self) -> tuple[Values, Values]:
         """The residual on the grid and at the strays."""
         level, edge, x = self.level, self.level.edge, self.x
 

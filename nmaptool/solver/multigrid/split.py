@@ -1,17 +1,17 @@
 """A band of a level, sorted by what its vertices are to the next coarser grid.
 
-Vertex (2i, 2j) of a level is vertex (i, j) of the coarser one. It brings along three others: the one beside it (2i, 2j+1),
-the one below (2i+1, 2j) and the diagonal one (2i+1, 2j+1). The letters are those of their places: o for the vertex
-itself, b beside, u under, d diagonal. All four kinds are held in arrays of the coarse grid's layout, so that
+Vertex (2i, 2j) of a level is vertex (i, j) of the coarser one. It brings along three others: the one beside it
+(2i, 2j+1), the one below (2i+1, 2j) and the diagonal one (2i+1, 2j+1). The letters are those of their places: o for
+the vertex itself, b beside, u under, d diagonal. All four kinds are held in arrays of the coarse grid's layout, so that
 every neighbour is a constant step away in flat memory.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike
 
-from nmaptool.arrays import Float32
+from nmaptool.solver.multigrid.values import Values
 
 # each kind with its place in the level: rows down, columns across from the coarse vertex's own
 KINDS = (("o", 0, 0), ("b", 0, 1), ("u", 1, 0), ("d", 1, 1))
@@ -21,14 +21,12 @@ HALO = 2
 DIRECTIONS = ("e", "s", "se", "sw")
 
 
-def sorted_rows(
-    fine: NDArray[np.float32], top: int, coarse_shape: tuple[int, int], first: int, last: int
-) -> dict[str, Float32]:
+def sorted_rows(fine: Values, top: int, coarse_shape: tuple[int, int], first: int, last: int) -> dict[str, Values]:
     """Rows ``first - HALO`` to ``last + HALO`` of the coarse grid's layout, of each kind, flat; 0 beyond the edges.
 
     Parameters
     ----------
-    fine : (n, cols) float32
+    fine : (n, cols)
         Values at a level's vertices, from its row ``top`` on.
     top : int
     coarse_shape : (int, int)
@@ -42,15 +40,15 @@ def sorted_rows(
     skip = begin - (first - HALO)
     for kind, down, across in KINDS:
         part = fine[2 * begin + down - top : 2 * end - top : 2, across::2]
-        values = _zeros(last - first, cols)
+        values = _zeros(last - first, cols, fine.dtype)
         values[1:-1].reshape(-1, cols)[skip : skip + part.shape[0], : part.shape[1]] = part
         out[kind] = values
     return out
 
 
-def _zeros(rows: int, cols: int) -> Float32:
+def _zeros(rows: int, cols: int, dtype: DTypeLike) -> Values:
     """For a band of coarse rows, with their halo and a place more at both ends for steps aside."""
-    return np.zeros((rows + 2 * HALO) * cols + 2, np.float32)
+    return np.zeros((rows + 2 * HALO) * cols + 2, dtype)
 
 
 class Split:
@@ -61,7 +59,7 @@ class Split:
 
     Parameters
     ----------
-    arrays : mapping of str to flat float32 arrays
+    arrays : mapping of str to flat arrays
         As of `sorted_rows`.
     cols : int
         Of the coarse grid.
@@ -69,8 +67,9 @@ class Split:
         Of the band.
     """
 
-    def __init__(self, arrays: dict[str, Float32], cols: int, rows: int) -> None:
+    def __init__(self, arrays: dict[str, Values], cols: int, rows: int) -> None:
         self.arrays, self.cols, self.rows = arrays, cols, rows
+        self.dtype = arrays["e_o"].dtype
         self.reach(0)
 
     def reach(self, margin: int) -> None:
@@ -79,13 +78,14 @@ class Split:
         self._stop = 1 + (HALO + self.rows + margin) * self.cols
         self.size = self._stop - self._start
 
-    def __call__(self, name: str, down: int = 0, across: int = 0) -> Float32:
+    def __call__(self, name: str, down: int = 0, across: int = 0) -> Values:
+        """View of an array."""
         step = down * self.cols + across
         return self.arrays[name][self._start + step : self._stop + step]
 
-    def keep(self, name: str) -> Float32:
+    def keep(self, name: str) -> Values:
         """A new array of zeros under a name; its part that is being worked on."""
-        self.arrays[name] = _zeros(self.rows, self.cols)
+        self.arrays[name] = _zeros(self.rows, self.cols, self.dtype)
         return self(name)
 
 

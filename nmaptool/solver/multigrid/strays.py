@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 from scipy import sparse
 
-from nmaptool.arrays import Float32
+from nmaptool.solver.multigrid.values import Values
 
 Places = NDArray[np.int64]
 
@@ -22,10 +22,10 @@ class Strays:
     count : int
     near : (n,) int64
         Flat places of the grid's vertices that strays are coupled to, ascending.
-    to_grid : (n, count) CSR float32
-    among : (count, count) CSR float32
+    to_grid : (n, count) CSR
+    among : (count, count) CSR
         Symmetric, without a diagonal.
-    tie : (count,) float32
+    tie : (count,)
         To fixed heights.
     """
 
@@ -33,26 +33,26 @@ class Strays:
     near: Places
     to_grid: sparse.csr_matrix
     among: sparse.csr_matrix
-    tie: Float32
+    tie: Values
 
     def __post_init__(self) -> None:
         self.from_grid = self.to_grid.T.tocsr()
-        self.total = np.asarray(self.from_grid.sum(axis=1) + self.among.sum(axis=1), np.float32).ravel()
+        self.total = np.asarray(self.from_grid.sum(axis=1) + self.among.sum(axis=1), self.tie.dtype).ravel()
         self.diagonal = self.total + self.tie
-        self.inverse = np.divide(1, self.diagonal, out=np.zeros(self.count, np.float32), where=self.diagonal > 0)
+        self.inverse = np.divide(1, self.diagonal, out=np.zeros(self.count, self.tie.dtype), where=self.diagonal > 0)
 
-    def sums_at_grid(self, size: int, edge: int) -> Float32:
+    def sums_at_grid(self, size: int, edge: int, dtype: DTypeLike) -> Values:
         """(size,) float32: at each vertex of the grid, its couplings to strays."""
-        out = np.zeros(size, np.float32)
+        out = np.zeros(size, dtype)
         if self.count:
             out[edge + self.near] = np.asarray(self.to_grid.sum(axis=1)).ravel()
         return out
 
 
-def none() -> Strays:
+def none(dtype: DTypeLike) -> Strays:
     """No strays at all."""
-    empty = sparse.csr_matrix((0, 0), dtype=np.float32)
-    return Strays(0, np.zeros(0, np.int64), empty, empty, np.zeros(0, np.float32))
+    empty = sparse.csr_matrix((0, 0), dtype=dtype)
+    return Strays(0, np.zeros(0, np.int64), empty, empty, np.zeros(0, dtype))
 
 
 # the eight neighbours: step down, step across, direction of the coupling, whether this vertex holds it
@@ -68,7 +68,7 @@ _AROUND = (
 )
 
 
-def links(couplings: dict[str, Float32], shape: tuple[int, int], places: Places) -> tuple[Places, Places, Float32]:
+def links(couplings: dict[str, Values], shape: tuple[int, int], places: Places) -> tuple[Places, Places, Values]:
     """Positions in ``places``, flat places of their neighbours on the grid, couplings; zeros left out."""
     cols, edge = shape[1], shape[1] + 1
     whose, where, how = [], [], []
@@ -91,15 +91,17 @@ _FROM = {
 }
 
 
-def grid_weights(
-    weights: dict[str, Float32], shape: tuple[int, int], places: Places
-) -> sparse.csr_matrix:
+def grid_weights(weights: dict[str, Values], shape: tuple[int, int], places: Places) -> sparse.csr_matrix:
     """Rows of the interpolation between the grids, for the vertices at ``places`` of the finer one."""
     cols, coarse_rows, coarse_cols = shape[1], (shape[0] + 1) // 2, (shape[1] + 1) // 2
     down, across = places // cols, places % cols
     own = (down // 2) * coarse_cols + across // 2
     kind = 2 * (down % 2) + across % 2
-    rows, columns, values = [np.flatnonzero(kind == 0)], [own[kind == 0]], [np.ones(int((kind == 0).sum()), np.float32)]
+    rows, columns, values = (
+        [np.flatnonzero(kind == 0)],
+        [own[kind == 0]],
+        [np.ones(int((kind == 0).sum()), weights["b_w"].dtype)],
+    )
     for number, parts in _FROM.items():
         mine = np.flatnonzero(kind == number)
         for name, step_down, step_across in parts:
@@ -122,7 +124,7 @@ class StrayTransfer:
         Strays of this level; they come first on the next.
     rows : (n,) int64
         Flat places of the grid's vertices that take from strays, those that become strays included; ascending.
-    weights : (n, strays of the next level) CSR float32
+    weights : (n, strays of the next level) CSR
     """
 
     kept: int
@@ -135,10 +137,10 @@ class StrayTransfer:
 
 def transfer(
     strays: Strays,
-    couplings: dict[str, Float32],
+    couplings: dict[str, Values],
     shape: tuple[int, int],
     became: Places,
-    scale: Float32,
+    scale: Values,
 ) -> StrayTransfer:
     """Who takes from strays, and how much.
 
@@ -146,12 +148,12 @@ def transfer(
     ----------
     strays : Strays
         Of this level.
-    couplings : mapping of str to flat float32 arrays with margins
+    couplings : mapping of str to flat arrays with margins
     shape : (int, int)
         Of this level.
     became : (m,) int64
         Flat places of the vertices that become strays, ascending.
-    scale : (rows * cols) float32
+    scale : (rows * cols)
         What couplings to strays are multiplied by for the weights; 0 for coarse vertices and those that become strays.
     """
     kept, added = strays.count, len(became)
@@ -171,21 +173,21 @@ def transfer(
     found = np.flatnonzero(value)
     row = np.concatenate([row[found], became])
     column = np.concatenate([column[found], kept + np.arange(added)])
-    value = np.concatenate([value[found], np.ones(added, np.float32)])
+    value = np.concatenate([value[found], np.ones(added, scale.dtype)])
     places, position = np.unique(row, return_inverse=True)
-    weights = sparse.csr_matrix((value, (position, column)), shape=(len(places), kept + added), dtype=np.float32)
+    weights = sparse.csr_matrix((value, (position, column)), shape=(len(places), kept + added))
     return StrayTransfer(kept, places, weights)
 
 
 def coarse_strays(
     strays: Strays,
     moved: StrayTransfer,
-    couplings: dict[str, Float32],
+    couplings: dict[str, Values],
     shape: tuple[int, int],
-    grid: dict[str, Float32],
-    total: Float32,
-    rest: Float32,
-    gap: Float32,
+    grid: dict[str, Values],
+    total: Values,
+    rest: Values,
+    gap: Values,
 ) -> Strays:
     """Strays of the next level with the couplings P^T A P.
 
@@ -193,11 +195,11 @@ def coarse_strays(
     ----------
     strays, moved, couplings, shape
         As in `transfer`.
-    grid : mapping of str to flat float32 arrays with margins
+    grid : mapping of str to flat arrays with margins
         The interpolation's weights between the grids.
-    total : flat float32 array with margins
+    total : flat array with margins
         Sum of the couplings of each vertex.
-    rest, gap : (rows * cols) float32
+    rest, gap : (rows * cols)
         Ties that the interpolation leaves, and what its weights lack to 1; see `galerkin.coarse_ties`.
     """
     kept, count = moved.kept, moved.weights.shape[1]
@@ -219,11 +221,11 @@ def coarse_strays(
     coarse = (grid_weights(grid, shape, places).T @ on_grid).tocoo()
     # at the strays themselves
     spread = sparse.csr_matrix(
-        (np.ones(len(moved.rows), np.float32), (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape
+        (np.ones(len(moved.rows), total.dtype), (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape
     )
     own = widened[:, :kept].T @ (spread @ moved.weights) + _padded(strays.among, kept, count)
     among = moved.back @ (spread.T @ on_grid)
-    among = among + sparse.vstack([own, sparse.csr_matrix((count - kept, count), dtype=np.float32)])
+    among = among + sparse.vstack([own, sparse.csr_matrix((count - kept, count), dtype=total.dtype)])
     among = among.tocoo()
     link = (among.row != among.col) & (among.data > 0)
     tie = moved.back @ rest[moved.rows]
@@ -233,11 +235,9 @@ def coarse_strays(
     return Strays(
         count,
         near_places.astype(np.int64),
-        sparse.csr_matrix(
-            (coarse.data[found], (position, coarse.col[found])), shape=(len(near_places), count), dtype=np.float32
-        ),
+        sparse.csr_matrix((coarse.data[found], (position, coarse.col[found])), shape=(len(near_places), count)),
         sparse.csr_matrix((among.data[link], (among.row[link], among.col[link])), shape=(count, count)),
-        np.maximum(tie, 0).astype(np.float32),
+        np.maximum(tie, 0),
     )
 
 

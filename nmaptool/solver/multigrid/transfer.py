@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nmaptool.arrays import Float32
 from nmaptool.bands import each_band
 from nmaptool.solver.multigrid.level import Shape, inner, margin, rows_at_once
 from nmaptool.solver.multigrid.strays import StrayTransfer
+from nmaptool.solver.multigrid.values import Values
 
 
 @dataclass(eq=False)
@@ -21,17 +21,17 @@ class Transfer:
     ----------
     fine, coarse : (int, int)
         Shapes of the grids.
-    weights : mapping of str to flat float32 arrays with margins
+    weights : mapping of str to flat arrays with margins
         In the coarse grid's layout, see `interpolation.WEIGHTS`.
     strays : StrayTransfer
     """
 
     fine: Shape
     coarse: Shape
-    weights: dict[str, Float32]
+    weights: dict[str, Values]
     strays: StrayTransfer | None
 
-    def restrict(self, rows_of: Callable[[int, int], Float32], out: Float32) -> None:
+    def restrict(self, rows_of: Callable[[int, int], Values], out: Values) -> None:
         """Coarse residual ``out`` (flat) from rows of the fine one, given as (n, cols) by ``rows_of(first, last)``."""
         rows, cols = self.coarse
 
@@ -43,7 +43,7 @@ class Transfer:
 
         each_band(rows, rows_at_once(2 * cols), band)
 
-    def _restricted(self, fine: Float32, top: int, first: int, last: int) -> Float32:
+    def _restricted(self, fine: Values, top: int, first: int, last: int) -> Values:
         """Rows ``first`` to ``last`` from fine rows that start ``top`` (-1 or 0) rows from row ``first``'s own."""
         cols = self.coarse[1]
         count = (last - first) * cols
@@ -52,9 +52,9 @@ class Transfer:
 
         lead = -top
 
-        def part(down: int, across: int) -> Float32:
+        def part(down: int, across: int) -> Values:
             """Rows of a kind, flat, after one place of zero; where it lies below, from one row higher on."""
-            kind = np.zeros(1 + (down + last - first) * cols, np.float32)
+            kind = np.zeros(1 + (down + last - first) * cols, fine.dtype)
             skip = down * (1 - lead)
             found = fine[(1 - lead if down else lead) :: 2, across::2][: down + last - first - skip]
             kind[1:].reshape(-1, cols)[skip : skip + found.shape[0], : found.shape[1]] = found
@@ -62,7 +62,7 @@ class Transfer:
 
         beside, under, diagonal = part(0, 1), part(1, 0), part(1, 1)
         out = fine[lead::2, ::2][: last - first].ravel()
-        product = np.empty(count, np.float32)
+        product = np.empty(count, fine.dtype)
         for name, step, values in (
             ("b_w", 0, beside[1:]),
             ("b_e", 1, beside[:-1]),
@@ -77,7 +77,7 @@ class Transfer:
             out += product
         return out
 
-    def prolong(self, coarse: Float32, out: Float32) -> None:
+    def prolong(self, coarse: Values, out: Values) -> None:
         """Add the coarse correction to ``out``; both fields have margins."""
         rows, cols = self.coarse
         grid, edge, weight = inner(out, self.fine), margin(self.coarse), self.weights
@@ -85,7 +85,7 @@ class Transfer:
         def band(part: slice) -> None:
             first, last = part.start, part.stop
             start, stop = edge + first * cols, edge + last * cols
-            product = np.empty(stop - start, np.float32)
+            product = np.empty(stop - start, out.dtype)
 
             def add(down: int, across: int, *parts: tuple[str, int]) -> None:
                 where = grid[2 * first + down : 2 * last : 2, across::2]
