@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from cyclopts import Parameter
 
 from nmaptool.errors import InputError, UsageError
 from nmaptool.options import ReadOptions, ReliefOptions
+from nmaptool.units import memory_text
 from nmaptool_cli.session import (
     INPUTS,
     OUTPUTS,
@@ -165,6 +167,7 @@ def _solve(
 
     source, detail_source, mask, surface_source, mu_map, beta_map, delta_map = sources
     assert source is not None
+    started = time.perf_counter()
     with session.progress() as progress:
         original = nm.read_normal_map(source, reading)
         others = dataclasses.replace(reading, layer=None)
@@ -177,24 +180,19 @@ def _solve(
         def grey(path: str | None) -> Any:
             return None if path is None else nm.read_grey(path, reading.max_megapixels)
 
-        result = nm.relief(
-            original,
-            detail,
-            mask=grey(mask),
-            surface=surface,
-            mu_map=grey(mu_map),
-            beta_map=grey(beta_map),
-            delta_map=grey(delta_map),
-            options=options,
-            progress=progress,
-        )
-    maps = [
+        maps = {"mask": mask, "mu_map": mu_map, "beta_map": beta_map, "delta_map": delta_map}
+        greys = {role: grey(path) for role, path in maps.items()}
+        read_s = time.perf_counter() - started
+        result = nm.relief(original, detail, surface=surface, **greys, options=options, progress=progress)
+    report = dataclasses.replace(result.report, seconds={"reading": read_s, **result.report.seconds})
+    result = dataclasses.replace(result, report=report)
+    read = [
         dataclasses.replace(m, name=said_name(m.name))
         for m in (original, detail, surface)
         if isinstance(m, nm.NormalMap)
     ]
-    _tell(session, maps, nm.doubts(original), result)
-    inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
+    _tell(session, read, nm.doubts(original), result)
+    inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in read]
     return result, {"version": nm.__version__, "inputs": inputs, **result.report.to_dict()}
 
 
@@ -212,5 +210,6 @@ def _tell(session: Session, maps: list[nm.NormalMap], doubts: tuple[str, ...], r
         session.say(line)
     for warning in result.report.warnings:
         session.warn(warning)
+    session.detail(f"  memory planned for the solver {memory_text(result.report.planned_bytes)}")
     session.detail(f"  residuals {' '.join(f'{r:.1e}' for r in result.report.history)}")
     session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in result.report.seconds.items())}")

@@ -77,9 +77,10 @@ def describe_relief(report: SolveReport) -> Iterator[str]:
     delta = report.delta_px / report.px_per_delta
     fitted = {"delta": " (fitted)", "slope": f", slopes times {report.scale:.3g}"}.get(o.fit, "")
     yield f"  {o.background}: {detail}beta {o.beta:g}, delta {delta:.4g}{fitted}, shape kept over {reach}"
+    seconds = sum(report.seconds.get(stage, 0) for stage in ("setup", "solve"))
     yield (
         f"  {report.solver}: {report.unknowns} unknowns, {report.iterations} iterations, residual "
-        f"{report.residual:.1e}, {sum(report.seconds.values()):.2f} s"
+        f"{report.residual:.1e}, {seconds:.2f} s"
     )
     low, high = report.height_min_mm, report.height_max_mm
     size = f"pitch {report.pitch_mm:.4g} mm ({report.pitch_from})"

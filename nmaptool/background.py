@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from nmaptool.arrays import Mask
 from nmaptool.bands import each_band
@@ -24,7 +24,7 @@ _FLAT_SIDES = 3
 # in steps of an 8-bit code: around impossible colours, around flat, and the same in JPEG
 _TOLERANCE, _FLAT_NOISE, _LOSSY_TOLERANCE, _LOSSY_FLAT = 3.0, 2.5, 8.0, 4.0
 # noise around flat: its mean over a window is flat, and it varies more than that mean
-_NOISE_WINDOW_PX = 15
+_NOISE_WINDOW_PX = (15, 15)
 _NOISE_MEAN = 0.75
 _NOISE_ROUGHNESS = 0.1
 _ALL_OVER = 0.995
@@ -34,7 +34,6 @@ _DATA_ALPHA_SHARE = 0.3
 # rows that decide what an edge of noise is: more than the windows around a pixel reach
 _STRIP_PX = 32
 _PIXELS_AT_ONCE = 1 << 16
-_EIGHT = np.ones((3, 3), bool)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +84,7 @@ def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
         for channel, code in enumerate(codes):
             near[band] &= np.abs(xyz[band, :, channel].astype(np.float32) - np.float32(code)) <= slack
 
-    each_band(len(near), max(1, _PIXELS_AT_ONCE // near.shape[1]), look)
+    each_band(len(near), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
     return near
 
 
@@ -102,7 +101,7 @@ def _exactly_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
         for codes in flat_codes(image.max_code).values():
             found[band] |= (x == codes[0]) & (y == codes[1]) & (z == codes[2])
 
-    each_band(len(found), max(1, _PIXELS_AT_ONCE // found.shape[1]), look)
+    each_band(len(found), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
     return found
 
 
@@ -114,9 +113,10 @@ def _noisy(image: RasterImage, xyz: NDArray[Any], bounds: tuple[float, float, fl
     near = _near(xyz[..., :2], (middle, middle), slack) & (xyz[..., 2] >= top - slack - 2 * step)
     for channel in range(2):
         values = (xyz[..., channel].astype(np.float32) - np.float32(middle)) / np.float32(step)
-        values = np.where(near, values, 0)
-        mean = ndimage.uniform_filter(values, _NOISE_WINDOW_PX, mode="nearest")
-        rough = ndimage.uniform_filter(np.abs(values - ndimage.uniform_filter(values, 3)), _NOISE_WINDOW_PX)
+        values = np.ascontiguousarray(np.where(near, values, np.float32(0)))
+        mean = cv2.blur(values, _NOISE_WINDOW_PX, borderType=cv2.BORDER_REPLICATE)
+        off = np.abs(values - cv2.blur(values, (3, 3), borderType=cv2.BORDER_REFLECT))
+        rough = cv2.blur(off, _NOISE_WINDOW_PX, borderType=cv2.BORDER_REFLECT)
         near &= (np.abs(mean) <= _NOISE_MEAN) & (rough > _NOISE_ROUGHNESS * np.abs(mean)) & (rough > 0)
     return near
 
@@ -126,24 +126,21 @@ def _noisy_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
     bounds = _range(image, xyz)
     if min(xyz.shape[:2]) >= _STRIP_PX:
         # what an edge is depends on a strip along it; an edge without noise is no speck either, being long
-        strips = (
-            xyz[:_STRIP_PX],
-            xyz[-_STRIP_PX:][::-1],
-            _turned(xyz[:, :_STRIP_PX]),
-            _turned(xyz[:, -_STRIP_PX:])[::-1],
-        )
+        turned = xyz.swapaxes(0, 1)
+        strips = (xyz[:_STRIP_PX], xyz[-_STRIP_PX:][::-1], turned[:_STRIP_PX], turned[-_STRIP_PX:][::-1])
         if sum(bool(_noisy(image, strip, bounds)[0].any()) for strip in strips) < sides:
             return np.zeros(xyz.shape[:2], bool)
     near = _noisy(image, xyz, bounds)
-    specks, count = ndimage.label(~near, _EIGHT)
-    small = np.bincount(specks.ravel(), minlength=count + 1) < _MIN_PATCH_PIXELS
+    count, specks = _patches(~near)
+    small = np.bincount(specks.ravel(), minlength=count) < _MIN_PATCH_PIXELS
     small[0] = False
     return np.asarray(near | small[specks])
 
 
-def _turned(strip: NDArray[Any]) -> NDArray[Any]:
-    """Columns as rows."""
-    return strip.swapaxes(0, 1)
+def _patches(mask: Mask) -> tuple[int, NDArray[np.int32]]:
+    """Labels of the patches of a mask, 0 around them, and the count of labels."""
+    count, labels = cv2.connectedComponents(mask.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+    return count, labels
 
 
 def _edge(picture: NDArray[Any]) -> NDArray[Any]:
@@ -152,7 +149,7 @@ def _edge(picture: NDArray[Any]) -> NDArray[Any]:
 
 
 def _big_patches(mask: Mask) -> Mask:
-    labels, _ = ndimage.label(mask, _EIGHT)
+    _, labels = _patches(mask)
     keep = np.bincount(labels.ravel()) >= max(_MIN_PATCH_PIXELS, _MIN_PATCH_SHARE * mask.size)
     keep[0] = False
     return np.asarray(keep[labels])
@@ -160,8 +157,8 @@ def _big_patches(mask: Mask) -> Mask:
 
 def _edge_patches(mask: Mask, sides: int) -> Mask:
     """The patches that reach the picture's edge, where one of them reaches ``sides`` sides; else nothing."""
-    labels, count = ndimage.label(mask, _EIGHT)
-    reached = np.zeros(count + 1, int)
+    count, labels = _patches(mask)
+    reached = np.zeros(count, int)
     for side in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
         reached[np.unique(side)] += 1
     reached[0] = 0

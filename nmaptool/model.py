@@ -124,7 +124,9 @@ class RasterImage:
         if "A" not in self.channels:
             return None
         alpha = self.pixels[..., self.channels.index("A")]
-        return np.asarray(np.clip(alpha / self.max_code, 0, 1), np.float32)
+        share: Float32 = alpha.astype(np.float32)
+        share /= np.float32(self.max_code)
+        return share.clip(0, 1, out=share) if self.is_float else share
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
-from scipy import ndimage
 
 from nmaptool.arrays import Float32, Mask
+from nmaptool.grid import grown
 from nmaptool.model import Decoding, NormalMap
 from nmaptool.vectors import mean_abs_curl
 
@@ -59,11 +60,10 @@ def outline_sign(normals: Float32, foreground: Mask) -> float | None:
     """
     if min(foreground.shape) < 2 or foreground.all() or not foreground.any():
         return None
-    smooth = ndimage.gaussian_filter(foreground.astype(np.float32), 3.0, mode="nearest")
+    smooth = cv2.GaussianBlur(foreground.astype(np.float32), (25, 25), 3.0, borderType=cv2.BORDER_REPLICATE)
     down, across = np.gradient(smooth)
     size = np.hypot(down, across)
-    inner = ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=3, border_value=1)
-    at = foreground & ~inner & (size > 0.02)
+    at = foreground & grown(~foreground, 3) & (size > 0.02)
     if at.sum() < _OUTLINE_PIXELS:
         return None
     outward = (normals[..., 1] * down - normals[..., 0] * across)[at] / size[at]

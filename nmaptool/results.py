@@ -30,7 +30,10 @@ class SolveReport:
     px_per_delta : float
         Pixels of this picture to one unit of ``options.delta``.
     solver, unknowns, islands, floating_islands, iterations, residual, history
-        The solve; the residual is relative, the largest over the islands.
+        The solve; the residual is relative, the largest over the islands. No iterations where a session knew the
+        heights already.
+    planned_bytes : int
+        Memory that the solver was reckoned to take, before it took any.
     height_min_mm, height_max_mm, height_range_mm : float
         Over the vertices of the surface.
     relief_range_mm : float
@@ -42,7 +45,7 @@ class SolveReport:
     scale : float
         Factor on all heights (``fit="scale"``) or on the slopes (``fit="slope"``).
     seconds : mapping of str to float
-        Time by stage.
+        Time by stage: ``inputs`` to a linear system, ``setup`` of the solver, ``solve``, ``finish`` to millimetres.
     warnings : tuple of str
     """
 
@@ -70,6 +73,7 @@ class SolveReport:
     foreground_share: float
     steep_share: float
     scale: float
+    planned_bytes: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
-from scipy import ndimage
 
 from nmaptool.arrays import Float32, Mask
 from nmaptool.grid import grown
@@ -16,7 +16,6 @@ _LENGTH_TOLERANCE = 0.03
 # background, and this far along it
 _MIXTURE_OFF_LINE = 0.35
 _MIXTURE_ALONG = 0.08
-_EIGHT = np.ones((3, 3), bool)
 
 
 def repair_rim(
@@ -66,7 +65,10 @@ def repair_rim(
     wide = begun
     if begun.any():
         zone = grown(outside, _WIDEST_RIM_PX) & ~outside
-        wide = ndimage.binary_propagation(begun, _EIGHT, mask=zone & ~sound)
+        count, patches = cv2.connectedComponents((zone & ~sound).view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+        joined = np.zeros(count, bool)
+        joined[patches[begun]] = True
+        wide = joined[patches]
     if background is not None and not is_normal and (sound & ~near).any():
         at = near & sound
         inner = _nearest(mixed, sound & ~near, at)
@@ -86,6 +88,8 @@ def repair_rim(
 
 def _nearest(vectors: Float32, sound: Mask, at: Mask) -> Float32:
     """(N, 3) the vector of the sound pixel nearest to each of the N pixels of ``at``."""
+    from scipy import ndimage  # takes long to load
+
     rows, cols = ndimage.distance_transform_edt(~sound, return_distances=False, return_indices=True)
     found: Float32 = vectors[rows[at], cols[at]]
     return found

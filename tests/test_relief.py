@@ -88,7 +88,7 @@ def test_held_outline_carves_no_groove():
     depth = {}
     for name, layout in (("free outline", everywhere), ("held outline", domain)):
         targets = aim(original, None, layout, weights, 3.0, "eq6")
-        solver = prepare(QuadSystem(targets.weight.astype(float), targets.beta.astype(float), layout.held))
+        solver = prepare(QuadSystem(targets.weight, targets.beta, layout.held))
         z = solver.solve(targets.shape_load(None) + weights.delta * targets.pull).z
         rim = touching(fg) & touching(~fg)
         depth[name] = z[rim].min()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from solver_cases import blobs, free_system
+from solver_cases import blobs, dense, free_system, random_system
 
 from nmaptool.errors import ConvergenceError, InputError, UsageError
 from nmaptool.grid import corner_mean, corner_sum, height_slopes
@@ -13,20 +13,6 @@ from nmaptool.solver.amg import assemble
 def vertices(rows, cols):
     row, col = np.mgrid[0 : rows + 1, 0 : cols + 1]
     return col.astype(float), (rows - row).astype(float)
-
-
-def random_system(rng, rows=6, cols=7):
-    weight = rng.random((rows, cols)) * (rng.random((rows, cols)) > 0.3)
-    weight[0, 0] = 1.0
-    beta = corner_sum(weight) * 0.05 * rng.random((rows + 1, cols + 1))
-    held = rng.random(beta.shape) > 0.85
-    return QuadSystem(weight, beta, held)
-
-
-def dense(system):
-    size = system.beta.size
-    columns = [system.apply(unit.reshape(system.beta.shape)).ravel() for unit in np.eye(size)]
-    return np.array(columns).T
 
 
 # surfaces without twist (sums of a function of x and one of y): their slopes say all there is to know

@@ -54,7 +54,9 @@ class Islands:
 
     @functools.cached_property
     def _runs(self) -> Runs:
-        return Runs(self._faces, self.count)
+        runs = Runs(self._faces, self.count)
+        self._faces = np.zeros((0, 0), bool)  # they say it all
+        return runs
 
     def _find_loose(self) -> Mask:
         """(count+1,) bool: islands without a held vertex."""

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64
+from nmaptool.arrays import Float64, Mask
 from nmaptool.bands import each_band
 
 # NumPy lets other threads run during pieces of this size without much waiting for its lock
@@ -48,7 +48,7 @@ class Operator:
         # room for one band each; kept, since asking the system for fresh memory costs as much as computing in it
         self._spare: list[tuple[Float64, ...]] = []
 
-    def each(self, z: Float64 | None, finish: Finish) -> None:
+    def each(self, z: Float64 | None, finish: Finish, where: Mask | None = None) -> None:
         """Give every band of A z to ``finish``, in no order.
 
         Parameters
@@ -56,11 +56,13 @@ class Operator:
         z : (H+1, W+1) float64, C order, or None
             None stands for 0 everywhere.
         finish : callable
+        where : (H+1, W+1) bool, optional
+            Vertices that count; a band without any may get 0. Default: all.
         """
 
         def work(band: slice) -> None:
             room = self._room()
-            if z is None:
+            if z is None or (where is not None and not where[band].any()):
                 product, other = (part[: (band.stop - band.start) * self._beta.shape[1]] for part in room[:2])
                 product[:] = 0
             else:

@@ -13,6 +13,7 @@ from nmaptool.arrays import Float64, Mask
 from nmaptool.errors import ConvergenceError, InputError
 from nmaptool.progress import Progress
 from nmaptool.solver.islands import Islands
+from nmaptool.solver.memory import plan
 from nmaptool.solver.method import DirectMethod, Method, Report
 from nmaptool.solver.system import QuadSystem, extremes
 
@@ -59,6 +60,16 @@ class Solver:
         self.islands = islands
         self.planned_bytes = planned_bytes
         self.unknowns = int(np.count_nonzero(system.unknown))
+
+    def check_memory(self, limit_bytes: int | None) -> None:
+        """Refuse a limit that the solver, which is there already, would not have been made under.
+
+        Raises
+        ------
+        LimitError
+        """
+        if limit_bytes is not None:
+            plan(self.system.weight.shape, self.unknowns, self.method.name, limit_bytes)
 
     def solve(
         self,

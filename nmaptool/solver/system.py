@@ -168,8 +168,7 @@ class QuadSystem:
             if out is not None:
                 out[band].reshape(-1)[:] = left
 
-        _ = self.unknown  # made before threads ask for it
-        self.operator.each(z, finish)
+        self.operator.each(z, finish, self.unknown)
         return float(np.sqrt(squares.sum()))
 
     @functools.cached_property
@@ -196,11 +195,11 @@ class QuadSystem:
 
         Faces that share a vertex are one island.
         """
+        if self.weight_range[0] > 0:
+            return np.broadcast_to(np.True_, self.weight.shape), 1
         import cv2
 
         acting = self.weight > 0
-        if self.weight_range[0] > 0:
-            return acting, 1
         found, labels = cv2.connectedComponents(acting.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
         return (acting, 1) if found == 2 else (labels, found - 1)
 

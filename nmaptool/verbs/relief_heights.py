@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nmaptool.arrays import Float32, Float64
+from nmaptool.bands import each_band
 from nmaptool.errors import ConvergenceError
 from nmaptool.progress import Progress
-from nmaptool.solver import Solver
+from nmaptool.solver import DirectMethod, Solver
 
 # parts are solved this much more closely than asked, so that their sum is as close as asked at every delta but those
 # where the two loads all but cancel; not closer than what rounding allows
@@ -18,6 +19,7 @@ _CLOSER = 8.0
 _CLOSEST = 1e-13
 # a load this small beside those it is the sum of is not known well
 _CANCELLED = 1e-10
+_VERTICES_AT_ONCE = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,14 +153,16 @@ class SystemHeights:
     def _solve_whole(self, delta: float, asked: Asked, near: SystemHeights | None) -> tuple[_Solved, Account]:
         assert self._load is not None
         load = self._load
-        pull = np.multiply(self._pull, delta, dtype=np.float64)
         if self._kept:
-            pull += load
-            load = pull
+            load = load.copy()
         else:
-            load += pull
             self._load = None
-        del pull
+        pull = self._pull
+
+        def add(band: slice) -> None:
+            load[band] += np.multiply(pull[band], delta, dtype=np.float64)
+
+        each_band(len(load), max(1, _VERTICES_AT_ONCE // load.shape[1]), add)
         start = self.guess(delta)
         if start is None and near is not None:
             start = near.guess(delta)
@@ -205,9 +209,14 @@ class SystemHeights:
     def _solve(
         self, load: Float64, held_z: Float64 | None, asked: Asked, start: Float64 | None, delta: float = 0.0
     ) -> tuple[_Solved, Account]:
+        if isinstance(self.solver.method, DirectMethod):
+            start = None  # it has the answer at once
+        elif start is not None and held_z is not None:
+            start = start + held_z
         solution = self.solver.solve(
             load,
             held_z,
+            start=start,
             tolerance=asked.tolerance,
             max_iterations=asked.max_iterations,
             progress=asked.progress,

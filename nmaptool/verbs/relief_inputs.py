@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import ndimage
 
 from nmaptool.arrays import Float32, Float64, Mask
 from nmaptool.errors import InputError, UsageError
@@ -243,6 +242,8 @@ def _extended(z: Float64, ground: Mask) -> Float64:
     """Heights at vertices off the ground: those of the nearest one on it."""
     if ground.all():
         return z
+    from scipy import ndimage  # takes long to load
+
     nearest = ndimage.distance_transform_edt(~touching(ground), return_distances=False, return_indices=True)
     extended: Float64 = z[tuple(nearest)]
     return extended

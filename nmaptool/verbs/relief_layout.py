@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from nmaptool.arrays import Float64, Mask, read_only
@@ -26,10 +28,13 @@ class Layout:
         self.tolerance = tolerance
         # None: every vertex
         self._inside = None if domain.surface.all() else touching(domain.surface)
-        self._motif_vertices = touching(motif)
         self.holds = bool(domain.held.any())
         self.motif_share = float(motif.mean())
         self.left_alone = float((motif & ~domain.foreground).mean())
+
+    @functools.cached_property
+    def _motif_vertices(self) -> Mask:
+        return touching(self.motif)
 
     def inside(self, z: Float64) -> Float64:
         """The heights of the surface's vertices, one after the other."""

@@ -22,19 +22,21 @@ class SolverFacts:
     Attributes
     ----------
     name : str
-    unknowns, islands, floating_islands : int
+    unknowns, islands, floating_islands, planned_bytes : int
     """
 
     name: str
     unknowns: int
     islands: int
     floating_islands: int
+    planned_bytes: int
 
 
 def facts_of(solver: Solver) -> SolverFacts:
     """What a report says of a solver."""
     islands = solver.islands
-    return SolverFacts(solver.method.name, solver.unknowns, islands.count, int(islands.floating.sum()))
+    floating = int(islands.floating.sum())
+    return SolverFacts(solver.method.name, solver.unknowns, islands.count, floating, solver.planned_bytes)
 
 
 def report_of(
@@ -76,6 +78,7 @@ def report_of(
         foreground_share=layout.motif_share,
         steep_share=steep_share,
         scale=heights.scale,
+        planned_bytes=solver.planned_bytes,
         warnings=tuple(_warnings(options, layout, heights.scale, reach_px, pulled)),
     )
 

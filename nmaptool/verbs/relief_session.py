@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import threading
 import time
 
@@ -127,18 +128,18 @@ class ReliefSession:
             return self._solve(options, progress)
 
     def _solve(self, options: ReliefOptions, progress: Progress | None) -> Relief:
-        started = time.perf_counter()
+        clock = [time.perf_counter()]
         original = self._maps.original
         pitch_mm, pitch_from = given.pitch_of(original, options)
         weights = self._weights(options)
-        case = self._case_for(options, weights, pitch_mm, progress)
+        case = self._case_for(options, weights, pitch_mm, progress, clock)
         near = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
-        prepared = time.perf_counter()
+        clock.append(time.perf_counter())
         asked = Asked(options.tolerance, options.max_iterations, progress)
         # kept even where the height asked for turns out not to be reached
         self._cases = [case, *(c for c in self._cases if c is not case)][: self._keep]
         heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, asked, near)
-        solved = time.perf_counter()
+        clock.append(time.perf_counter())
         frame = dataclasses.replace(original.frame, pitch_mm=pitch_mm)
         height = Height(heights.z_mm, case.layout.domain.surface, frame)
         report = report_of(
@@ -152,7 +153,9 @@ class ReliefSession:
             frame.longer_side,
             case.pulled,
         )
-        seconds = {"setup": prepared - started, "solve": solved - prepared}
+        clock.append(time.perf_counter())
+        stages = zip(("inputs", "setup", "solve", "finish"), itertools.pairwise(clock), strict=True)
+        seconds = {stage: ended - begun for stage, (begun, ended) in stages}
         return Relief(height, case.layout.motif, dataclasses.replace(report, seconds=seconds))
 
     def _weights(self, options: ReliefOptions) -> Weights:
@@ -160,8 +163,18 @@ class ReliefSession:
         beta, delta = to_pixels(options.beta, options.delta, maps.original.frame.longer_side, options.per_pixel)
         return Weights(options.mu if maps.detail is not None else 0.0, beta, delta, maps.mu, maps.beta, maps.delta)
 
-    def _case_for(self, options: ReliefOptions, weights: Weights, pitch_mm: float, progress: Progress | None) -> _Case:
-        """The case of these options: one that is there, or a new one made from what the others have in common."""
+    def _case_for(
+        self,
+        options: ReliefOptions,
+        weights: Weights,
+        pitch_mm: float,
+        progress: Progress | None,
+        clock: list[float],
+    ) -> _Case:
+        """The case of these options: one that is there, or a new one made from what the others have in common.
+
+        When the inputs are done with is added to the ``clock``.
+        """
         maps = self._maps
         # mu and the energy do nothing without a detail map
         energy = options.energy if maps.detail is not None else "eq6"
@@ -171,6 +184,8 @@ class ReliefSession:
         shape = (weights.mu, energy, options.slope_cap)
         for case in self._cases:
             if (case.ground, case.system, case.shape) == (ground, system, shape) and self._holds(case, options):
+                case.heights.solver.check_memory(options.memory_limit_bytes)
+                clock.append(time.perf_counter())
                 return case
         same_ground = (c for c in self._cases if c.ground == ground and self._holds(c, options))
         layout = next((c.layout for c in same_ground), None) or self._lay_out(options, pitch_mm)
@@ -188,9 +203,11 @@ class ReliefSession:
         load = targets.shape_load(base_px)
         weight, beta, pull, steep_share = targets.weight, targets.beta, targets.pull, targets.steep_share
         del targets  # its slopes are in the load
-        if solver is None:
-            system_here = QuadSystem(weight, beta, layout.domain.held)
-            solver = prepare(system_here, options.solver, options.memory_limit_bytes)
+        clock.append(time.perf_counter())
+        if solver is not None:
+            solver.check_memory(options.memory_limit_bytes)
+        else:
+            solver = prepare(QuadSystem(weight, beta, layout.domain.held), options.solver, options.memory_limit_bytes)
         return _Case(
             ground,
             system,

@@ -10,9 +10,9 @@ from nmaptool.solver.multigrid.level import Stencil, in_bands, new_field
 from nmaptool.solver.multigrid.values import Values
 
 # the smoother damps modes whose eigenvalue is more than this share of the largest one
-_LOWEST = 0.3
+_LOWEST = 0.35
 _POWER_STEPS = 5
-_SAFETY = 1.1
+_SAFETY = 1.15
 
 
 class Relaxation:
