@@ -96,10 +96,12 @@ def draw(data: dict[str, Any]) -> None:
     import matplotlib.pyplot as plt
 
     mpl.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
-    figure, (seconds, memory) = plt.subplots(1, 2, figsize=(9.6, 4.0), layout="constrained")
+    figure, (seconds, memory) = plt.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained")
     ends = [SIDES[0] ** 2 / 1e6, SIDES[-1] ** 2 / 1e6]
     for name, (_, _, color, marker) in CURVES.items():
         points = sorted((int(side), point) for side, point in data["points"].get(name, {}).items())
+        if not points:
+            continue
         megapixels = [side**2 / 1e6 for side, _ in points]
         style = {"color": color, "marker": marker, "markersize": 4, "linewidth": 1.3, "label": name}
         style["linestyle"] = "--" if marker == "^" else "-"
@@ -110,11 +112,11 @@ def draw(data: dict[str, Any]) -> None:
     memory.plot(ends, [_MOST_BYTES * end / 1e3 for end in ends], color="#bbbbbb", linewidth=1, linestyle=":")
     memory.annotate(
         f"{_MOST_BYTES} bytes per pixel",
-        (ends[1], _MOST_BYTES * ends[1] / 1e3),
+        (ends[1] / 4, _MOST_BYTES * ends[1] / 4e3),
         color="#888888",
-        ha="right",
+        fontsize=8,
         va="top",
-        xytext=(0, -10),
+        xytext=(6, -4),
         textcoords="offset points",
     )
     for axes, title in (
@@ -127,7 +129,7 @@ def draw(data: dict[str, Any]) -> None:
         axes.grid(alpha=0.25, linewidth=0.6)
         axes.yaxis.set_major_formatter(mpl.ticker.FuncFormatter(lambda value, _: f"{value:g}"))
         axes.title.set_fontsize(10)
-    seconds.legend(frameon=False, fontsize=8, loc="upper left")
+    figure.legend(*seconds.get_legend_handles_labels(), frameon=False, fontsize=9, loc="outside lower center", ncols=5)
     PICTURE.parent.mkdir(exist_ok=True)
     figure.savefig(PICTURE, dpi=110, metadata={"Software": None})
 
