@@ -1,12 +1,10 @@
 """Made-up inputs of any size: a statue of overlapping domes with holes in it, before rolling ground.
 
-Everything is placed in shares of the longer side, so the picture is the same at every resolution. Run as a program
-(``python -m bench.maps COLSxROWS MASKED.png FULL.png``) it writes the two files that `bench.relief` works on.
+Everything is placed in shares of the longer side, so the picture is the same at every resolution.
 """
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 
 import numpy as np
@@ -124,17 +122,3 @@ def _raise_dome(top: Float64, p: Float64, q: Float64, x: Float64, y: Float64, do
     top[seen] = (dome.lift + height)[seen]
     p[seen] = (-(x - dome.x) / height)[seen]
     q[seen] = (-(y - dome.y) / height)[seen]
-
-
-def main() -> None:
-    """Write the masked and the full map as 16-bit PNG; print the motif's share of the picture."""
-    size, masked, full = sys.argv[1:]
-    cols, rows = (int(side) for side in size.split("x"))
-    made = scene(rows, cols)
-    nm.write_normal_map(masked, made.cut_out())
-    nm.write_normal_map(full, made.all_surface())
-    print(f"{made.motif.mean():.3f}")
-
-
-if __name__ == "__main__":
-    main()

@@ -42,16 +42,18 @@ class Runs:
     peak: int
 
 
-def jobs_in(folder: Path, masked: Path, full: Path) -> tuple[Job, ...]:
+def jobs_in(folder: Path, masked: Path, thin: Path, full: Path) -> tuple[Job, ...]:
     """Everything that is measured."""
 
     def relief(name: str, map_path: Path, most_seconds: float, *more: str) -> Job:
-        report = folder / f"{map_path.stem}.json"
+        report = folder / f"{name}.json"
         files = ("-o", str(folder / f"{map_path.stem}.exr"), "--report", str(report), "--overwrite", "--quiet")
         return Job(name, ("relief", str(map_path), *files, *more), 3, most_seconds, MOST_BYTES, report)
 
     return (
-        relief("relief of a motif to EXR", masked, 6.0),
+        relief("relief of a motif to EXR", masked, 1.5),
+        relief("relief of a motif, cut, to EXR", masked, 1.5, "--background", "cut"),
+        relief("relief of thin lines, cut, to EXR", thin, 1.5, "--background", "cut"),
         relief("relief of a full frame to EXR", full, 1.5, "--background-color", "none"),
         Job("inspect of a motif", ("inspect", str(masked)), 3),
         Job("--help", ("--help",), 5, 0.3),
@@ -83,15 +85,16 @@ def run(job: Job) -> Runs:
     return Runs(tuple(seconds), max(peaks))
 
 
-def make_maps(size: str, masked: Path, full: Path) -> float:
-    """Write the inputs from a process of their own; the motif's share of the picture."""
+def make_maps(size: str, *paths: Path) -> tuple[float, float]:
+    """Write the inputs from a process of their own; what motif and thin lines cover of the picture."""
     made = subprocess.run(
-        [sys.executable, "-m", "bench.maps", size, str(masked), str(full)],
+        [sys.executable, "-m", "bench.map_files", size, *map(str, paths)],
         cwd=Path(__file__).parents[1],
         check=True,
         stdout=subprocess.PIPE,
     )
-    return float(made.stdout)
+    motif, thin = map(float, made.stdout.split())
+    return motif, thin
 
 
 def _against(figure: float, goal: float | None) -> list[str]:
@@ -126,16 +129,17 @@ def main() -> None:
     rows, accounts = [], []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        masked, full = folder / "masked.png", folder / "full.png"
-        share = make_maps(options.size, masked, full)
-        for job in jobs_in(folder, masked, full):
+        paths = folder / "masked.png", folder / "thin.png", folder / "full.png"
+        share, thin_share = make_maps(options.size, *paths)
+        for job in jobs_in(folder, *paths):
             rows.append(row_of(job, run(job)))
             if job.report is not None:
                 accounts.append(account_of(job, job.report))
     preface = (
         f"`nmap` with its defaults on 16-bit PNG of {options.size} px; the motif covers {share:.0%} of it (alpha), "
-        "the full frame has\nno background. From the start of the process to its end: median of the wall times, and "
-        "the largest peak of resident memory.\nGoals are upper limits for 1000x900 px; 1 GB is 1e9 bytes."
+        f"the thin lines {thin_share:.0%},\nthe full frame has no background. From the start of the process to its "
+        "end: median of the wall times, and the largest peak of\nresident memory. Goals are upper limits for 1000x900 "
+        "px; 1 GB is 1e9 bytes."
     )
     header = ("job", "runs", "wall s", "span s", "goal s", "of goal", "peak GB", "goal GB", "of goal")
     account_header = ("of which, by its own report", "solver", "unknowns", "setup s", "solve s", "iterations")

@@ -166,3 +166,8 @@ SOLVERS: dict[str, Callable[[QuadSystem], Solve]] = {
     "superlu": superlu,
     "Jacobi-CG": jacobi,
 }
+
+
+def maker(name: str) -> Callable[[QuadSystem], Solve]:
+    """One of `SOLVERS`, or "auto", the library's own choice."""
+    return ours("auto") if name == "auto" else SOLVERS[name]

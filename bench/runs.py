@@ -102,13 +102,13 @@ def _read(line: str) -> Outcome:
 
 
 def _carry_out(job: Job, problem: Problem, spend: float) -> Outcome:
-    from bench.rivals import SOLVERS
-    from nmaptool.errors import UsageError
+    from bench.rivals import maker
+    from nmaptool.errors import LimitError, UsageError
 
     try:
         # once in small, so that no measured set-up pays for what is loaded or started with the first one
         small = state(dataclasses.replace(job.case, rows=48, cols=48))
-        SOLVERS[job.solver](small.system)(small.load, 1e-3)
+        maker(job.solver)(small.system)(small.load, 1e-3)
         best = _once(job, problem)
         runs, spent = 1, best.seconds
         while spent < spend and runs < _MOST_RUNS:
@@ -121,7 +121,7 @@ def _carry_out(job: Job, problem: Problem, spend: float) -> Outcome:
         return Outcome(failure="cannot" if job.solver == "dct" and "needs" in str(error) else "not there")
     except ImportError:
         return Outcome(failure="not installed")
-    except MemoryError:
+    except (MemoryError, LimitError):
         return Outcome(failure="out of memory")
 
 
@@ -133,14 +133,14 @@ def _better(one: Outcome, other: Outcome) -> Outcome:
 
 
 def _once(job: Job, problem: Problem) -> Outcome:
-    from bench.rivals import SOLVERS
+    from bench.rivals import maker
     from nmaptool.errors import ConvergenceError
 
     system = dataclasses.replace(problem.system)  # a new one keeps nothing that an earlier solver left in its caches
     answers: list[Answer | None] = []
     before = peak.begin()
     started = time.perf_counter()
-    solve = SOLVERS[job.solver](system)
+    solve = maker(job.solver)(system)
     setup = time.perf_counter() - started
     most = peak.peak() - before
     for tolerance in job.tolerances:

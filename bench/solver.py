@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Mapping
 
 from bench.bandwidth import Bandwidth, bandwidth
+from bench.patience import Patience
 from bench.public_solver import compare
 from bench.reach import checks
 from bench.rivals import SOLVERS
@@ -36,37 +37,11 @@ def groups_of(sizes: list[int], side: int) -> dict[str, list[Case]]:
     }
 
 
-class Patience:
-    """Leaves out what would take longer than the limit, judged by what was measured before."""
-
-    def __init__(self, limit: float) -> None:
-        self._limit = limit
-        self._rates: dict[str, float] = {}
-        self._alike: dict[tuple[object, ...], float] = {}
-
-    def lacks(self, case: Case, solver: str) -> bool:
-        """Whether this would take too long: at the rate on the same mask, else at the best rate so far."""
-        rate = self._alike.get(self._kind(case, solver), self._rates.get(solver, 0.0))
-        return rate * case.pixels > self._limit
-
-    def learn(self, case: Case, solver: str, outcome: Outcome) -> None:
-        """Keep the seconds per pixel."""
-        took = self._limit * 1.01 if outcome.failure.startswith("over") else outcome.seconds
-        if took and (outcome.answers or outcome.failure.startswith("over")):
-            rate = took / case.pixels
-            self._alike[self._kind(case, solver)] = rate
-            self._rates[solver] = min(rate, self._rates.get(solver, rate))
-
-    @staticmethod
-    def _kind(case: Case, solver: str) -> tuple[object, ...]:
-        return case.family, case.background, case.beta, case.weights, solver
-
-
 def reference(results: Mapping[tuple[Case, str], Outcome], case: Case) -> Outcome | None:
     """What a user gets: the cosine transform where it does, else multigrid, else amg."""
     for name in ("dct", "multigrid", "amg"):
         outcome = results.get((case, name))
-        if outcome is not None and outcome.answers:
+        if outcome is not None and any(outcome.answers):
             return outcome
     return None
 
@@ -139,7 +114,7 @@ def _parsed() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m bench.solver", description=__doc__)
     parser.add_argument("--sizes", type=int, nargs="+", default=[512, 1024, 2048, 4096], help="pixels on a side")
     parser.add_argument("--side", type=int, default=1024, help="of thin masks and of weights (default 1024)")
-    parser.add_argument("--solvers", nargs="+", choices=SOLVERS, default=list(SOLVERS), help="default: all")
+    parser.add_argument("--solvers", nargs="+", choices=[*SOLVERS, "auto"], default=list(SOLVERS))
     parser.add_argument("--limit", type=float, default=200, help="most seconds for one solver on one case")
     parser.add_argument("--spend", type=float, default=2, help="seconds of repeats (default 2)")
     parser.add_argument("--write", action="store_true", help="keep the results in results.md")

@@ -15,7 +15,7 @@ from nmaptool.solver import QuadSystem, slope_load
 _ROWS_AT_ONCE = 256
 _SLOPE_CAP = 3.0
 _DELTA = 30.0
-_PRECISION = np.float64  # of the weights
+_PRECISION = np.float32  # of the weights
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from pathlib import Path
 RESULTS = Path(__file__).with_name("results.md")
 _PACKAGES = ("numpy", "scipy", "pyamg")
 _TITLE = (
-    "# Speed and memory, measured\n\nMade by `python -m bench.solver --write`, and likewise by `bench.relief`, "
-    "`bench.bake` and `bench.compose`."
+    "# Speed and memory, measured\n\nMade by `python -m bench.solver --write`, and likewise by `bench.crossover`, "
+    "`bench.session`, `bench.relief`,\n`bench.bake` and `bench.compose`."
 )
 
 
@@ -54,7 +54,7 @@ class Surroundings:
             [
                 f"- {date.today().isoformat()}: `{self._command}`",
                 f"- Python {platform.python_version()}, {packages}",
-                f"- {_cpu_model()}, {os.cpu_count()} cores; {self._others_now()}",
+                f"- {cpu_model()}, {os.cpu_count()} cores; {self._others_now()}",
             ]
         )
 
@@ -78,7 +78,8 @@ def _seconds_of_others() -> float | None:
     return busy - (own.user + own.system + own.children_user + own.children_system)
 
 
-def _cpu_model() -> str:
+def cpu_model() -> str:
+    """The processor by its name."""
     info = Path("/proc/cpuinfo")
     named = re.search(r"^model name\s*:\s*(.+)$", info.read_text(), re.M) if info.exists() else None
     return named[1] if named else platform.machine()

@@ -5,10 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
+from bench.patience import Patience
 from bench.reach import checks, line
 from bench.rivals import SOLVERS
 from bench.runs import Job, Outcome, measure
-from bench.solver import Patience
 from bench.systems import Case, relative_residual, state, unknowns
 
 CASES = (
