@@ -244,7 +244,7 @@ def test_ctrl_c_while_writing(tree, fails, clean_map, tmp_path):
     fails(result, INTERRUPTED, "interrupted; nothing was written")
 
 
-@pytest.mark.parametrize("place", ["nmaptool.io.outputs.preview", "nmaptool.verbs.relief.prepare"])
+@pytest.mark.parametrize("place", ["nmaptool.io.outputs.preview", "nmaptool.verbs.relief_session.prepare"])
 def test_ctrl_c_anywhere(refused, clean_map, tmp_path, monkeypatch, place):
     monkeypatch.setattr(place, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
     words = ("-q", "-o", tmp_path / "a.exr", "--preview", tmp_path / "b.png")
@@ -279,7 +279,7 @@ def test_the_report_on_standard_output(run, tree, clean_map, tmp_path, monkeypat
     result = run("relief", clean_map, "--report", "-", "-q")
     assert sorted(tree()) == ["clean.png"]
     assert (result.code, result.err) == (0, "")
-    assert json.loads(result.out)["solver"] == "amg"
+    assert json.loads(result.out)["solver"] == "multigrid"
 
 
 def test_names_outside_ascii(run, refused, clean_map, tmp_path):
