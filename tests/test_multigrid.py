@@ -265,3 +265,36 @@ def test_islands_never_merge_and_free_constants_stay_free(family, beta):
 def test_what_is_left_of_a_thin_shape_is_carried_down(monkeypatch):
     monkeypatch.setattr(building, "_MOST_STRAYS", 2.0)  # never hand over early
     assert iterations("maze", 128, 0) <= 15
+
+
+@pytest.mark.parametrize(
+    ("stiffer", "pulled", "borrowed"), [(1, 1.3, True), (2.5, 2, True), (1, 3, False), (8, 1, False)]
+)
+def test_coarse_levels_serve_a_similar_system_and_no_other(stiffer, pulled, borrowed):
+    weight = mask_of("hair", 160)
+    first = prepare(free_system(weight, 1e-3), "multigrid")
+    system = QuadSystem(weight * np.float32(stiffer), first.system.beta * pulled, first.system.held)
+    solver, load = prepare(system, "multigrid", like=first), load_for(weight)
+    assert solver.method.borrowed is borrowed
+    found = solver.solve(load, tolerance=1e-11)
+    assert np.abs(found.z - prepare(system, "amg").solve(load, tolerance=1e-11).z).max() <= 1e-7 * np.ptp(found.z)
+    assert found.iterations <= 20
+    again = first.solve(load).z
+    assert np.array_equal(again, prepare(first.system, "multigrid").solve(load).z)
+
+
+@pytest.mark.parametrize("change", ["mask", "held", "size", "span"])
+def test_coarse_levels_are_made_anew_where_the_shape_changes(change):
+    weight = np.ones((40, 50))
+    first = free_system(weight, 1e-3)
+    held = first.held.copy()
+    if change == "mask":
+        weight[3, 3] = 0
+    elif change == "held":
+        held[5, 5] = True
+    elif change == "size":
+        weight, held = np.ones((50, 40)), np.zeros((51, 41), bool)
+    else:
+        weight[3, 3] = 1e-5
+    system = QuadSystem(weight, corner_sum(np.ones_like(weight)) / 4 * 1e-3, held)
+    assert not prepare(system, "multigrid", like=prepare(first, "multigrid")).method.borrowed

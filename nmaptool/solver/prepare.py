@@ -33,7 +33,9 @@ def choose(system: QuadSystem, wanted: str) -> str:
     return wanted
 
 
-def prepare(system: QuadSystem, method: str = "auto", memory_limit_bytes: int | None = None) -> Solver:
+def prepare(
+    system: QuadSystem, method: str = "auto", memory_limit_bytes: int | None = None, like: Solver | None = None
+) -> Solver:
     """Set up a solver for a system.
 
     Parameters
@@ -42,6 +44,8 @@ def prepare(system: QuadSystem, method: str = "auto", memory_limit_bytes: int | 
     method : {"auto", "dct", "multigrid", "amg"}
     memory_limit_bytes : int, optional
         Most memory to take. Default: what is free on the machine.
+    like : Solver, optional
+        Of a similar system, such as before a slider moved: what can be taken over from it saves time.
 
     Raises
     ------
@@ -53,10 +57,10 @@ def prepare(system: QuadSystem, method: str = "auto", memory_limit_bytes: int | 
     chosen = choose(system, method)
     planned = plan(system.weight.shape, int(np.count_nonzero(system.unknown)), chosen, memory_limit_bytes)
     islands = Islands(system)
-    return Solver(system, _method(chosen, system, islands), islands, planned)
+    return Solver(system, _method(chosen, system, islands, like), islands, planned)
 
 
-def _method(name: str, system: QuadSystem, islands: Islands) -> Method:
+def _method(name: str, system: QuadSystem, islands: Islands, like: Solver | None) -> Method:
     # imported when used: each brings libraries that the others do without
     if name == "dct":
         from nmaptool.solver.dct import DctMethod
@@ -65,7 +69,8 @@ def _method(name: str, system: QuadSystem, islands: Islands) -> Method:
     if name == "multigrid":
         from nmaptool.solver.multigrid.method import MultigridMethod
 
-        return MultigridMethod(system)
+        other = None if like is None else like.method
+        return MultigridMethod(system, other if isinstance(other, MultigridMethod) else None)
     from nmaptool.solver.amg import AmgMethod
 
     return AmgMethod(system, islands)

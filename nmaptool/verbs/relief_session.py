@@ -207,7 +207,9 @@ class ReliefSession:
         if solver is not None:
             solver.check_memory(options.memory_limit_bytes)
         else:
-            solver = prepare(QuadSystem(weight, beta, layout.domain.held), options.solver, options.memory_limit_bytes)
+            like = next((c.heights.solver for c in self._cases if c.layout is layout), None)
+            system_here = QuadSystem(weight, beta, layout.domain.held)
+            solver = prepare(system_here, options.solver, options.memory_limit_bytes, like)
         return _Case(
             ground,
             system,

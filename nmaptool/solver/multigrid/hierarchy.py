@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 from numpy.typing import DTypeLike
 
@@ -107,9 +109,29 @@ class Hierarchy:
             if few or level.strays.count > _MOST_STRAYS * active:
                 break
             self.relaxations.append(Relaxation(level))
+        self._factor = 1.0
         self.last = level
         matrix, self._places = assemble(level)
         self._solve = coarse_solver(matrix)
+
+    def under(self, system: QuadSystem, factor: float) -> Hierarchy:
+        """These coarse levels under the finest one of a similar system.
+
+        Parameters
+        ----------
+        system : QuadSystem
+        factor : float
+            Its weights are about so many times those that the levels were made for.
+
+        Returns
+        -------
+        Hierarchy
+            Shares its work space with this one.
+        """
+        other = copy.copy(self)
+        other.finest = Finest(system, self.finest.dtype)
+        other._factor = factor
+        return other
 
     def cycle(self, residual: Values, z: Values, out: Values) -> None:
         """One V-cycle.
@@ -126,6 +148,8 @@ class Hierarchy:
         finest.start(residual, z)
         coarse = np.empty(way.coarse[0] * way.coarse[1], residual.dtype)
         way.restrict(lambda first, last: finest.left_rows(residual, z, first, last), coarse)
+        if self._factor != 1:
+            coarse *= 1 / self._factor
         x, _ = self._descend(0, coarse, np.zeros(0, residual.dtype))
         way.prolong(x, z)
         finest.finish(residual, z, out)

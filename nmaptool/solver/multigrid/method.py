@@ -21,6 +21,8 @@ from nmaptool.solver.system import QuadSystem
 _REDUCTION: dict[type[np.floating[Any]], float] = {np.float32: 4e-7, np.float64: 1e-13}
 # weights of faces that span more than this need float64
 _MOST_SPAN = 1e3
+# coarse levels serve a system whose weights changed by up to so much against each other
+_MOST_CHANGE = 2.0
 _PATIENCE = 12
 
 
@@ -29,6 +31,24 @@ def _spans_much(system: QuadSystem) -> bool:
     if least == 0:
         least = float(np.min(system.weight, where=system.weight > 0, initial=most))
     return most > _MOST_SPAN * least
+
+
+def _factor(made_for: QuadSystem, system: QuadSystem) -> float | None:
+    """How many times greater the weights are, if on the same faces and vertices and by a similar factor everywhere."""
+    if made_for.weight.shape != system.weight.shape or not np.array_equal(made_for.held, system.held):
+        return None
+    least, most = math.inf, 0.0
+    for old, new in ((made_for.weight, system.weight), (made_for.beta, system.beta)):
+        if new is old:
+            least, most = min(least, 1.0), max(most, 1.0)
+            continue
+        acting = old > 0
+        if not np.array_equal(acting, new > 0):
+            return None
+        ratios = np.divide(new, old, out=np.ones(old.shape, np.float32), where=acting)
+        least = min(least, float(np.min(ratios, where=acting, initial=np.inf)))
+        most = max(most, float(np.max(ratios, where=acting, initial=0)))
+    return math.sqrt(least * most) if most <= _MOST_CHANGE * least else None
 
 
 def _stalls(history: list[float]) -> bool:
@@ -42,15 +62,30 @@ class MultigridMethod:
     Parameters
     ----------
     system : QuadSystem
+    like : MultigridMethod, optional
+        Of another system. If that differs by little, its coarse levels serve for this one, too, and most of the set-up
+        is saved.
+
+    Attributes
+    ----------
+    borrowed : bool
+        Whether the coarse levels are those of ``like``.
     """
 
     name = "multigrid"
 
-    def __init__(self, system: QuadSystem) -> None:
+    def __init__(self, system: QuadSystem, like: MultigridMethod | None = None) -> None:
         self.precision: type[np.floating[Any]] = np.float64 if _spans_much(system) else np.float32
-        self._hierarchy = Hierarchy(system, self.precision)
         self._floor = _REDUCTION[self.precision]
-        self._one_at_a_time = threading.Lock()  # the levels have one work space
+        factor = None if like is None or like.precision != self.precision else _factor(like._made_for, system)
+        self.borrowed = factor is not None
+        if like is not None and factor is not None:
+            self._hierarchy: Hierarchy = like._hierarchy.under(system, factor)
+            self._made_for: QuadSystem = like._made_for
+            self._one_at_a_time: threading.Lock = like._one_at_a_time
+        else:
+            self._hierarchy, self._made_for = Hierarchy(system, self.precision), system
+            self._one_at_a_time = threading.Lock()  # the levels have one work space
 
     def improve(
         self, z: Float64, residual: NDArray[Any], reduction: float, max_iterations: int, report: Report | None
