@@ -287,7 +287,7 @@ def test_coarse_levels_serve_a_similar_system_and_no_other(stiffer, pulled, borr
 def test_coarse_levels_are_made_anew_where_the_shape_changes(change):
     weight = np.ones((40, 50))
     first = free_system(weight, 1e-3)
-    held = first.held.copy()
+    weight, held = weight.copy(), first.held.copy()  # a system keeps the arrays it is given
     if change == "mask":
         weight[3, 3] = 0
     elif change == "held":
