@@ -20,7 +20,7 @@ _STEP = 4 / 3
 
 def inner_product(one: Values, two: Values) -> float:
     """Sum of products; BLAS would bring threads of its own into each of ours."""
-    return float((one * two).sum(dtype=np.float64))
+    return float((one * two).sum())
 
 
 class Finest:
@@ -97,37 +97,26 @@ class Finest:
         return pair[: stop - start] + pair[cols : cols + stop - start]
 
     def apply(self, x: Values, start: int, stop: int) -> Values:
-        """A x for a range of vertices, from differences: rounding loses nothing of what is smooth.
-
-        The four corners of a face have, besides their mean, a slope across, one along and a twist.
-        """
-        cols, first = self.shape[1], self.edge + start - self.shape[1] - 1
-        count = stop - start + cols + 1
-        quarter = self.quarter[first : first + count]
-        step = x[first + 1 : first + count + cols + 1] - x[first : first + count + cols]
-        across, twist = step[cols:] + step[:count], step[cols:] - step[:count]
-        drop = x[first + cols : first + count + cols + 1] - x[first : first + count + 1]
-        along = drop[1:] + drop[:-1]
-        across *= quarter
-        twist *= quarter
+        """A x for a range of vertices, from differences as in `nmaptool.solver.operator`: nothing smooth is lost."""
+        cols, edge, inside = self.shape[1], self.edge, stop - start
+        first = edge + start - cols - 1
+        quarter = self.quarter[first : first + inside + cols + 1]  # of the faces around
+        # along rows: the edges left and right of each vertex, weighed by the faces above and below them
+        across = x[edge + start : edge + stop + 1] - x[edge + start - 1 : edge + stop]
+        across *= quarter[: inside + 1] + quarter[cols:]
+        out = across[:-1] - across[1:]
+        out *= 2
+        # between rows: the faces above and below
+        drop = x[edge + start - 1 : edge + stop + cols + 1] - x[first : edge + stop + 1]
+        along = drop[: inside + cols + 1] + drop[1:]
         along *= quarter
-        total = np.add(across, along, out=drop[:-1])
-        across -= along
-        # lower and upper pair of corners, still apart for the faces left and right
-        upper = np.subtract(twist, total, out=along)[1:]
-        lower = np.add(twist, total, out=total)[:-1]
-        right = across - twist
-        upper = upper + right[:-1]
-        across += twist
-        lower -= across[1:]
-        inside = stop - start
-        out = upper[cols : cols + inside]
-        out += lower[:inside]
-        own = self.beta[start:stop] * x[self.edge + start : self.edge + stop]
-        out += own
+        pair = np.add(along[:-1], along[1:], out=drop[: inside + cols])
+        out += pair[:inside]
+        out -= pair[cols:]
+        out += self.beta[start:stop] * x[edge + start : edge + stop]
         if self.holds:
             out *= self.unknown[start:stop]
-        return np.asarray(out, self.dtype)
+        return out
 
     def start(self, residual: Values, z: Values) -> None:
         """First smoothing step, from zero: z (with margins) from the residual."""
@@ -146,18 +135,19 @@ class Finest:
         left += part
         return left.reshape(-1, cols)
 
-    def finish(self, residual: Values, z: Values, out: Values) -> None:
-        """Last smoothing step: ``out`` (no margins) from z and the residual."""
+    def finish(self, residual: Values, z: Values, out: Values) -> float:
+        """Last smoothing step: ``out`` (no margins) from z and the residual; its inner product with the residual."""
         edge = self.edge
 
-        def band(start: int, stop: int) -> None:
+        def band(start: int, stop: int) -> float:
             moved = self.mixed(z, start, stop)
             moved += residual[start:stop]
             moved *= self.step[start:stop]
             np.multiply(z[edge + start : edge + stop], 1 - _STEP, out=out[start:stop])
             out[start:stop] += moved
+            return inner_product(out[start:stop], residual[start:stop])
 
-        self.in_bands(band)
+        return self.sum_over_bands(band)
 
     def split(self, first: int, last: int) -> Split:
         """Rows ``first`` to ``last`` of the next coarser grid, sorted by kind; see `split.Split`."""

@@ -133,7 +133,7 @@ class Hierarchy:
         other._factor = factor
         return other
 
-    def cycle(self, residual: Values, z: Values, out: Values) -> None:
+    def cycle(self, residual: Values, z: Values, out: Values) -> float:
         """One V-cycle.
 
         Parameters
@@ -143,6 +143,11 @@ class Hierarchy:
             Work space.
         out : flat
             The correction.
+
+        Returns
+        -------
+        float
+            Its inner product with the residual.
         """
         finest, way = self.finest, self.transfers[0]
         finest.start(residual, z)
@@ -152,7 +157,7 @@ class Hierarchy:
             coarse *= 1 / self._factor
         x, _ = self._descend(0, coarse, np.zeros(0, residual.dtype))
         way.prolong(x, z)
-        finest.finish(residual, z, out)
+        return finest.finish(residual, z, out)
 
     def _descend(self, number: int, residual: Values, at_strays: Values) -> tuple[Values, Values]:
         """Correction (with margins) and that of the strays, on coarse level ``number``."""

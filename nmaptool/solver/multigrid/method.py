@@ -142,8 +142,7 @@ class _Search:
         """
         finest, left, other = self._hierarchy.finest, self._left, self._other
         direction = self._direction[finest.edge : finest.edge + finest.size]
-        self._hierarchy.cycle(left, self._work, other)
-        product = finest.dot(left, other)
+        product = self._hierarchy.cycle(left, self._work, other)
         turn = product / self._before
 
         def steer(first: int, last: int) -> None:
