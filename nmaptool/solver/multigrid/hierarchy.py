@@ -30,11 +30,11 @@ class _Found:
 
     def __init__(self, shape: Shape, dtype: DTypeLike) -> None:
         self.shape = shape
-        self.stray, self.scale, self.gap, self.rest = (np.zeros(shape, dtype) for _ in range(4))
+        self.stray, self.scale, self.lack, self.rest = (np.zeros(shape, dtype) for _ in range(4))
 
     def keep(self, split: Split, first: int, last: int) -> None:
         """Put the rows of a band back into the level's order."""
-        for name, into in (("stray", self.stray), ("scale", self.scale), ("gap", self.gap), ("rest", self.rest)):
+        for name, into in (("stray", self.stray), ("scale", self.scale), ("lack", self.lack), ("rest", self.rest)):
             for kind, down, across in KINDS:
                 if f"{name}_{kind}" not in split.arrays:
                     continue
@@ -79,7 +79,7 @@ def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
                 weights,
                 fine.diagonal - inner(fine.tie, fine.shape).ravel(),
                 found.rest.ravel(),
-                found.gap.ravel(),
+                found.lack.ravel(),
             )
     return Transfer(fine.shape, shape, weights, moved), Stencil(shape, couplings, tie, strays)
 

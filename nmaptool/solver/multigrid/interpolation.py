@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from nmaptool.solver.multigrid.split import LINKS, Split
-from nmaptool.solver.multigrid.values import Values
+from nmaptool.solver.multigrid.values import Values, add_product
 
 # a vertex whose coarse neighbours hold less than this share of it is a stray
 HELD_SHARE = 0.4
@@ -37,7 +37,7 @@ WEIGHTS = ("b_w", "b_e", "u_n", "u_s", "d_nw", "d_ne", "d_sw", "d_se")
 
 
 def interpolate(split: Split) -> None:
-    """Add the weights (`WEIGHTS`), what they lack to 1 ("gap_b", "gap_u", "gap_d"; never positive) and the strays.
+    """Add the weights (`WEIGHTS`), what they lack to 1 ("lack_b", "lack_u", "lack_d") and the strays.
 
     Expects the couplings and, per kind, "tie" (coupling to fixed heights) and "out" (coupling to strays); works on the
     band and one row more on either side. Strays are 1 in "stray_b", "stray_u", "stray_d"; "scale_b", "scale_u" and
@@ -79,7 +79,7 @@ def _settle(split: Split, kind: str, held: Values, felt: Values, parts: Mapping[
     split.keep(f"scale_{kind}")[:] = scale
     for place, part in parts.items():
         np.multiply(part, scale, out=split.keep(f"{kind}_{place}"))
-    np.multiply(felt, -scale, out=split.keep(f"gap_{kind}"))
+    np.multiply(felt, scale, out=split.keep(f"lack_{kind}"))
 
 
 def _between(split: Split, kind: str, one: Sides, two: Sides) -> None:
@@ -88,20 +88,27 @@ def _between(split: Split, kind: str, one: Sides, two: Sides) -> None:
     _settle(split, kind, held, _felt(split, kind), {one[0]: first, two[0]: second})
 
 
+def _sum(first: Values, *products: tuple[Values, Values]) -> Values:
+    out = first.copy()
+    for one, two in products:
+        add_product(out, one, two)
+    return out
+
+
 def _diagonal(split: Split) -> None:
     """From all eight around it: the four coarse ones, and the four between them by their own weights."""
     north, south = split("s_b"), split("s_d")
     west, east = split("e_u"), split("e_d")
     parts = {
-        "nw": split("se_o") + north * split("b_w") + west * split("u_n"),
-        "ne": split("sw_o", 0, 1) + north * split("b_e") + east * split("u_n", 0, 1),
-        "sw": split("sw_d") + south * split("b_w", 1) + west * split("u_s"),
-        "se": split("se_d") + south * split("b_e", 1) + east * split("u_s", 0, 1),
+        "nw": _sum(split("se_o"), (north, split("b_w")), (west, split("u_n"))),
+        "ne": _sum(split("sw_o", 0, 1), (north, split("b_e")), (east, split("u_n", 0, 1))),
+        "sw": _sum(split("sw_d"), (south, split("b_w", 1)), (west, split("u_s"))),
+        "se": _sum(split("se_d"), (south, split("b_e", 1)), (east, split("u_s", 0, 1))),
     }
     held, felt = split("out_d").copy(), _felt(split, "d")
     for link, between, down, across in ((north, "b", 0, 0), (south, "b", 1, 0), (west, "u", 0, 0), (east, "u", 0, 1)):
-        held += link * split(f"stray_{between}", down, across)
-        felt -= link * split(f"gap_{between}", down, across)
+        add_product(held, link, split(f"stray_{between}", down, across))
+        add_product(felt, link, split(f"lack_{between}", down, across))
     for part in parts.values():
         held += part
     _settle(split, "d", held, felt, parts)

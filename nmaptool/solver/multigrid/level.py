@@ -15,7 +15,7 @@ from numpy.typing import DTypeLike
 from nmaptool.bands import each_band
 from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, Split, sorted_rows
 from nmaptool.solver.multigrid.strays import Strays
-from nmaptool.solver.multigrid.values import Values
+from nmaptool.solver.multigrid.values import Values, add_product
 
 Shape = tuple[int, int]
 # elements of a band: it and its temporaries stay in the cache
@@ -96,12 +96,9 @@ class Stencil:
     def add_neighbours(self, x: Values, out: Values, start: int, stop: int) -> None:
         """Add to ``out`` what the neighbours in ``x`` (with margins) pull, times their couplings; strays apart."""
         first, last = self.edge + start, self.edge + stop
-        product = np.empty(stop - start, self.dtype)
         for values, step in self._steps():
-            np.multiply(values[first:last], x[first + step : last + step], out=product)
-            out += product
-            np.multiply(values[first - step : last - step], x[first - step : last - step], out=product)
-            out += product
+            add_product(out, values[first:last], x[first + step : last + step])
+            add_product(out, values[first - step : last - step], x[first - step : last - step])
 
     def split(self, first: int, last: int) -> Split:
         """Rows ``first`` to ``last`` of the next coarser grid, sorted by kind."""

@@ -14,7 +14,7 @@ from nmaptool.solver.method import Report
 from nmaptool.solver.multigrid.finest import inner_product
 from nmaptool.solver.multigrid.hierarchy import Hierarchy
 from nmaptool.solver.multigrid.level import new_field
-from nmaptool.solver.multigrid.values import Values
+from nmaptool.solver.multigrid.values import Values, add_scaled
 from nmaptool.solver.system import QuadSystem
 
 # so far the residual keeps in step with the heights; then a new one is due
@@ -159,8 +159,7 @@ class _Search:
         def move(first: int, last: int) -> float:
             # in float64: a step rounded to float32 would part the heights from the residual
             z[first:last] += np.multiply(direction[first:last], length * size, dtype=np.float64)
-            other[first:last] *= length
-            left[first:last] -= other[first:last]
+            add_scaled(left[first:last], other[first:last], -length)
             return inner_product(left[first:last], left[first:last])
 
         return finest.sum_over_bands(move)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from nmaptool.solver.multigrid.level import Stencil, in_bands, new_field
-from nmaptool.solver.multigrid.values import Values
+from nmaptool.solver.multigrid.values import Values, add_product
 
 # the smoother damps modes whose eigenvalue is more than this share of the largest one
 _LOWEST = 0.35
@@ -89,11 +89,10 @@ class Relaxation:
         def band(start: int, stop: int) -> None:
             pull = self._load[start:stop].copy()
             level.add_neighbours(x, pull, start, stop)
-            pull *= level.inverse[start:stop]
             pull *= factor
             into = out[edge + start : edge + stop]
             np.multiply(x[edge + start : edge + stop], 1 - factor, out=into)
-            into += pull
+            add_product(into, pull, level.inverse[start:stop])
 
         in_bands(level.size, band)
         if pulls is not None:

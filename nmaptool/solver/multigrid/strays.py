@@ -184,7 +184,7 @@ def coarse_strays(
     grid: dict[str, Values],
     total: Values,
     rest: Values,
-    gap: Values,
+    lack: Values,
 ) -> Strays:
     """Strays of the next level with the couplings P^T A P.
 
@@ -196,7 +196,7 @@ def coarse_strays(
         The interpolation's weights between the grids.
     total : (rows * cols)
         Sum of the couplings of each vertex.
-    rest, gap : (rows * cols)
+    rest, lack : (rows * cols)
         Ties that the interpolation leaves, and what its weights lack to 1; see `galerkin.coarse_ties`.
     """
     kept, count = moved.kept, moved.weights.shape[1]
@@ -223,7 +223,7 @@ def coarse_strays(
     among = among.tocoo()
     link = (among.row != among.col) & (among.data > 0)
     tie = moved.back @ rest[moved.rows]
-    tie[:kept] += strays.tie - strays.from_grid @ gap[strays.near]
+    tie[:kept] += strays.tie + strays.from_grid @ lack[strays.near]
     found = coarse.data > 0
     near_places, position = np.unique(coarse.row[found], return_inverse=True)
     return Strays(

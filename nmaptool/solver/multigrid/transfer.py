@@ -10,7 +10,7 @@ import numpy as np
 from nmaptool.bands import each_band
 from nmaptool.solver.multigrid.level import Shape, inner, margin, rows_at_once
 from nmaptool.solver.multigrid.strays import StrayTransfer
-from nmaptool.solver.multigrid.values import Values
+from nmaptool.solver.multigrid.values import Values, add_product
 
 
 @dataclass(eq=False)
@@ -46,7 +46,6 @@ class Transfer:
     def _restricted(self, fine: Values, top: int, first: int, last: int) -> Values:
         """Rows ``first`` to ``last`` from fine rows that start ``top`` (-1 or 0) rows from row ``first``'s own."""
         cols = self.coarse[1]
-        count = (last - first) * cols
         start, stop = margin(self.coarse) + first * cols, margin(self.coarse) + last * cols
         weight = self.weights
 
@@ -62,7 +61,6 @@ class Transfer:
 
         beside, under, diagonal = part(0, 1), part(1, 0), part(1, 1)
         out = fine[lead::2, ::2][: last - first].ravel()
-        product = np.empty(count, fine.dtype)
         for name, step, values in (
             ("b_w", 0, beside[1:]),
             ("b_e", 1, beside[:-1]),
@@ -73,8 +71,7 @@ class Transfer:
             ("d_sw", cols, diagonal[1:-cols]),
             ("d_se", cols + 1, diagonal[: -cols - 1]),
         ):
-            np.multiply(weight[name][start - step : stop - step], values, out=product)
-            out += product
+            add_product(out, weight[name][start - step : stop - step], values)
         return out
 
     def prolong(self, coarse: Values, out: Values) -> None:
@@ -85,14 +82,12 @@ class Transfer:
         def band(part: slice) -> None:
             first, last = part.start, part.stop
             start, stop = edge + first * cols, edge + last * cols
-            product = np.empty(stop - start, out.dtype)
 
             def add(down: int, across: int, *parts: tuple[str, int]) -> None:
                 where = grid[2 * first + down : 2 * last : 2, across::2]
                 total = weight[parts[0][0]][start:stop] * coarse[start + parts[0][1] : stop + parts[0][1]]
                 for name, step in parts[1:]:
-                    np.multiply(weight[name][start:stop], coarse[start + step : stop + step], out=product)
-                    np.add(total, product, out=total)
+                    add_product(total, weight[name][start:stop], coarse[start + step : stop + step])
                 where += total.reshape(-1, cols)[: where.shape[0], : where.shape[1]]
 
             grid[2 * first : 2 * last : 2, ::2] += coarse[start:stop].reshape(-1, cols)
