@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from nmaptool.bands import each_band, each_of
-from nmaptool.solver.multigrid.level import BAND, Shape, inner, margin, new_field
+from nmaptool.solver.multigrid.level import Shape, band_size, inner, margin, new_field
 from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
 from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
@@ -47,7 +47,7 @@ class Finest:
         self.unknown = system.unknown.reshape(-1)
         self.holds = bool(system.held.any())
         self.step = np.zeros(self.size, dtype)
-        self._bands = max(BAND, 16 * cols)
+        self._bands = max(band_size(self.size), 16 * cols)
         each_band(self.size, self._bands, self._lay_step)
 
     def in_bands(self, work: Callable[[int, int], object]) -> None:

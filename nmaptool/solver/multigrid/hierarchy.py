@@ -23,6 +23,8 @@ from nmaptool.solver.system import QuadSystem
 # a grid this small, or a level with this share of strays, is left to algebra
 _SMALLEST = 2000
 _MOST_STRAYS = 0.4
+# coarse vertices that are not worth a second thread, and those of a band: each takes some 70 arrays
+_FEW, _BAND = 20_000, 1 << 16
 
 
 class _Found:
@@ -65,7 +67,7 @@ def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
         if found is not None:
             found.keep(split, first, last)
 
-    each_band(shape[0], rows_at_once(shape[1]), band)
+    each_band(shape[0], rows_at_once(shape, _FEW, _BAND), band)
     strays, moved = none(fine.dtype), None
     if isinstance(fine, Stencil) and found is not None:
         became = np.flatnonzero(found.stray)

@@ -18,8 +18,10 @@ from nmaptool.solver.multigrid.strays import Strays
 from nmaptool.solver.multigrid.values import Values, add_product
 
 Shape = tuple[int, int]
-# elements of a band: it and its temporaries stay in the cache
-BAND = 1 << 16
+# elements of a band at most: smaller ones have their threads wait for each other more than they compute
+_BAND = 3 << 16
+# fewer are not worth a second thread
+_FEW = 150_000
 
 
 def margin(shape: Shape) -> int:
@@ -40,12 +42,17 @@ def inner(values: Values, shape: Shape) -> Values:
 
 def in_bands(size: int, work: Callable[[int, int], object]) -> None:
     """Call ``work`` with the start and stop of each band of a flat array."""
-    each_band(size, BAND, lambda band: work(band.start, band.stop))
+    each_band(size, band_size(size), lambda band: work(band.start, band.stop))
 
 
-def rows_at_once(cols: int) -> int:
-    """Rows of ``cols`` elements that make a band."""
-    return max(8, BAND // cols)
+def band_size(size: int, few: int = _FEW, most: int = _BAND) -> int:
+    """Elements of a band of so many: all of few, else such that an even number of bands is nearly full."""
+    return size if size <= few else -(-size // (2 * -(-size // (2 * most))))
+
+
+def rows_at_once(shape: Shape, few: int = _FEW, most: int = _BAND) -> int:
+    """Rows of a band, see `band_size`."""
+    return -(-band_size(shape[0] * shape[1], few, most) // shape[1])
 
 
 @dataclass(eq=False)

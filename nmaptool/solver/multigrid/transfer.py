@@ -41,7 +41,7 @@ class Transfer:
             fine = rows_of(above, min(2 * last, self.fine[0]))
             out[first * cols : last * cols] = self._restricted(fine, above - 2 * first, first, last)
 
-        each_band(rows, rows_at_once(2 * cols), band)
+        each_band(rows, rows_at_once(self.coarse), band)
 
     def _restricted(self, fine: Values, top: int, first: int, last: int) -> Values:
         """Rows ``first`` to ``last`` from fine rows that start ``top`` (-1 or 0) rows from row ``first``'s own."""
@@ -95,4 +95,4 @@ class Transfer:
             add(1, 0, ("u_n", 0), ("u_s", cols))
             add(1, 1, ("d_nw", 0), ("d_ne", 1), ("d_sw", cols), ("d_se", cols + 1))
 
-        each_band(rows, rows_at_once(2 * cols), band)
+        each_band(rows, rows_at_once(self.coarse), band)
