@@ -55,7 +55,8 @@ def prepare(
         If it takes more memory than it may; nothing has been allocated then.
     """
     chosen = choose(system, method)
-    planned = plan(system.weight.shape, int(np.count_nonzero(system.unknown)), chosen, memory_limit_bytes)
+    kind = "multigrid in float64" if chosen == "multigrid" and system.spans_much else chosen
+    planned = plan(system.weight.shape, int(np.count_nonzero(system.unknown)), kind, memory_limit_bytes)
     islands = Islands(system)
     return Solver(system, _method(chosen, system, islands, like), islands, planned)
 

@@ -28,6 +28,8 @@ from nmaptool.solver.operator import Operator, Weights, rows_at_once
 # given a band of rows and (rows * (W+1),) float64 of them
 See = Callable[[slice, Float64], None]
 
+_MOST_SPAN = 1e3
+
 
 def slope_load(p: Float64, q: Float64) -> Float64:
     """(H+1, W+1) load g of the target corner heights h = -+p/2 -+q/2 (y up, row 0 on top).
@@ -111,6 +113,14 @@ class QuadSystem:
     def weight_range(self) -> tuple[float, float]:
         """Least and greatest weight of a face."""
         return extremes(self.weight)
+
+    @functools.cached_property
+    def spans_much(self) -> bool:
+        """Whether the faces' weights differ by so much that float32 is not enough to precondition with."""
+        least, most = self.weight_range
+        if least == 0:
+            least = float(np.min(self.weight, where=self.weight > 0, initial=most))
+        return most > _MOST_SPAN * least
 
     @functools.cached_property
     def operator(self) -> Operator:

@@ -19,18 +19,9 @@ from nmaptool.solver.system import QuadSystem
 
 # so far the residual keeps in step with the heights; then a new one is due
 _REDUCTION: dict[type[np.floating[Any]], float] = {np.float32: 4e-7, np.float64: 1e-13}
-# weights of faces that span more than this need float64
-_MOST_SPAN = 1e3
 # coarse levels serve a system whose weights changed by up to so much against each other
 _MOST_CHANGE = 2.0
 _PATIENCE = 12
-
-
-def _spans_much(system: QuadSystem) -> bool:
-    least, most = system.weight_range
-    if least == 0:
-        least = float(np.min(system.weight, where=system.weight > 0, initial=most))
-    return most > _MOST_SPAN * least
 
 
 def _factor(made_for: QuadSystem, system: QuadSystem) -> float | None:
@@ -75,7 +66,7 @@ class MultigridMethod:
     name = "multigrid"
 
     def __init__(self, system: QuadSystem, like: MultigridMethod | None = None) -> None:
-        self.precision: type[np.floating[Any]] = np.float64 if _spans_much(system) else np.float32
+        self.precision: type[np.floating[Any]] = np.float64 if system.spans_much else np.float32
         self._floor = _REDUCTION[self.precision]
         factor = None if like is None or like.precision != self.precision else _factor(like._made_for, system)
         self.borrowed = factor is not None
