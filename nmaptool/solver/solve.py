@@ -117,7 +117,7 @@ class Solver:
         # the common norm, the next begins with what is left
         while relative.max() > tolerance and len(history) < max_iterations:
             lagging, before = relative > tolerance, relative
-            asked = tolerance / 2, max_iterations - len(history)
+            asked = 0.8 * tolerance, max_iterations - len(history)
             relative, seen = on_the_way.improve(relative, lagging, *asked, report)
             history += seen
             if not (relative[lagging] < before[lagging] / 2).any():
