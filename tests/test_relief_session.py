@@ -28,7 +28,7 @@ CHANGES = {
     "fit": ({"fit": "slope"}, False),
     "width": ({"width": nm.length("50mm")}, False),
     "solver": ({"solver": "amg"}, False),  # it finds its work done
-    "tolerance": ({"tolerance": 1e-5}, False),
+    "tolerance": ({"tolerance": 1e-7}, False),
     "max_iterations": ({"max_iterations": 50}, False),
     "memory_limit": ({"memory_limit": "1GB"}, False),
 }

@@ -223,7 +223,7 @@ def test_the_loop_goes_on_until_the_tolerance_and_says_what_is_left():
         progress=lambda word, share: seen.append((word, share)),
     )
     assert [limit for _, limit in lazy.calls] == [100, 98, 96, 94]
-    assert [reduction for reduction, _ in lazy.calls] == pytest.approx([5e-8, 5e-6, 5e-4, 5e-2], rel=1e-3)
+    assert [reduction for reduction, _ in lazy.calls] == pytest.approx([8e-8, 8e-6, 8e-4, 8e-2], rel=1e-3)
     assert solution.history == pytest.approx([1, 1e-2, 1e-2, 1e-4, 1e-4, 1e-6, 1e-6, 1e-8], rel=1e-3)
     assert {word for word, _ in seen} == {"solving"}
     assert [share for _, share in seen] == pytest.approx([2 / 7, 4 / 7, 6 / 7, 1, 1], rel=1e-3)
