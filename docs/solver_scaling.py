@@ -47,7 +47,7 @@ def measured(options: argparse.Namespace) -> Points:
         densest = 0.0
         for side in SIDES:
             case = Case(side, side, family)
-            inputs = 25 * case.pixels  # weights, height weights, held, load, and the height itself
+            inputs = 18 * case.pixels  # weights, height weights, held and load
             if case.pixels > options.most_megapixels * 1.0e6 * 1.01 or patience.lacks(case, method):
                 break
             if densest * case.pixels + inputs > 0.95 * room:
