@@ -17,7 +17,7 @@ from cyclopts import Group, Parameter
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
 from nmaptool.errors import InputError, NmaptoolError, OutputError, UsageError, reason_of
-from nmaptool.io.unfinished import temporary_folder
+from nmaptool.io.unfinished import are_files_done, files_are_done, temporary_folder
 from nmaptool.options import FilterOptions
 from nmaptool.progress import Progress
 from nmaptool.units import Length, length
@@ -223,13 +223,17 @@ _ending = threading.Lock()
 
 def interrupted() -> int:
     """Say so, once however many threads say it."""
-    return _fail("interrupted; nothing was written", EXIT_INTERRUPTED) if _ending.acquire(False) else EXIT_INTERRUPTED
+    if not _ending.acquire(False):
+        return EXIT_INTERRUPTED
+    left = "what was to be written is complete" if are_files_done() else "nothing was written"
+    return _fail(f"interrupted; {left}", EXIT_INTERRUPTED)
 
 
 def guarded(command: Callable[[], Any]) -> int:
     """Run a command; every failure is one line on stderr and an exit code, never a traceback."""
     if _ending.locked():  # by a command before, where one process runs several
         _ending.release()
+    files_are_done(False)
     try:
         code = command()
         sys.stdout.flush()

@@ -279,3 +279,22 @@ def test_solves_from_several_threads(maps):
         thread.join()
     for options in wanted:
         assert_same(found[options], nm.relief(*maps, options=options))
+
+
+def test_a_session_asked_from_its_own_callback_says_so(maps):
+    session = nm.ReliefSession(*maps)
+
+    def ask(word, share):
+        session.solve()
+
+    with pytest.raises(nm.UsageError, match="a session cannot solve while it solves"):
+        session.solve(START, ask)
+    assert session.solve(START).report.residual <= START.tolerance
+
+
+def test_a_limit_holds_for_weights_that_need_float64(maps):
+    session = nm.ReliefSession(*maps, mu_map=np.where(np.arange(SIDE) < 9, 0, 1)[None] * np.ones((SIDE, 1), np.float32))
+    wide = dataclasses.replace(START, mu=1e5, background="cut", tolerance=1e-6)
+    planned = session.solve(wide).report.planned_bytes
+    with pytest.raises(nm.LimitError, match="the float64 multigrid solver needs about"):
+        session.solve(dataclasses.replace(wide, memory_limit=f"{planned - 1}B"))

@@ -267,3 +267,23 @@ def test_dct_serves_sizes_of_every_kind():
             load = rng.normal(size=beta.shape) + 40 * beta
             z = prepare(system, "dct").solve(load, tolerance=1e-10).z
             assert np.linalg.norm(load - system.apply(z)) <= 1e-10 * np.linalg.norm(load)
+
+
+@pytest.mark.parametrize("method", ["multigrid", "amg"])
+@pytest.mark.parametrize("level", [1e3, 1e6])
+@pytest.mark.parametrize("beta", [1e-3, 1.0])
+def test_a_far_level_does_not_hide_the_shape(method, level, beta):
+    weight = blobs(64)
+    system, load = free_system(weight, beta), noise_load(np.random.default_rng(3), weight)
+    solver = prepare(system, method)
+    near = solver.solve(load, tolerance=1e-10).z
+    far = solver.solve(load + system.beta * level).z - level * (system.unknown & (system.beta > 0))
+    assert np.abs(far - near).max() <= 1e-6 * np.ptp(near) + 1e-15 * level * 64
+
+
+def test_shapes_that_do_not_fit_are_named():
+    solver = prepare(free_system(np.ones((5, 6)), 0.1))
+    with pytest.raises(InputError, match=r"the right-hand side must be of shape \(6, 7\), found \(1, 6, 7\)"):
+        solver.solve(np.zeros((1, 6, 7)))
+    with pytest.raises(InputError, match=r"the held heights must be of shape \(6, 7\), found \(3, 3\)"):
+        solver.solve(np.zeros((6, 7)), np.zeros((3, 3)))

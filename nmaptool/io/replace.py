@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from nmaptool.errors import OutputError, UsageError, reason_of
-from nmaptool.io.unfinished import unfinished
+from nmaptool.io.unfinished import all_or_none, files_are_done, unfinished
 
 
 def check_target(path: Path, overwrite: bool) -> None:
@@ -84,13 +84,19 @@ def written_beside(targets: list[Path], overwrite: bool) -> Iterator[list[Path]]
     # short names: the target's own may be as long as a name can be
     beside = [target.with_name(f".{mark}-{i}{target.suffix}") for i, target in enumerate(targets)]
     kept = [target.with_name(f".{mark}-{i}.kept") for i, target in enumerate(targets)]
-    try:
-        with unfinished(beside):
+    with unfinished(beside):
+        try:
             yield beside
-        _rename_all(beside, targets, kept, overwrite)
-    finally:
-        for path in (*beside, *kept):
-            path.unlink(missing_ok=True)
+            with all_or_none():
+                try:
+                    _rename_all(beside, targets, kept, overwrite)
+                finally:
+                    for path in kept:
+                        path.unlink(missing_ok=True)
+                files_are_done(True)
+        finally:
+            for path in beside:
+                path.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager

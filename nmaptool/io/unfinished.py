@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import shutil
 import tempfile
+import threading
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -13,6 +14,16 @@ from nmaptool.errors import OutputError, reason_of
 _files: set[Path] = set()
 _folders: list[Path] = []  # those within others after them
 _temporary: set[Path] = set()
+# whoever ends the process in the middle of things waits for a change of several files to be whole
+_whole = threading.RLock()
+_done: list[bool] = []  # whether files were renamed to what they were asked to be
+
+
+@contextlib.contextmanager
+def all_or_none() -> Iterator[None]:
+    """While the block runs, `remove_unfinished` waits: for renaming several files, or taking that back."""
+    with _whole:
+        yield
 
 
 @contextlib.contextmanager
@@ -50,8 +61,22 @@ def temporary_folder() -> Iterator[Path]:
             _temporary.discard(Path(name))
 
 
+def files_are_done(done: bool) -> None:
+    """Note that what a command was to write is in its place, or that a command begins."""
+    _done[:] = [done]
+
+
+def are_files_done() -> bool:
+    """Whether what the command was to write is in its place."""
+    return _done == [True]
+
+
 def remove_unfinished() -> None:
-    """Take away what `unfinished` and `temporary_folder` still know of; for a process that ends here and now."""
+    """Take away what `unfinished` and `temporary_folder` still know of; for a process that ends here and now.
+
+    What `all_or_none` guards is never begun again after this.
+    """
+    _whole.acquire()
     for file in list(_files):
         with contextlib.suppress(OSError):
             file.unlink(missing_ok=True)

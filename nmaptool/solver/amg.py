@@ -73,7 +73,7 @@ class AmgMethod:
     def improve(
         self, z: Float64, residual: Float64, reduction: float, max_iterations: int, report: Report | None
     ) -> tuple[float, ...]:
-        """Preconditioned conjugate gradients from zero; see `nmaptool.solver.prepare.Method`."""
+        """Preconditioned conjugate gradients from zero; see `nmaptool.solver.method.Method`."""
         from pyamg import krylov
 
         b = residual[self._unknown]

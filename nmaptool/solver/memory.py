@@ -9,10 +9,15 @@ from nmaptool.units import memory_text
 # Measured at the peak of set-up and solve, beyond weight, beta, held and the right-hand side: bytes a vertex, and bytes
 # a vertex to be solved for. Heights in float64, the residual in the method's precision, the map of unknowns and the
 # islands' book-keeping are in them. Noise and mazes take up to a third more of multigrid.
-BYTES_PER_VERTEX = {"dct": 16, "multigrid": 65, "multigrid in float64": 120, "amg": 16}
-BYTES_PER_UNKNOWN = {"dct": 0, "multigrid": 0, "multigrid in float64": 0, "amg": 560}
+BYTES_PER_VERTEX = {"dct": 16, "multigrid": 65, "float64 multigrid": 120, "amg": 16}
+BYTES_PER_UNKNOWN = {"dct": 0, "multigrid": 0, "float64 multigrid": 0, "amg": 560}
 # room for bands, one for each thread, and what the libraries keep
 _BESIDE = 16_000_000
+
+
+def kind_of(method: str, spans_much: bool) -> str:
+    """What the plan knows a method by: multigrid holds float64 for weights that span much."""
+    return "float64 multigrid" if method == "multigrid" and spans_much else method
 
 
 def estimate(system_shape: tuple[int, int], unknowns: int, method: str) -> int:
@@ -23,7 +28,7 @@ def estimate(system_shape: tuple[int, int], unknowns: int, method: str) -> int:
     system_shape : (int, int)
         Of the faces: H, W.
     unknowns : int
-    method : {"dct", "multigrid", "multigrid in float64", "amg"}
+    method : {"dct", "multigrid", "float64 multigrid", "amg"}
 
     Examples
     --------

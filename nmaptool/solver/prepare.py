@@ -6,7 +6,7 @@ import numpy as np
 
 from nmaptool.errors import UsageError
 from nmaptool.solver.islands import Islands
-from nmaptool.solver.memory import plan
+from nmaptool.solver.memory import kind_of, plan
 from nmaptool.solver.method import DirectMethod, Method
 from nmaptool.solver.solve import Solution, Solver
 from nmaptool.solver.system import QuadSystem
@@ -52,10 +52,10 @@ def prepare(
     UsageError
         As `choose`.
     LimitError
-        If it takes more memory than it may; nothing has been allocated then.
+        If it takes more memory than it may; nothing but the map of unknowns has been allocated then.
     """
     chosen = choose(system, method)
-    kind = "multigrid in float64" if chosen == "multigrid" and system.spans_much else chosen
+    kind = kind_of(chosen, system.spans_much)
     planned = plan(system.weight.shape, int(np.count_nonzero(system.unknown)), kind, memory_limit_bytes)
     islands = Islands(system)
     return Solver(system, _method(chosen, system, islands, like), islands, planned)

@@ -13,11 +13,13 @@ from nmaptool.arrays import Float64, Mask
 from nmaptool.errors import ConvergenceError, InputError
 from nmaptool.progress import Progress
 from nmaptool.solver.islands import Islands
-from nmaptool.solver.memory import plan
+from nmaptool.solver.memory import kind_of, plan
 from nmaptool.solver.method import DirectMethod, Method, Report
 from nmaptool.solver.system import QuadSystem, extremes
 
 # loads of another size are solved in another unit
+# a load this small beside its level is rounding
+_ROUNDING = 1e-15
 _LEAST, _MOST = 1e-12, 1e12
 
 
@@ -69,7 +71,9 @@ class Solver:
         LimitError
         """
         if limit_bytes is not None:
-            plan(self.system.weight.shape, self.unknowns, self.method.name, limit_bytes)
+            plan(
+                self.system.weight.shape, self.unknowns, kind_of(self.method.name, self.system.spans_much), limit_bytes
+            )
 
     def solve(
         self,
@@ -100,7 +104,7 @@ class Solver:
         Raises
         ------
         InputError
-            If the load, a held height or the start is not finite.
+            If the load, a held height or the start is not finite or of another shape.
         ConvergenceError
             If the tolerance is not reached; the history is in the error.
         """
@@ -143,6 +147,9 @@ class _Solve:
     def __init__(self, solver: Solver, load: Float64, held_z: Float64 | None, in_place: bool) -> None:
         self._system, self._method, self._islands = solver.system, solver.method, solver.islands
         held = self._system.held
+        for name, given in (("the right-hand side", load), ("the held heights", held_z)):
+            if given is not None and given.shape != held.shape:
+                raise InputError(f"{name} must be of shape {held.shape}, found {given.shape}")
         self._z = np.zeros(held.shape)
         if held_z is not None:
             np.copyto(self._z, held_z, where=held)
@@ -159,6 +166,14 @@ class _Solve:
         left = None if in_place else self._room()
         self.scale = self._islands.residual(self._load, None if self._flat else self._z, left)
         self._constants = self._islands.constants(self._load)
+        if self._constants.level is not None:
+            self._scale_by_shape(left)
+
+    def _scale_by_shape(self, left: NDArray[Any] | None) -> None:
+        """Count residuals against what is left of the load without the level, however large that is."""
+        flat = None if self._flat else self._z
+        shape = self._islands.residual(self._load, flat, self._room() if left is None else left, self._constants)
+        self.scale = np.where(shape > _ROUNDING * self.scale, shape, 0.0)
 
     def answer(self, method: DirectMethod) -> Float64:
         """Solve in place; the relative residual of each island."""

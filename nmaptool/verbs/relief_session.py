@@ -99,6 +99,7 @@ class ReliefSession:
         self._keep = keep
         self._cases: list[_Case] = []  # the latest used first
         self._lock = threading.Lock()
+        self._solving: int | None = None  # the thread that does
 
     def solve(self, options: ReliefOptions | None = None, progress: Progress | None = None) -> Relief:
         """The relief with these options.
@@ -124,8 +125,14 @@ class ReliefSession:
             If the solver does not reach its tolerance.
         """
         options = options or ReliefOptions()
+        if self._solving == threading.get_ident():
+            raise UsageError("a session cannot solve while it solves: ask it after the progress callback has returned")
         with self._lock:
-            return self._solve(options, progress)
+            self._solving = threading.get_ident()
+            try:
+                return self._solve(options, progress)
+            finally:
+                self._solving = None
 
     def _solve(self, options: ReliefOptions, progress: Progress | None) -> Relief:
         clock = [time.perf_counter()]

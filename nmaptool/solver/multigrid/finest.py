@@ -14,7 +14,8 @@ from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
 from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
-# Jacobi's step 1 / diagonal beside 1 / (sum of the weights around + beta); no system's step is too long with it
+# A is at most the weights around + beta, so that 4/3 of the inverse of that stays below 2 / A; with beta 0 it is just
+# Jacobi's step, 1 / diagonal
 _STEP = 4 / 3
 
 

@@ -17,7 +17,7 @@ from nmaptool.solver.multigrid.values import Values, add_product
 # a vertex whose coarse neighbours hold less than this share of it is a stray
 HELD_SHARE = 0.4
 # a side counts if its nearest vertex has at least this share of the side's couplings
-_DIRECT_SHARE = 1e-3
+_DIRECT_SHARE = 0.1
 # ties to fixed heights below this share of the diagonal do not show in the interpolation
 _FELT_TIE = 0.02
 _TINY = 1e-37

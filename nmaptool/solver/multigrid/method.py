@@ -43,7 +43,7 @@ def _factor(made_for: QuadSystem, system: QuadSystem) -> float | None:
 
 
 def _stalls(history: list[float]) -> bool:
-    """Whether three iterations brought less than a half: what is left is rounding."""
+    """Whether the last iterations brought less than a half: what is left is rounding."""
     return len(history) > _PATIENCE and min(history[-_PATIENCE:]) > 0.5 * min(history[:-_PATIENCE])
 
 
@@ -87,7 +87,7 @@ class MultigridMethod:
         size = float(max(left.max(), -left.min()))
         if size == 0:
             return (0.0,)
-        left *= 1 / size
+        left /= size
         start = math.sqrt(finest.dot(left, left))
         history: list[float] = []
         with self._one_at_a_time:

@@ -76,7 +76,6 @@ class Split:
         """Work on the band and ``margin`` rows above and below."""
         self._start = 1 + (HALO - margin) * self.cols
         self._stop = 1 + (HALO + self.rows + margin) * self.cols
-        self.size = self._stop - self._start
 
     def __call__(self, name: str, down: int = 0, across: int = 0) -> Values:
         """View of an array."""
