@@ -36,6 +36,7 @@ test: check
 bench: $(STAMP)
 	$(BIN)/python -m bench.solver
 	$(BIN)/python -m bench.crossover
+	$(BIN)/python -m bench.kernels
 	$(BIN)/python -m bench.session
 	$(BIN)/python -m bench.relief
 	$(BIN)/python -m bench.bake
