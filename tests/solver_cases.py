@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from bench import masks
 from nmaptool.grid import corner_sum
 from nmaptool.solver import QuadSystem
 
@@ -38,3 +39,8 @@ def blobs(side):
     x, y = (np.mgrid[0:side, 0:side] + 0.5) / side
     solid = (np.hypot(x - 0.4, y - 0.45) < 0.33) | (np.abs(x - 0.8) + np.abs(y - 0.8) < 0.15)
     return (solid & ~(np.hypot(x - 0.35, y - 0.5) < 0.07) & ~((np.abs(y - 0.3) < 0.02) & (x > 0.4))).astype(float)
+
+
+def mask_of(family, side):
+    """A mask of `bench.masks`."""
+    return masks.statue(side, side) if family == "statue" else getattr(masks, family)(side)

@@ -1,29 +1,19 @@
-"""Multigrid against the matrices it does without, and the counts of its iterations."""
+"""Multigrid against other solvers, and the counts of its iterations."""
 
 import numpy as np
 import pytest
-from scipy import sparse
-from solver_cases import free_system
+from solver_cases import free_system, mask_of
 
 import nmaptool as nm
 from bench import masks
 from nmaptool.errors import ConvergenceError
 from nmaptool.grid import corner_sum, touching
 from nmaptool.solver import QuadSystem, prepare, slope_load
-from nmaptool.solver.amg import assemble as assemble_system
 from nmaptool.solver.multigrid import hierarchy as building
-from nmaptool.solver.multigrid.coarsest import assemble
-from nmaptool.solver.multigrid.finest import Finest
-from nmaptool.solver.multigrid.hierarchy import Hierarchy, coarsen
-from nmaptool.solver.multigrid.level import inner, new_field
 from nmaptool.vectors import unit
 
 FAMILIES = ("statue", "holes", "islands", "gaps", "comb", "bridge", "hair", "checkerboard")
 THIN = ("tree", "lines", "spiral", "maze", "noise")
-
-
-def mask_of(family, side):
-    return masks.statue(side, side) if family == "statue" else getattr(masks, family)(side)
 
 
 def load_for(weight, seed=1):
@@ -38,18 +28,18 @@ def iterations(family, side, beta, tolerance=1e-8):
 # at side 128 and 384, for beta 1, 0.001 and 0
 COUNTS = {
     "statue": (7, 7, 7, 7, 7, 7),
-    "holes": (8, 9, 9, 8, 9, 9),
-    "islands": (8, 8, 8, 8, 8, 8),
-    "gaps": (8, 7, 7, 8, 7, 7),
-    "comb": (8, 7, 7, 7, 7, 7),
-    "bridge": (8, 7, 7, 7, 7, 7),
-    "hair": (7, 9, 9, 7, 11, 11),
+    "holes": (7, 8, 8, 8, 8, 8),
+    "islands": (8, 8, 8, 7, 8, 8),
+    "gaps": (7, 7, 7, 7, 6, 6),
+    "comb": (7, 6, 6, 7, 6, 6),
+    "bridge": (7, 7, 7, 7, 6, 7),
+    "hair": (7, 9, 9, 7, 10, 11),
     "checkerboard": (7, 7, 7, 7, 7, 7),
-    "tree": (7, 8, 8, 8, 11, 12),
-    "lines": (8, 10, 10, 8, 11, 12),
-    "spiral": (8, 7, 7, 8, 8, 8),
+    "tree": (7, 7, 7, 7, 11, 11),
+    "lines": (7, 9, 9, 7, 10, 11),
+    "spiral": (7, 7, 7, 7, 8, 8),
     "maze": (7, 8, 8, 7, 10, 11),
-    "noise": (8, 10, 10, 8, 11, 11),
+    "noise": (8, 9, 9, 8, 11, 11),
 }
 
 
@@ -170,136 +160,6 @@ def test_not_converging_is_an_error_with_the_history():
     assert len(e.value.history) == 3
 
 
-# what it is made of
-
-
-def random_system(seed, shape=(23, 30), span=10, held_share=0.0):
-    rng = np.random.default_rng(seed)
-    weight = (rng.random(shape) < 0.7) * span ** rng.uniform(-0.5, 0.5, shape)
-    held = rng.random((shape[0] + 1, shape[1] + 1)) < held_share
-    return QuadSystem(weight, corner_sum(weight) * 1e-3 * rng.random(held.shape), held)
-
-
-@pytest.mark.parametrize("held_share", [0.0, 0.2])
-def test_finest_level_is_the_system(held_share):
-    system = random_system(0, held_share=held_share)
-    finest = Finest(system, np.float64)
-    z = np.where(system.unknown, np.random.default_rng(1).normal(size=finest.shape), 0)
-    x, out = new_field(finest.shape, np.float64), np.empty(finest.size)
-    inner(x, finest.shape)[:] = z
-    energy = finest.times(x, out)
-    expected = np.where(system.unknown, system.apply(z), 0)
-    assert np.allclose(out.reshape(finest.shape), expected, rtol=0, atol=1e-13)
-    assert energy == pytest.approx(float((z * expected).sum()), rel=1e-12)
-
-
-def prolongation(way, strays):
-    """P as a matrix: what comes up for each unit vector; strays' rows and columns last."""
-    coarse, fine = (shape[0] * shape[1] for shape in (way.coarse, way.fine))
-    kept = 0 if way.strays is None else way.strays.kept
-    matrix = np.zeros((fine + kept, coarse + strays))
-    for number in range(coarse):
-        unit, out = new_field(way.coarse, np.float64), new_field(way.fine, np.float64)
-        inner(unit, way.coarse).flat[number] = 1
-        way.prolong(unit, out)
-        matrix[:fine, number] = inner(out, way.fine).ravel()
-    if way.strays is not None:
-        matrix[way.strays.rows, coarse:] = way.strays.weights.toarray()
-        matrix[fine + np.arange(kept), coarse + np.arange(kept)] = 1
-    return matrix
-
-
-def full_matrix(level):
-    """The matrix of a level over all its places."""
-    small, places = assemble(level)
-    size = level.size + level.strays.count
-    spread = sparse.csr_matrix((np.ones(len(places)), (places, np.arange(len(places)))), shape=(size, len(places)))
-    return (spread @ small @ spread.T).toarray()
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_coarse_levels_are_galerkin(seed):
-    system = random_system(seed, span=30)
-    finest = Finest(system, np.float64)
-    anchors = np.zeros(finest.shape, bool)
-    places = np.flatnonzero(system.unknown)
-    matrix = np.zeros((finest.size, finest.size))
-    matrix[np.ix_(places, places)] = assemble_system(system, system.unknown & ~anchors).toarray()
-    level = finest
-    strays = 0
-    for _ in range(3):
-        way, below = coarsen(level)
-        p = prolongation(way, below.strays.count)
-        active = np.flatnonzero(np.concatenate([below.diagonal > 0, below.strays.diagonal > 0]))
-        # ties are lumped: they are no part of the couplings
-        ties = np.diag(matrix.sum(axis=1))
-        couplings = p.T @ (matrix - ties) @ p
-        np.fill_diagonal(couplings, 0)
-        found = full_matrix(below)
-        np.fill_diagonal(found, 0)
-        pick = np.ix_(active, active)
-        assert np.allclose(found[pick], np.minimum(couplings, 0)[pick], rtol=1e-9, atol=1e-12 * np.abs(found).max())
-        rows = (p.T @ matrix @ p.sum(axis=1))[active]
-        found_ties = full_matrix(below).sum(axis=1)[active]
-        assert np.allclose(found_ties, np.maximum(rows, 0), rtol=0, atol=1e-9 * np.abs(found).max())
-        level, matrix = below, full_matrix(below)
-        strays += below.strays.count
-    assert strays > 0  # or half of the above was not tried
-
-
-def test_restriction_is_the_transpose_of_prolongation():
-    rng = np.random.default_rng(3)
-    way, _ = coarsen(Finest(random_system(5), np.float64))
-    fine, coarse = rng.normal(size=way.fine), new_field(way.coarse, np.float64)
-    inner(coarse, way.coarse)[:] = rng.normal(size=way.coarse)
-    down, up = np.empty(way.coarse[0] * way.coarse[1]), new_field(way.fine, np.float64)
-    way.restrict(lambda first, last: fine[first:last], down)
-    way.prolong(coarse, up)
-    one, two = (down * inner(coarse, way.coarse).ravel()).sum(), (fine * inner(up, way.fine)).sum()
-    assert one == pytest.approx(two, rel=1e-12)
-
-
-@pytest.mark.parametrize("family", ["statue", "tree", "maze"])
-def test_a_cycle_is_symmetric_and_positive(family):
-    system = free_system(mask_of(family, 140), 1e-4)
-    hierarchy, rng = Hierarchy(system, np.float64), np.random.default_rng(0)
-    size = hierarchy.finest.size
-
-    def cycle(residual):
-        out = np.empty(size)
-        hierarchy.cycle(residual, new_field(hierarchy.finest.shape, np.float64), out)
-        return out
-
-    one, two = (rng.normal(size=size) * system.unknown.ravel() for _ in range(2))
-    assert one @ cycle(two) == pytest.approx(two @ cycle(one), rel=1e-9)
-    assert one @ cycle(one) > 0
-
-
-@pytest.mark.parametrize("family", ["gaps", "islands", "comb", "noise", "tree"])
-@pytest.mark.parametrize("beta", [1e-3, 0])
-def test_islands_never_merge_and_free_constants_stay_free(family, beta):
-    system = free_system(mask_of(family, 150), beta)
-    labels, _ = system.islands()
-    level = Finest(system, np.float32)
-    while min(level.shape) > 5:
-        _, level = coarsen(level)
-        labels = labels[::2, ::2]
-        if beta:  # so that what has shrunk to a single vertex still shows
-            matrix, places = assemble(level)
-            parts = sparse.csgraph.connected_components(matrix, directed=False)[1]
-            islands = labels.ravel()[places[places < level.size]]
-            pairs = set(zip(islands, parts, strict=False))
-            assert len(pairs) == len(set(islands)) == len({part for _, part in pairs})
-        else:
-            assert not level.tie.any()
-            assert not level.strays.tie.any()
-
-
-def test_what_is_left_of_a_thin_shape_is_carried_down(monkeypatch):
-    monkeypatch.setattr(building, "_MOST_STRAYS", 2.0)  # never hand over early
-    assert iterations("maze", 128, 0) <= 15
-
-
 @pytest.mark.parametrize(
     ("stiffer", "pulled", "borrowed"), [(1, 1.3, True), (2.5, 2, True), (1, 3, False), (8, 1, False)]
 )
@@ -331,3 +191,8 @@ def test_coarse_levels_are_made_anew_where_the_shape_changes(change):
         weight[3, 3] = 1e-5
     system = QuadSystem(weight, corner_sum(np.ones_like(weight)) / 4 * 1e-3, held)
     assert not prepare(system, "multigrid", like=prepare(first, "multigrid")).method.borrowed
+
+
+def test_what_is_left_of_a_thin_shape_is_carried_down(monkeypatch):
+    monkeypatch.setattr(building, "_MOST_STRAYS", 2.0)  # never hand over early
+    assert iterations("maze", 128, 0) <= 15
