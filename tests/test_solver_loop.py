@@ -287,3 +287,11 @@ def test_shapes_that_do_not_fit_are_named():
         solver.solve(np.zeros((1, 6, 7)))
     with pytest.raises(InputError, match=r"the held heights must be of shape \(6, 7\), found \(3, 3\)"):
         solver.solve(np.zeros((6, 7)), np.zeros((3, 3)))
+
+
+def test_auto_takes_amg_for_a_few_lines_on_a_large_picture():
+    weight = np.zeros((100, 100))
+    weight[50] = 1
+    assert prepare(free_system(weight, 0.1)).method.name == "amg"
+    weight[20:24] = 1
+    assert prepare(free_system(weight, 0.1)).method.name == "multigrid"

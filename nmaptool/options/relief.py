@@ -59,8 +59,8 @@ class ReliefOptions:
         Width of the whole picture, such as 100mm. Default: what the file says, else 100 mm on the longer side.
     solver:
         "auto" takes the quickest: "dct" (exact) for a picture that is all surface with one weight everywhere,
-        "multigrid" for every mask and all weights. "amg" answers the same by a second way, slower and with more memory,
-        to check by.
+        "multigrid" for every mask and all weights, "amg" for a few lines on a large picture. Elsewhere "amg" answers
+        the same by a second way, slower and with more memory, to check by.
     tolerance:
         Relative residual at which the solver stops.
     max_iterations:

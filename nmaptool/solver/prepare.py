@@ -13,11 +13,14 @@ from nmaptool.solver.system import QuadSystem
 
 __all__ = ["DirectMethod", "Method", "Solution", "Solver", "choose", "prepare"]
 
+# multigrid takes its time by the picture, amg by the unknowns: with fewer than this share of them it is the quicker
+# (bench.crossover)
+_SPARSE = 0.05
 _NAMES = ("auto", "dct", "multigrid", "amg")
 
 
 def choose(system: QuadSystem, wanted: str) -> str:
-    """The method to use: "auto" takes the DCT where it is exact and multigrid elsewhere.
+    """The method to use: "auto" takes the DCT where it is exact, amg for a few lines on a wide picture, else multigrid.
 
     Raises
     ------
@@ -27,7 +30,9 @@ def choose(system: QuadSystem, wanted: str) -> str:
     if wanted not in _NAMES:
         raise UsageError(f"--solver {wanted!r}: use one of {', '.join(_NAMES)}")
     if wanted == "auto":
-        return "dct" if system.is_uniform else "multigrid"
+        if system.is_uniform:
+            return "dct"
+        return "amg" if np.count_nonzero(system.unknown) < _SPARSE * system.unknown.size else "multigrid"
     if wanted == "dct" and not system.is_uniform:
         raise UsageError("--solver dct: needs a map without background and one weight everywhere; use --solver auto")
     return wanted
