@@ -43,7 +43,7 @@ def test_every_band_is_the_operator(shape, dtype):
         assert system.residual(load, z, None) == norm
         assert system.residual(load, None, out) == pytest.approx(np.linalg.norm(load[system.unknown]), rel=1e-12)
     around = np.concatenate([system.operator.around(slice(row, row + 1)) for row in range(len(z))])
-    assert np.allclose(around, system.around, rtol=1e-15, atol=0)
+    assert np.allclose(around, corner_sum(system.weight), rtol=1e-15, atol=0)
 
 
 def test_weights_are_taken_as_they_are_and_never_changed():

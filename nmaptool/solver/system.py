@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from nmaptool.arrays import Float64, Mask
 from nmaptool.bands import each_band
 from nmaptool.errors import InputError
-from nmaptool.grid import corner_mean, corner_sum, touching
+from nmaptool.grid import corner_mean, touching
 from nmaptool.solver.operator import Operator, Weights, rows_at_once
 
 # given a band of rows and (rows * (W+1),) float64 of them
@@ -179,11 +179,6 @@ class QuadSystem:
 
         self.operator.each(z, finish, self.unknown)
         return float(np.sqrt(squares.sum()))
-
-    @functools.cached_property
-    def around(self) -> Float64:
-        """(H+1, W+1) float64 sum of the face weights around each vertex."""
-        return corner_sum(self.weight)
 
     @functools.cached_property
     def unknown(self) -> Mask:
