@@ -21,6 +21,7 @@ from bench.patience import Patience  # noqa: E402
 from bench.runs import Job, Outcome, measure  # noqa: E402
 from bench.systems import Case  # noqa: E402
 from bench.table import cpu_model  # noqa: E402
+from nmaptool.machine import available_bytes  # noqa: E402
 
 DATA = Path(__file__).with_name("solver_scaling.json")
 PICTURE = ROOT / "docs" / "pictures" / "solver_scaling.png"
@@ -43,7 +44,7 @@ def measured(options: argparse.Namespace) -> Points:
     for name, (method, family, _, _) in CURVES.items():
         if method not in options.methods:
             continue
-        room = _memory_bytes()
+        room = available_bytes() or float("inf")
         densest = 0.0
         for side in SIDES:
             case = Case(side, side, family)
@@ -79,13 +80,6 @@ def _said(outcome: Outcome) -> str:
         f"{outcome.setup:.2f} + {answer.solve:.2f} s, {answer.iterations} iterations, residual {answer.residual:.0e}, "
         f"{answer.peak / 1e9:.2f} GB"
     )
-
-
-def _memory_bytes() -> float:
-    info = Path("/proc/meminfo")
-    if not info.exists():
-        return float("inf")
-    return float(next(r for r in info.read_text().splitlines() if r.startswith("MemAvailable")).split()[1]) * 1024
 
 
 def draw(data: dict[str, Any]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -45,6 +46,16 @@ def assemble(system: QuadSystem, unknown: Mask) -> sparse.csr_matrix:
     return sparse.csr_matrix((values[keep], columns[keep], pointer), shape=(count, count))
 
 
+def hierarchy_of(matrix: sparse.csr_matrix) -> Any:
+    """Ruge and Stueben's hierarchy of a matrix, by pyamg."""
+    import pyamg
+
+    # the second pass of coarsening nearly halves the iterations on ragged masks
+    return pyamg.ruge_stuben_solver(
+        matrix, CF=("RS", {"second_pass": True}), max_coarse=_COARSEST, coarse_solver="splu"
+    )
+
+
 class AmgMethod:
     """One hierarchy, any number of right-hand sides.
 
@@ -59,16 +70,9 @@ class AmgMethod:
     precision = np.float64
 
     def __init__(self, system: QuadSystem, islands: Islands) -> None:
-        import pyamg
-
         self._unknown = system.unknown & ~islands.anchors
         self._matrix = assemble(system, self._unknown)
-        self._hierarchy = None
-        if self._matrix.shape[0]:
-            # the second pass of coarsening nearly halves the iterations on ragged masks
-            self._hierarchy = pyamg.ruge_stuben_solver(
-                self._matrix, CF=("RS", {"second_pass": True}), max_coarse=_COARSEST, coarse_solver="splu"
-            )
+        self._hierarchy = hierarchy_of(self._matrix) if self._matrix.shape[0] else None
 
     def improve(
         self, z: Float64, residual: Float64, reduction: float, max_iterations: int, report: Report | None

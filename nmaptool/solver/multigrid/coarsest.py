@@ -8,6 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from nmaptool.arrays import Float64
+from nmaptool.solver.amg import hierarchy_of
 from nmaptool.solver.multigrid.level import Stencil, inner
 from nmaptool.solver.multigrid.values import Values
 
@@ -76,10 +77,7 @@ def coarse_solver(matrix: sparse.csr_matrix) -> Callable[[Float64], Float64]:
             matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
         ).solve
         return solve
-    import pyamg
-
-    hierarchy = pyamg.ruge_stuben_solver(matrix, CF=("RS", {"second_pass": True}), max_coarse=500, coarse_solver="splu")
-    cycle = hierarchy.aspreconditioner(cycle="V")
+    cycle = hierarchy_of(matrix).aspreconditioner(cycle="V")
 
     def twice(b: Float64) -> Float64:
         x: Float64 = cycle @ b

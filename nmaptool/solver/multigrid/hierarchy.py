@@ -183,6 +183,7 @@ class Hierarchy:
             relax.x[margin(way.fine) + moved.rows] += moved.weights @ strays
             relax.strays += strays[: moved.kept]
         relax.smooth(first=False)
+        relax.forget_load()
         return relax.x, relax.strays
 
     def _at_bottom(self, residual: Values, at_strays: Values) -> tuple[Values, Values]:

@@ -61,6 +61,10 @@ class Relaxation:
         """What is to be solved for."""
         self._load, self._load_strays = residual, strays
 
+    def forget_load(self) -> None:
+        """Let go of it, so that the next cycle has room for its own."""
+        self._load, self._load_strays = self.x, self.strays
+
     def smooth(self, first: bool) -> None:
         """Two steps; the first ones start from zero, the last ones go backwards."""
         level = self.level
