@@ -10,7 +10,6 @@ import numpy as np
 from nmaptool.arrays import Float64, Mask
 from nmaptool.decompose.mixture import fit_mixture
 from nmaptool.layer_set import Mixture
-from nmaptool.mesh import FaceGeometry
 from nmaptool.progress import Progress
 
 # a sum shorter than this share of its weight has no direction: the normals around a face cancel out
@@ -82,10 +81,10 @@ def roll(normals: Float64, gather: Gather, iterations: int, progress: Progress |
     return guide
 
 
-def summands(geometry: FaceGeometry) -> Float64:
+def summands(normals: Float64, areas: Float64) -> Float64:
     """(M, 4) float64: what each face adds to the sums around it, its area times its normal, and its area."""
-    areas = geometry.areas[:, None] / geometry.areas.mean()
-    return np.hstack([geometry.normals * areas, areas])
+    relative = areas[:, None] / areas.mean()
+    return np.hstack([normals * relative, relative])
 
 
 def separate(normals: Float64, filtered: Float64, weights: Float64, keep_small: bool = True) -> Decomposition:

@@ -15,6 +15,7 @@ import numpy as np
 
 from nmaptool.arrays import Float32, Float64
 from nmaptool.decompose.cells import Labels, Reach, face_neighbors, patches, reach
+from nmaptool.decompose.principal import principal_axes
 from nmaptool.decompose.rolling import Gather, summands
 from nmaptool.mesh import FaceGeometry, Mesh, sum_by
 
@@ -22,8 +23,49 @@ RADIUS = 2.5  # sigma_s
 _PATCH = 0.5  # sigma_s
 _ALIKE = 0.5  # sigma_r
 _WEIGHTS_AT_ONCE = 100_000
+_ROUNDING = 1e-9  # of the longest side
 # from the squares of eight columns to -|place|^2 / 2 and -|guide|^2 / 2
 _HALVES = np.repeat(np.eye(3, 2, dtype=np.float32), (3, 3, 2), axis=0) * np.float32(-0.5)
+
+
+class Surroundings:
+    """What can be reached from every face along the surface within 2.5 sigma_s; one serves many fields of normals.
+
+    Places and normals are taken along the mesh's own axes, so that turning or mirroring the mesh turns or mirrors sums.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Clean and welded.
+    geometry : FaceGeometry
+    sigma_s : float
+        In units of the mesh.
+    """
+
+    def __init__(self, mesh: Mesh, geometry: FaceGeometry, sigma_s: float) -> None:
+        self._axes = principal_axes(geometry)
+        # rounded, so that a face on the border of a cell does not change sides with the last bit of a turned mesh
+        longest = float(np.ptp(geometry.centroids, axis=0).max())
+        own = geometry.centroids @ self._axes.T
+        own = np.round((own - (own.min(axis=0) + own.max(axis=0)) / 2) / (_ROUNDING * longest)) * (_ROUNDING * longest)
+        neighbors = face_neighbors(mesh.faces)
+        around = reach(own, neighbors, RADIUS * sigma_s)
+        self._around = around
+        self._cells = _cells(patches(own, neighbors, _PATCH * sigma_s), around.patch)
+        self._where = own / sigma_s
+        self._areas = geometry.areas
+
+    def gather(self, normals: Float64, sigma_r: float) -> Gather:
+        """Sums of (M, 3) unit normals, led by a guide whose differences count in units of ``sigma_r``."""
+        parts = summands(normals @ self._axes.T, self._areas)
+
+        def sums(guide: Float64 | None) -> Float64:
+            lead = np.zeros_like(self._where) if guide is None else guide @ self._axes.T / sigma_r
+            nodes = _nodes(self._cells, self._around.patch, self._where, lead, parts)
+            found = _at_faces(nodes, _pair_sums(nodes, self._around), self._where, lead)
+            return np.hstack([found[:, :3] @ self._axes, found[:, 3:]])
+
+        return sums
 
 
 def gather_surface(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: float) -> Gather:
@@ -39,20 +81,7 @@ def gather_surface(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: 
     sigma_r : float
         Of differences of unit normals.
     """
-    neighbors = face_neighbors(mesh.faces)
-    around = reach(geometry.centroids, neighbors, RADIUS * sigma_s)
-    cells = _cells(patches(geometry.centroids, neighbors, _PATCH * sigma_s), around.patch)
-    middle = (geometry.centroids.min(axis=0) + geometry.centroids.max(axis=0)) / 2
-    where = (geometry.centroids - middle) / sigma_s
-    parts = summands(geometry)
-
-    def gather(guide: Float64 | None) -> Float64:
-        lead = np.zeros_like(where) if guide is None else guide / sigma_r
-        nodes = _nodes(cells, around.patch, where, lead, parts)
-        sums = _pair_sums(nodes, around)
-        return _at_faces(nodes, sums, where, lead)
-
-    return gather
+    return Surroundings(mesh, geometry, sigma_s).gather(geometry.normals, sigma_r)
 
 
 @dataclass(frozen=True, eq=False)
