@@ -60,6 +60,19 @@ class DrawnOutputs:
     faces: bool = False
 
 
+@dataclass(frozen=True)
+class LearnedFilter:
+    """A filter of your own.
+
+    Parameters
+    ----------
+    model:
+        Filter made by nmap train, .npz, for --filter learned. Default: the one that comes with nmaptool.
+    """
+
+    model: Path | None = None
+
+
 def bake(
     mesh: str,
     /,
@@ -68,6 +81,7 @@ def bake(
     drawn: Annotated[DrawnOutputs, Parameter(name="*", group=OUTPUTS)] = DrawnOutputs(),
     options: Annotated[BakeOptions, Parameter(name="*", group=CAMERA)] = BakeOptions(),
     filter: Annotated[FilterOptions, Parameter(name="*", group=FILTER)] = FilterOptions(),
+    learned: Annotated[LearnedFilter, Parameter(name="*", group=FILTER)] = LearnedFilter(),
     reading: Annotated[MeshReadOptions, Parameter(name="*", group=READING)] = MeshReadOptions(),
     run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
 ) -> None:
@@ -103,11 +117,12 @@ def bake(
     import nmaptool as nm
 
     with session.progress() as progress:
+        model = None if learned.model is None else nm.read_filter_model(learned.model)
         source = nm.read_mesh(mesh, unit=reading.unit, max_faces=reading.max_faces)
-        layer_sets = nm.bake_views(source, options, filter, progress=progress)
+        layer_sets = nm.bake_views(source, options, filter, model=model, progress=progress)
     account: dict[str, Any] = {
         "version": nm.__version__,
-        "files": {"mesh": mesh},
+        "files": {"mesh": mesh} | ({} if learned.model is None else {"model": str(learned.model)}),
         "reading": asdict(reading),
         "outputs": [str(path) for path in files.targets],
         "layers": [layers.report.to_dict() for layers in layer_sets],

@@ -43,6 +43,7 @@ app.command("nmaptool_cli.compose:app", name="compose", help=COMPOSE_HELP)
 app.command(
     "nmaptool_cli.relief:relief", name="relief", help="Make a relief in millimetres from one or two normal maps."
 )
+app.command("nmaptool_cli.train:train", name="train", help="Learn a filter from meshes of your own.")
 
 
 # flags whose values may start with a minus sign

@@ -36,7 +36,7 @@ STDOUT = "standard output"
 Parameter(n_tokens=1, accepts_keys=False, converter=lambda _, tokens: length(tokens[0].value))(Length)
 
 
-def _size(text: str) -> float | Length:
+def size_of(text: str) -> float | Length:
     """A plain number or a `Length`."""
     try:
         return float(text)
@@ -45,7 +45,7 @@ def _size(text: str) -> float | Length:
 
 
 # the parser alone would want a float, or a Length as two words
-_SIZE = Parameter(n_tokens=1, accepts_keys=False, converter=lambda _, tokens: _size(tokens[0].value))
+_SIZE = Parameter(n_tokens=1, accepts_keys=False, converter=lambda _, tokens: size_of(tokens[0].value))
 FilterOptions.__annotations__["sigma_s"] = Annotated[float | Length, _SIZE]
 
 

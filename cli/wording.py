@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -11,11 +11,13 @@ if TYPE_CHECKING:
         ConvertReport,
         Decoding,
         DepthReport,
+        FilterModel,
         Inspection,
         LayerReport,
         LayerSet,
         Mesh,
         SolveReport,
+        TrainingExample,
         Unpacked,
     )
 
@@ -112,13 +114,8 @@ def describe_mesh(mesh: Mesh, report: LayerReport) -> Iterator[str]:
 
 def describe_split(report: LayerReport) -> Iterator[str]:
     """How base and detail were told apart."""
-    o, m = report.options, report.mixture
-    where = f", {o['neighborhood']}" if "neighborhood" in o else ""
-    size = str(o["sigma_s"]) if isinstance(o["sigma_s"], str) else f"{o['sigma_s']:g} edges"
-    yield (
-        f"  {o['filter']}{where}: sigma_s {size} = {report.sigma_s_px:.1f} px, sigma_r {o['sigma_r']:g}, "
-        f"{o['iterations']} passes"
-    )
+    yield f"  {_filter_words(report)}"
+    m = report.mixture
     if report.curl:
         yield f"  mean |curl| {', '.join(f'{name} {size:.4f}' for name, size in report.curl.items())} slope per px"
     if m.form == "none":
@@ -129,6 +126,18 @@ def describe_split(report: LayerReport) -> Iterator[str]:
     yield (
         f"  residuals: base {m.low.mean:.4f} +- {m.low.sigma:.4f} ({m.low.weight:.0%}), detail {m.high.mean:.4f} +- "
         f"{m.high.sigma:.4f} ({m.high.weight:.0%}); {threshold}; {report.detail_share:.0%} of {whole} beyond it"
+    )
+
+
+def _filter_words(report: LayerReport) -> str:
+    o = report.options
+    if report.model:
+        return f"learned filter {report.model}"
+    where = f", {o['neighborhood']}" if "neighborhood" in o else ""
+    size = str(o["sigma_s"]) if isinstance(o["sigma_s"], str) else f"{o['sigma_s']:g} edges"
+    return (
+        f"{o['filter']}{where}: sigma_s {size} = {report.sigma_s_px:.1f} px, sigma_r {o['sigma_r']:g}, "
+        f"{o['iterations']} passes"
     )
 
 
@@ -226,3 +235,11 @@ def describe_unpacked(unpacked: Unpacked) -> Iterator[str]:
         yield f"    -> {finding.remedy}"
     if not unpacked.findings:
         yield "  clean: nothing to report"
+
+
+def describe_training(examples: Sequence[TrainingExample], model: FilterModel) -> Iterator[str]:
+    """A filter that was learned, a line each."""
+    faces = sum(len(example.mesh.faces) for example in examples)
+    yield f"learned from {len(examples)} meshes, {faces} faces: filter {model.digest}"
+    before, *after = model.account["mean_angle_deg"]
+    yield f"  mean angle to the targets {before:.2f} degrees, after each stage {', '.join(f'{a:.2f}' for a in after)}"

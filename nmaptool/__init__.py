@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         UsageError,
     )
     from nmaptool.io.conversion import convert
+    from nmaptool.io.filter_models import read_filter_model, read_training, write_filter_model, write_training
     from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.layer_files import write_layers
     from nmaptool.io.map_files import write_composition
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
     from nmaptool.io.workspaces import read_workspace, write_workspace
     from nmaptool.layer_set import LayerReport, LayerSet, Mixture
     from nmaptool.layer_stack import Layer, LayerGroup
+    from nmaptool.learned.model import FilterModel, TrainingState
+    from nmaptool.learned.shipped import shipped_filter
     from nmaptool.mesh import Mesh
     from nmaptool.model import Decoding, Frame, Height, NormalMap, RasterImage
     from nmaptool.options import (
@@ -52,6 +55,7 @@ if TYPE_CHECKING:
         BlendOptions,
         CanvasOptions,
         DepthOptions,
+        DescriptorOptions,
         FilterOptions,
         GroupOptions,
         LayerOptions,
@@ -60,6 +64,7 @@ if TYPE_CHECKING:
         ReadOptions,
         ReliefOptions,
         SplitOptions,
+        TrainOptions,
         TransformOptions,
         WriteOptions,
     )
@@ -85,6 +90,7 @@ if TYPE_CHECKING:
     from nmaptool.verbs.relief_inputs import pitch_of
     from nmaptool.verbs.relief_session import ReliefSession
     from nmaptool.verbs.split import split
+    from nmaptool.verbs.train import TrainingExample, train, training_example
     from nmaptool.verbs.transform import transform
     from nmaptool.verbs.unpack import unpack
     from nmaptool.workspace import Workspace, WorkspaceFinding, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
@@ -98,6 +104,7 @@ _MODULES = {
     "depth.report": "DepthNormals DepthReport",
     "errors": "ConvergenceError InputError LimitError NmaptoolError OutputError RendererError UsageError",
     "io.conversion": "convert",
+    "io.filter_models": "read_filter_model read_training write_filter_model write_training",
     "io.heights": "read_height read_surface",
     "io.layer_files": "write_layers",
     "io.map_files": "write_composition",
@@ -110,10 +117,12 @@ _MODULES = {
     "io.workspaces": "read_workspace write_workspace",
     "layer_set": "LayerReport LayerSet Mixture",
     "layer_stack": "Layer LayerGroup",
+    "learned.model": "FilterModel TrainingState",
+    "learned.shipped": "shipped_filter",
     "mesh": "Mesh",
     "model": "Decoding Frame Height NormalMap RasterImage",
-    "options": "BakeOptions BlendOptions CanvasOptions DepthOptions FilterOptions GroupOptions LayerOptions "
-    "MeshReadOptions PackOptions ReadOptions ReliefOptions SplitOptions TransformOptions WriteOptions",
+    "options": "BakeOptions BlendOptions CanvasOptions DepthOptions DescriptorOptions FilterOptions GroupOptions "
+    "LayerOptions MeshReadOptions PackOptions ReadOptions ReliefOptions SplitOptions TrainOptions TransformOptions WriteOptions",
     "orientation": "doubts",
     "recipe": "Recipe RecipeGroup RecipeLayer RecipeLink",
     "recipe_parsing": "parse_recipe",
@@ -136,6 +145,7 @@ _MODULES = {
     "verbs.relief_inputs": "pitch_of",
     "verbs.relief_session": "ReliefSession",
     "verbs.split": "split",
+    "verbs.train": "TrainingExample train training_example",
     "verbs.transform": "transform",
     "verbs.unpack": "unpack",
     "workspace": "Workspace WorkspaceFinding WorkspaceGroup WorkspaceLayer WorkspaceMask",
@@ -155,6 +165,8 @@ __all__ = [
     "DepthNormals",
     "DepthOptions",
     "DepthReport",
+    "DescriptorOptions",
+    "FilterModel",
     "FilterOptions",
     "Finding",
     "Frame",
@@ -191,6 +203,9 @@ __all__ = [
     "SolveReport",
     "SplitOptions",
     "Stack",
+    "TrainOptions",
+    "TrainingExample",
+    "TrainingState",
     "TransformOptions",
     "Unpacked",
     "UnpackedLayer",
@@ -222,6 +237,7 @@ __all__ = [
     "pitch_of",
     "place_layers",
     "preview",
+    "read_filter_model",
     "read_grey",
     "read_height",
     "read_mesh",
@@ -230,17 +246,23 @@ __all__ = [
     "read_recipe",
     "read_stack",
     "read_surface",
+    "read_training",
     "read_workspace",
     "relief",
+    "shipped_filter",
     "split",
     "surface_mesh",
     "to_toml",
+    "train",
+    "training_example",
     "transform",
     "unpack",
     "write_composition",
+    "write_filter_model",
     "write_layers",
     "write_normal_map",
     "write_relief",
+    "write_training",
     "write_unpacked",
     "write_workspace",
 ]

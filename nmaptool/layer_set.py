@@ -98,7 +98,9 @@ class LayerReport:
     mean_edge : float
         Mean edge length in units of the mesh, the unit of sigma_s; 0 for layers of a map.
     sigma_s_px : float
-        What sigma_s comes to in pixels.
+        What sigma_s comes to in pixels; 0 where a learned filter was used.
+    model : str
+        Digest of the learned filter; empty for the others.
     renderer : str
         Which platform drew.
     camera : mapping
@@ -121,6 +123,7 @@ class LayerReport:
     faces: int = 0
     mean_edge: float = 0.0
     sigma_s_px: float = 0.0
+    model: str = ""
     renderer: str = ""
     camera: Mapping[str, Any] = field(default_factory=dict)
     curl: Mapping[str, float] = field(default_factory=dict)

@@ -17,6 +17,7 @@ from nmaptool.options.compose import (
 )
 from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
+from nmaptool.options.learned import DescriptorOptions, TrainOptions
 from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
 from nmaptool.options.transform import NewGround, TransformOptions
@@ -35,6 +36,7 @@ __all__ = [
     "Components",
     "DepthBackground",
     "DepthOptions",
+    "DescriptorOptions",
     "DetailEncoding",
     "Encoding",
     "Energy",
@@ -54,6 +56,7 @@ __all__ = [
     "Shading",
     "SolverName",
     "SplitOptions",
+    "TrainOptions",
     "TransformOptions",
     "WriteOptions",
     "WrittenGreen",

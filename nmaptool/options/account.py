@@ -5,8 +5,15 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+from nmaptool.options.filter import FilterOptions
+
 
 def plain_values(options: Any) -> dict[str, Any]:
     """The fields of an options dataclass as values for JSON; lengths become text such as ``3mm``."""
     values = {f.name: getattr(options, f.name) for f in dataclasses.fields(options)}
     return {name: str(value) if dataclasses.is_dataclass(value) else value for name, value in values.items()}
+
+
+def filter_values(options: FilterOptions) -> dict[str, Any]:
+    """`plain_values` of a filter; a learned one has no parameters."""
+    return {"filter": options.filter} if options.filter == "learned" else plain_values(options)

@@ -5,21 +5,20 @@ Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal
 
 from nmaptool.errors import UsageError
 from nmaptool.options.checks import require_choices, require_number
 from nmaptool.units import Length, length
 
-Filter = Literal["rnf", "grnf"]
+Filter = Literal["rnf", "grnf", "learned"]
 Neighborhood = Literal["surface", "ring"]
 
 _MOST_ITERATIONS = 100
 
 
-def _check(filter: str, sigma_r: float, iterations: int) -> None:
-    require_choices(("filter", filter, ("rnf", "grnf")))
+def _check(sigma_r: float, iterations: int) -> None:
     require_number("sigma-r", sigma_r, 0.01, 10, "0.5")
     if not 1 <= iterations <= _MOST_ITERATIONS:
         raise UsageError(f"--iterations {iterations}: must lie between 1 and {_MOST_ITERATIONS}, such as 5")
@@ -33,7 +32,8 @@ class FilterOptions:
     ----------
     filter:
         "rnf" takes the filtered normals as the base; "grnf" does so only where the filter changed a normal more than a
-        threshold found in the mesh itself, and keeps the original elsewhere.
+        threshold found in the mesh itself, and keeps the original elsewhere; "learned" is grnf with a filter that was
+        trained on many meshes and has no parameters.
     neighborhood:
         Faces that are averaged: "surface", those within 2.5 sigma_s along the surface; "ring", those that share a
         vertex, as the paper prints it.
@@ -54,8 +54,11 @@ class FilterOptions:
     iterations: int = 5
 
     def __post_init__(self) -> None:
-        _check(self.filter, self.sigma_r, self.iterations)
-        require_choices(("neighborhood", self.neighborhood, ("surface", "ring")))
+        _check(self.sigma_r, self.iterations)
+        require_choices(
+            ("filter", self.filter, ("rnf", "grnf", "learned")),
+            ("neighborhood", self.neighborhood, ("surface", "ring")),
+        )
         if isinstance(self.sigma_s, str):
             try:
                 size: float | Length = float(self.sigma_s)
@@ -69,6 +72,17 @@ class FilterOptions:
                 )
         else:
             require_number("sigma-s", self.sigma_s, 0.1, 1000, "3 or 2%")
+        if self.filter == "learned":
+            self._refuse_parameters()
+
+    def _refuse_parameters(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name != "filter" and value != field.default:
+                flag = field.name.replace("_", "-")
+                raise UsageError(
+                    f"--{flag} {value}: a learned filter has no parameters; leave it away, or use --filter grnf"
+                )
 
 
 @dataclass(frozen=True)
@@ -92,14 +106,17 @@ class SplitOptions:
         "difference".
     """
 
-    filter: Filter = "rnf"
+    filter: Literal["rnf", "grnf"] = "rnf"
     sigma_s: Length = Length(1.0, "%")
     sigma_r: float = 0.35
     iterations: int = 5
     detail_encoding: Literal["rotation", "slope", "difference"] = "rotation"
 
     def __post_init__(self) -> None:
-        _check(self.filter, self.sigma_r, self.iterations)
-        require_choices(("detail-encoding", self.detail_encoding, ("rotation", "slope", "difference")))
+        _check(self.sigma_r, self.iterations)
+        require_choices(
+            ("filter", self.filter, ("rnf", "grnf")),
+            ("detail-encoding", self.detail_encoding, ("rotation", "slope", "difference")),
+        )
         if isinstance(self.sigma_s, str):
             object.__setattr__(self, "sigma_s", length(self.sigma_s))

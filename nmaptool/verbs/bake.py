@@ -23,14 +23,15 @@ from nmaptool.decompose.rolling import Decomposition
 from nmaptool.detail import encode_detail
 from nmaptool.errors import InputError, UsageError
 from nmaptool.layer_set import LayerReport, LayerSet
+from nmaptool.learned.model import FilterModel
 from nmaptool.mesh import Mesh
 from nmaptool.model import Frame, NormalMap
 from nmaptool.options import BakeOptions, FilterOptions
-from nmaptool.options.account import plain_values
+from nmaptool.options.account import filter_values, plain_values
 from nmaptool.progress import Progress
 from nmaptool.units import Length
 from nmaptool.vectors import mean_abs_curls, mean_angle_deg
-from nmaptool.verbs.decompose import decompose_clean, sigma_s_of
+from nmaptool.verbs.decompose import decompose_clean, model_of, sigma_s_of
 
 # sizes in mm beyond which a mesh's units are hardly millimetres
 _SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
@@ -43,6 +44,7 @@ def bake(
     options: BakeOptions | None = None,
     filter: FilterOptions | None = None,
     *,
+    model: FilterModel | None = None,
     progress: Progress | None = None,
 ) -> LayerSet:
     """Draw a mesh as original, base and detail normal maps (paper, Sec. 3 and 4.2.1).
@@ -54,6 +56,8 @@ def bake(
     options : BakeOptions, optional
         Of one view.
     filter : FilterOptions, optional
+    model : FilterModel, optional
+        For the filter ``learned``. Default: the one that comes with the package.
     progress : callable, optional
         Called with a word and the share done.
 
@@ -74,7 +78,7 @@ def bake(
     options = options or BakeOptions()
     if len(options.views) > 1:
         raise UsageError(f"--view {options.view}: is several views; use bake_views, which gives a set for each")
-    return bake_views(mesh, options, filter, progress=progress)[0]
+    return bake_views(mesh, options, filter, model=model, progress=progress)[0]
 
 
 def bake_views(
@@ -82,12 +86,14 @@ def bake_views(
     options: BakeOptions | None = None,
     filter: FilterOptions | None = None,
     *,
+    model: FilterModel | None = None,
     progress: Progress | None = None,
 ) -> tuple[LayerSet, ...]:
     """`bake` for each view of ``options.view``, in order; the mesh is filtered once."""
     options = options or BakeOptions()
     tell = progress or (lambda word, share: None)
-    work = _Work(options, filter or FilterOptions())
+    asked = filter or FilterOptions()
+    work = _Work(options, asked, model_of(asked, model))
     with work.timed("clean"):
         clean, source_faces, findings = clean_mesh(mesh)
         cameras = [frame_camera(clean, options, *direction) for direction in options.directions]
@@ -97,7 +103,7 @@ def bake_views(
     with _drawing(options.renderer) as renderer:
         draw, platform = renderer
         with work.timed("filter"):
-            split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share))
+            split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share), work.model)
             fields = _fields(clean, split, options)
         for number, (view, camera) in enumerate(zip(options.views, cameras, strict=True)):
             tell("drawing", 0.7 + 0.3 * number / len(cameras))
@@ -116,6 +122,7 @@ class _Work:
 
     options: BakeOptions
     filter: FilterOptions
+    model: FilterModel | None
     seconds: dict[str, float] = field(default_factory=dict)
 
     @contextlib.contextmanager
@@ -188,7 +195,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
     frame = Frame(camera.rows, camera.cols, pitch_mm)
     pixel_faces = sight.pixel_faces()
     report = LayerReport(
-        options=plain_values(options) | plain_values(work.filter),
+        options=plain_values(options) | filter_values(work.filter),
         mixture=split.mixture,
         detail_share=_share(split, drawn.mesh),
         detail_angle_deg=mean_angle_deg(original[seen], base[seen]),
@@ -197,7 +204,8 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         findings=drawn.findings,
         faces=len(drawn.mesh.faces),
         mean_edge=drawn.mesh.mean_edge,
-        sigma_s_px=sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
+        sigma_s_px=0.0 if work.model else sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
+        model=work.model.digest if work.model else "",
         renderer=drawn.platform,
         camera=_account(camera),
         curl=mean_abs_curls({"original": original, "base": base, "detail": detail}, seen),
@@ -238,7 +246,7 @@ def _warnings(drawn: _Drawn, work: _Work, coverage: Float32) -> tuple[str, ...]:
     if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
         found.append(f"is {size_mm:.3g} mm large if its units are mm; say --width 100mm, or its --unit")
     share = sigma_s_of(mesh, work.filter) / longest
-    if share > _LARGEST_DETAIL and not isinstance(work.filter.sigma_s, Length):
+    if share > _LARGEST_DETAIL and work.model is None and not isinstance(work.filter.sigma_s, Length):
         found.append(
             f"its edges are long: sigma_s comes to {share:.0%} of it, and forms of that size go into the detail; "
             "say --sigma-s 2%"

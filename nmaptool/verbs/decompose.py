@@ -5,9 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from nmaptool.cleaning import clean_mesh
+from nmaptool.decompose.descriptor import Describer
 from nmaptool.decompose.ring import gather_ring
 from nmaptool.decompose.rolling import Decomposition, roll, separate
 from nmaptool.decompose.surface import gather_surface
+from nmaptool.errors import UsageError
+from nmaptool.learned.cascade import refine
+from nmaptool.learned.model import FilterModel
+from nmaptool.learned.shipped import shipped_filter
 from nmaptool.mesh import Mesh
 from nmaptool.options import FilterOptions
 from nmaptool.progress import Progress
@@ -18,9 +23,13 @@ _LEAST_EDGES = 0.01
 
 
 def decompose_normals(
-    mesh: Mesh, options: FilterOptions | None = None, *, progress: Progress | None = None
+    mesh: Mesh,
+    options: FilterOptions | None = None,
+    *,
+    model: FilterModel | None = None,
+    progress: Progress | None = None,
 ) -> Decomposition:
-    """Split the face normals of a mesh into base and detail (GRNF: paper, Sec. 3.1).
+    """Split the face normals of a mesh into base and detail (GRNF: paper, Sec. 3.1; DRNF: Sec. 3.2).
 
     Parameters
     ----------
@@ -28,6 +37,8 @@ def decompose_normals(
         Any; what cannot be used is dropped and vertices at one position are welded first, see
         `nmaptool.cleaning.clean_mesh`, whose faces are those of the answer.
     options : FilterOptions, optional
+    model : FilterModel, optional
+        For the filter ``learned``. Default: the one that comes with the package.
     progress : callable, optional
         Called with a word and the share done.
 
@@ -40,20 +51,43 @@ def decompose_normals(
     ------
     InputError
         If no face of the mesh can be used.
+    UsageError
+        If a model is given to another filter.
     """
     clean, _, _ = clean_mesh(mesh)
-    return decompose_clean(clean, options or FilterOptions(), progress)
+    return decompose_clean(clean, options or FilterOptions(), progress, model)
 
 
-def decompose_clean(mesh: Mesh, options: FilterOptions, progress: Progress | None = None) -> Decomposition:
+def decompose_clean(
+    mesh: Mesh, options: FilterOptions, progress: Progress | None = None, model: FilterModel | None = None
+) -> Decomposition:
     """`decompose_normals` of a mesh that is clean already."""
     geometry = mesh.geometry
+    model = model_of(options, model)
+    if model is not None:
+        learned = refine(model, geometry.normals, Describer(mesh, model.descriptor), progress)
+        return separate(geometry.normals, learned, geometry.areas)
     sigma_s = sigma_s_of(mesh, options)
     gather = {"ring": gather_ring, "surface": gather_surface}[options.neighborhood](
         mesh, geometry, sigma_s, options.sigma_r
     )
     filtered = roll(geometry.normals, gather, options.iterations, progress)
     return separate(geometry.normals, filtered, geometry.areas, keep_small=options.filter == "grnf")
+
+
+def model_of(options: FilterOptions, model: FilterModel | None) -> FilterModel | None:
+    """The model that a filter is to use; None where it uses none.
+
+    Raises
+    ------
+    UsageError
+        If a model is given to a filter that is not learned.
+    """
+    if options.filter == "learned":
+        return model or shipped_filter()
+    if model is not None:
+        raise UsageError(f"--model: belongs to --filter learned, not to {options.filter}")
+    return None
 
 
 def sigma_s_of(mesh: Mesh, options: FilterOptions) -> float:

@@ -1,0 +1,148 @@
+"""``nmap train``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from nmaptool.errors import UsageError
+from nmaptool.options import FilterOptions, MeshReadOptions, TrainOptions
+from nmaptool.options.account import plain_values
+from nmaptool_cli.session import FILTER, OUTPUTS, READING, RUN, STREAM, RunOptions, Session, refuse_inputs, size_of
+
+if TYPE_CHECKING:
+    import nmaptool as nm
+
+_Words = Annotated[tuple[str, ...], Parameter(show_default=False)]
+_Numbers = Annotated[tuple[float, ...], Parameter(show_default=False)]
+_Counts = Annotated[tuple[int, ...], Parameter(show_default=False)]
+
+
+@dataclass(frozen=True)
+class TargetFilter:
+    """The filter to be learned, as --filter grnf of nmap bake. Every flag holds for all meshes; given as often as there
+    are meshes, for one each.
+
+    Parameters
+    ----------
+    sigma_s:
+        Size of what is detail in this mesh: in its mean edges, or 2% of its longest side, or 1.5mm. Default: 3.
+    sigma_r:
+        How sharp an edge must be to stay in the base. Default: 0.5.
+    iterations:
+        Passes of the filter. Default: 5.
+    """
+
+    sigma_s: _Words = ()
+    sigma_r: _Numbers = ()
+    iterations: _Counts = ()
+
+    def of_each(self, count: int) -> list[FilterOptions]:
+        """The filter of each of ``count`` meshes."""
+        default = FilterOptions(filter="grnf")
+        sizes = _spread("sigma-s", [size_of(size) for size in self.sigma_s] or [default.sigma_s], count)
+        ranges = _spread("sigma-r", self.sigma_r or [default.sigma_r], count)
+        passes = _spread("iterations", self.iterations or [default.iterations], count)
+        return [
+            FilterOptions(filter="grnf", sigma_s=s, sigma_r=r, iterations=k)
+            for s, r, k in zip(sizes, ranges, passes, strict=True)
+        ]
+
+
+def _spread(flag: str, given: Sequence[Any], count: int) -> Sequence[Any]:
+    if len(given) == 1:
+        return [given[0]] * count
+    if len(given) != count:
+        raise UsageError(
+            f"--{flag}: is given {len(given)} times for {count} meshes; give it once, or once for each mesh"
+        )
+    return given
+
+
+@dataclass(frozen=True)
+class TrainOutputs:
+    """What is written.
+
+    Parameters
+    ----------
+    output:
+        The learned filter, .npz: for nmap bake --filter learned --model.
+    state:
+        File for what is finished, .npz: it is written after every network, and a run that finds it goes on from there,
+        to the same result. Gone once the filter is written.
+    report:
+        Full account of the run as JSON; - for standard output.
+    overwrite:
+        Replace files that exist.
+    """
+
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None
+    state: Path | None = None
+    report: Path | None = None
+    overwrite: bool = False
+
+
+def train(
+    *meshes: str,
+    outputs: Annotated[TrainOutputs, Parameter(name="*", group=OUTPUTS)] = TrainOutputs(),
+    targets: Annotated[TargetFilter, Parameter(name="*", group=FILTER)] = TargetFilter(),
+    options: Annotated[TrainOptions, Parameter(name="*", group=FILTER)] = TrainOptions(),
+    reading: Annotated[MeshReadOptions, Parameter(name="*", group=READING)] = MeshReadOptions(),
+    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
+) -> None:
+    """Learn a filter from meshes of your own, whose detail you know how to tell from their forms.
+
+    Give each mesh the parameters with which nmap bake --filter grnf shows the base you want; the learned filter then
+    finds such bases in other meshes without any.
+
+    Example: nmap train a.ply b.obj c.stl --sigma-s 3 --sigma-s 5 --sigma-s 4 -o mine.npz --state mine-state.npz
+
+    Parameters
+    ----------
+    meshes:
+        One or more: OBJ, PLY, STL, OFF, GLB or glTF.
+    """
+    from nmaptool.io.filter_models import TrainingFiles
+
+    session = Session(run)
+    if not meshes:
+        raise UsageError("nothing to learn from: give one or more meshes, such as a.ply b.ply")
+    if STREAM in meshes:
+        raise UsageError("-: a mesh is read from a file, whose ending tells what it is")
+    if outputs.output is None:
+        raise UsageError("nothing to write: say where, such as -o filter.npz")
+    to_stdout = str(outputs.report) == STREAM
+    files = TrainingFiles(outputs.output, outputs.state, None if to_stdout else outputs.report, outputs.overwrite)
+    files.check()
+    refuse_inputs(files.targets, meshes)
+    filters = targets.of_each(len(meshes))
+    import nmaptool as nm
+
+    with session.progress() as progress:
+        examples = []
+        for name, target in zip(meshes, filters, strict=True):
+            mesh = nm.read_mesh(name, unit=reading.unit, max_faces=reading.max_faces)
+            examples.append(nm.training_example(mesh, target, progress=progress))
+        state = files.begun()
+        if state is not None:
+            session.say(f"  goes on from {outputs.state}: {len(state.losses)} networks are finished")
+        model = nm.train(examples, options, state=state, keep=files.keep, progress=progress)
+    account = {"version": nm.__version__, "filter": model.digest, "options": plain_values(options), **model.account}
+    account["outputs"] = [str(path) for path in files.targets]
+    files.write(model, account)
+    _tell(session, examples, model)
+    for path in files.targets:
+        session.say(f"  wrote {path}")
+    if run.json or to_stdout:
+        session.data(account)
+
+
+def _tell(session: Session, examples: Sequence[nm.TrainingExample], model: nm.FilterModel) -> None:
+    from nmaptool_cli.wording import describe_training
+
+    for line in describe_training(examples, model):
+        session.say(line)

@@ -1,0 +1,69 @@
+"""Stages of networks applied to a field of normals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from nmaptool.arrays import Float32, Float64
+from nmaptool.learned.canonical import canonical_frames, in_frames
+from nmaptool.learned.fitting import kind_of
+from nmaptool.learned.model import FilterModel, Stage
+from nmaptool.progress import Progress
+
+# (M, 3) float64 normals -> (M, K, 3) float32 filtered normals
+Describe = Callable[[Float64, Progress | None], Float32]
+
+
+def apply_stage(stage: Stage, frames: Float32, inputs: Float32) -> Float64:
+    """What one stage makes of described faces.
+
+    Parameters
+    ----------
+    stage : Stage
+    frames : (M, 3, 3) float32
+    inputs : (M, D) float32
+
+    Returns
+    -------
+    (M, 3) float64
+        Unit normals.
+    """
+    kinds = kind_of(inputs, stage.centers)
+    own = np.empty((len(inputs), 3), np.float32)
+    for number, network in enumerate(stage.networks):
+        those = np.flatnonzero(kinds == number)
+        own[those] = network(inputs.take(those, axis=0))
+    normals = np.einsum("mij,mi->mj", frames, own, dtype=np.float64)
+    return np.asarray(normals / np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None])
+
+
+def refine(model: FilterModel, normals: Float64, describe: Describe, progress: Progress | None = None) -> Float64:
+    """Filter normals by a learned model (paper, Sec. 3.2).
+
+    Parameters
+    ----------
+    model : FilterModel
+    normals : (M, 3) float64
+        Unit normals of the faces.
+    describe : callable
+        Filtered normals of any field on the same mesh, made for ``model.descriptor``.
+    progress : callable, optional
+
+    Returns
+    -------
+    (M, 3) float64
+        Unit normals.
+    """
+    count = len(model.stages)
+    for number, stage in enumerate(model.stages):
+
+        def tell(_: str, share: float, number: int = number) -> None:
+            if progress is not None:
+                progress("filtering", (number + share) / count)
+
+        descriptors = describe(normals, tell)
+        frames = canonical_frames(descriptors)
+        normals = apply_stage(stage, frames, in_frames(normals, descriptors, frames))
+    return normals

@@ -1,0 +1,92 @@
+"""How a learned filter is trained, and what it looks at.
+
+Nothing heavy is imported here, so that ``nmap --help`` stays quick.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nmaptool.errors import UsageError
+from nmaptool.options.checks import require_number
+
+_MOST_PASSES = 20
+_MOST_SCALES = 16
+
+
+@dataclass(frozen=True)
+class DescriptorOptions:
+    """The filtered normals that describe a face to a learned filter (paper, Sec. 3.2), one for each pair of sigmas.
+
+    Parameters
+    ----------
+    sigma_s:
+        Widths of the filters, in mean edge lengths of the mesh.
+    sigma_r:
+        Ranges of the filters, as lengths of differences of unit normals.
+    passes:
+        Passes of each filter; the first has no guide and is shared by all ranges.
+    """
+
+    sigma_s: tuple[float, ...] = (3.0, 5.0, 8.0, 10.0, 14.0)
+    sigma_r: tuple[float, ...] = (0.2, 0.5, 0.8)
+    passes: int = 3
+
+    def __post_init__(self) -> None:
+        for name, values, low, high in (("sigma_s", self.sigma_s, 0.1, 1000), ("sigma_r", self.sigma_r, 0.01, 10)):
+            if not 1 <= len(values) <= _MOST_SCALES:
+                raise UsageError(f"{name}: {len(values)} values, expected 1 to {_MOST_SCALES}")
+            for value in values:
+                require_number(name, value, low, high, "3")
+        if not 1 <= self.passes <= _MOST_PASSES:
+            raise UsageError(f"passes {self.passes}: must lie between 1 and {_MOST_PASSES}, such as 3")
+
+    @property
+    def size(self) -> int:
+        """Filtered normals a face."""
+        return len(self.sigma_s) * len(self.sigma_r)
+
+
+@dataclass(frozen=True)
+class TrainOptions:
+    """How a filter is learned.
+
+    Parameters
+    ----------
+    stages:
+        Filters one after the other; each takes the normals that the one before gave.
+    clusters:
+        Kinds of neighbourhood that have a network of their own, in each stage.
+    hidden:
+        Units in the one hidden layer of each network.
+    steps:
+        Most steps of the optimiser for each network.
+    samples:
+        Most faces that each stage learns from, drawn alike from all meshes.
+    weight_decay:
+        How strongly large weights are held back.
+    seed:
+        Of the draws; the same seed gives the same filter on one machine.
+    """
+
+    stages: int = 3
+    clusters: int = 4
+    hidden: int = 32
+    steps: int = 300
+    samples: int = 160_000
+    weight_decay: float = 1e-6
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        for name, value, high in (
+            ("stages", self.stages, 10),
+            ("clusters", self.clusters, 64),
+            ("hidden", self.hidden, 256),
+            ("steps", self.steps, 100_000),
+            ("samples", self.samples, 10_000_000),
+        ):
+            if not 1 <= value <= high:
+                raise UsageError(f"--{name} {value}: must lie between 1 and {high}")
+        require_number("weight-decay", self.weight_decay, 0, 1, "1e-6")
+        if not 0 <= self.seed < 2**32:
+            raise UsageError(f"--seed {self.seed}: must lie between 0 and {2**32 - 1}")
