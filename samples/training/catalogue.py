@@ -1,0 +1,242 @@
+"""The meshes to learn from; parameters as `choose_parameters` found them."""
+
+from __future__ import annotations
+
+import numpy as np
+from forms import box, cloth, curved, drawn, gear, globe, knot, polygon, prism, sheet, star, turned, uneven
+from meshes import Entry
+from ornament import (
+    both,
+    bricks,
+    chased,
+    flutes,
+    fractal,
+    hammered,
+    knurl,
+    laid,
+    locks,
+    noise,
+    rings,
+    rope,
+    weave,
+    writing,
+)
+from profiles import (
+    DRUM,
+    LETTER_E,
+    RING,
+    STEPS,
+    VASE,
+    above,
+    band,
+    clear_of_tips,
+    crystal,
+    folds,
+    hair,
+    horn,
+    mask_face,
+    medal,
+    pebble,
+    within,
+)
+from scattered import bosses, cells, fur, pores, scales
+from solids import animal, blob, disk_part, head, shell, torso, vessels
+from tessellation import cubes, fibonacci, irregular, sharpened
+
+TRAINING = (
+    # creases and ornament
+    Entry("box noise", "creased", lambda rng: box((20, 14, 9), 0.68), (3, 0.4, 5), noise(5), 0.45),
+    Entry(
+        "box bricks",
+        "creased",
+        lambda rng: box((16, 20, 10), 0.62, diagonal="one"),
+        (4, 0.4, 5),
+        laid(bricks, 5),
+        0.8,
+        rim=(0.6, 1.4),
+    ),
+    Entry("rounded box pores", "creased", lambda rng: box((18, 13, 10), 0.62, 1.6), (3, 0.4, 5), pores(6), 0.7),
+    Entry(
+        "steps knurled",
+        "creased",
+        lambda rng: turned(STEPS, 92, 0.62, rng),
+        (3, 0.4, 5),
+        laid(knurl, 6),
+        0.7,
+        rim=(0.5, 1.5),
+    ),
+    Entry("star hammered", "creased", lambda rng: prism(star(5, 12, 5.5), 6, 0.55, rng), (4, 0.4, 5), hammered(7), 0.5),
+    Entry(
+        "hexagon woven",
+        "creased",
+        lambda rng: prism(polygon(6, 10), 9, 0.58, rng, diagonal="other"),
+        (4, 0.4, 5),
+        laid(weave, 5),
+        0.9,
+        rim=(0.5, 1.5),
+    ),
+    Entry(
+        "letter fractal", "creased", lambda rng: prism(np.array(LETTER_E), 4.5, 0.5, rng), (4, 0.4, 5), fractal(12), 0.4
+    ),
+    Entry(
+        "disk part noise",
+        "creased",
+        lambda rng: sharpened(cubes(disk_part, (-6, -12, -5.5), (11.5, 12, 7), 0.42), disk_part),
+        (2, 0.4, 5),
+        noise=0.12,
+    ),
+    Entry("drum cells", "creased", lambda rng: turned(DRUM, 110, 0.56, rng), (4, 0.4, 5), cells(7), 0.8),
+    Entry("crystal chased", "creased", lambda rng: crystal(irregular(4500, rng)), (4, 0.4, 5), chased(8), 0.5),
+    Entry(
+        "slanted star fur",
+        "creased",
+        lambda rng: prism(star(4, 12, 8), 5, 0.5, rng, lambda p: 0.28 * p[:, 0] + 2.5),
+        (3, 0.4, 5),
+        fur(3, 4, (0.6, -1, 0.3)),
+        0.5,
+    ),
+    Entry(
+        "small box bosses",
+        "creased",
+        lambda rng: box((14, 14, 14), 0.7),
+        (4, 0.4, 5),
+        bosses(7),
+        0.8,
+        rim=(0.5, 1.5),
+        finer=(8, 0.4, 5),
+    ),
+    # grown forms
+    Entry(
+        "blob scales",
+        "organic",
+        lambda rng: cubes(blob(rng), (-20, -18, -15), (20, 18, 15), 0.6),
+        (4, 0.4, 5),
+        scales(7),
+        0.8,
+    ),
+    Entry(
+        "head locks",
+        "organic",
+        lambda rng: cubes(head, (-11, -15, -13), (11, 14, 13), 0.53),
+        (4, 0.4, 5),
+        locks((0, 0.6, -1), 34, 0.05),
+        0.9,
+        hair,
+    ),
+    Entry(
+        "torso fur",
+        "organic",
+        lambda rng: cubes(torso, (-15, -19, -8), (15, 19, 9), 0.56),
+        (3, 0.4, 5),
+        fur(3),
+        0.6,
+        above(-4),
+    ),
+    Entry(
+        "vessels bark",
+        "organic",
+        lambda rng: cubes(vessels, (-22, -20, -7), (22, 22, 7), 0.46),
+        (2, 0.4, 5),
+        fur(2.5, 6, (0, 1, 0)),
+        0.35,
+    ),
+    Entry(
+        "beast fur",
+        "organic",
+        lambda rng: cubes(animal, (-21, -16, -8), (19, 16, 8), 0.53),
+        (3, 0.4, 5),
+        fur(3, 5, (-1, -0.6, 0)),
+        0.6,
+    ),
+    Entry(
+        "ear cells", "organic", lambda rng: cubes(shell, (-10, -13, -7), (10, 13, 4), 0.52), (3, 0.4, 5), cells(5), 0.4
+    ),
+    Entry("mask pores", "organic", lambda rng: globe(uneven(4600), mask_face), (3, 0.4, 5), pores(5), 0.5),
+    Entry(
+        "small blob bumps",
+        "organic",
+        lambda rng: cubes(blob(rng, 5, 6), (-18, -16, -14), (18, 16, 14), 0.9),
+        (4, 0.4, 5),
+        noise(5),
+        0.5,
+        finer=(8, 0.4, 5),
+    ),
+    # much ornament
+    Entry(
+        "vase chased",
+        "ornament",
+        lambda rng: turned(curved(VASE, 100), 48, 0.3, rng),
+        (4, 0.4, 5),
+        chased(12),
+        0.6,
+        band(6, 24),
+    ),
+    Entry(
+        "vase fluted",
+        "ornament",
+        lambda rng: turned(curved(VASE, 80), 76, 0.42, rng, "one"),
+        (4, 0.4, 5),
+        laid(flutes, 7),
+        0.9,
+        band(7, 24),
+    ),
+    Entry(
+        "knot rope",
+        "ornament",
+        lambda rng: drawn(knot(2, 3, 200), np.full(200, 2.6), 26, True),
+        (3, 0.4, 5),
+        laid(rope, 5),
+        0.7,
+    ),
+    Entry(
+        "ball bosses",
+        "ornament",
+        lambda rng: globe(fibonacci(4800), lambda d: 10 + 0 * d[:, 0]),
+        (4, 0.4, 5),
+        bosses(8),
+        1.0,
+    ),
+    Entry(
+        "pebble fractal",
+        "ornament",
+        lambda rng: globe(irregular(4200, rng), pebble),
+        (5, 0.4, 5),
+        fractal(14, 4, 0.55),
+        0.6,
+    ),
+    Entry(
+        "medal letters",
+        "ornament",
+        lambda rng: sheet(np.array(RING), 0.31, medal, rng),
+        (4, 0.4, 5),
+        laid(writing("SALVETOMNES"), 10, 1.4),
+        1.0,
+        within(9.9),
+    ),
+    Entry(
+        "cloth woven",
+        "ornament",
+        lambda rng: cloth((24, 24), (72, 72), folds),
+        (3, 0.4, 5),
+        laid(weave, 4),
+        0.8,
+        noise=0.05,
+    ),
+    Entry(
+        "cloth cells long",
+        "ornament",
+        lambda rng: cloth((24, 24), (120, 40), folds, "other"),
+        (4, 0.4, 5),
+        both(cells(9), noise(4), 0.3),
+        0.7,
+    ),
+    Entry("horn rings", "ornament", lambda rng: horn(170, 34), (3, 0.4, 5), laid(rings, 6), 0.6, clear_of_tips),
+    # nothing to take off, or only noise
+    Entry("gear", "plain", lambda rng: prism(gear(12, 11, 8.6), 4, 0.5, rng), (1.5, 0.2, 4)),
+    Entry("steps", "plain", lambda rng: turned(STEPS, 70, 0.85, rng, "one"), (1.5, 0.2, 4)),
+    Entry("vessels", "plain", lambda rng: cubes(vessels, (-22, -20, -7), (22, 22, 7), 0.55), (1.5, 0.2, 4)),
+    Entry("torso", "plain", lambda rng: cubes(torso, (-15, -19, -8), (15, 19, 9), 0.62, 1), (1.5, 0.2, 4)),
+    Entry(
+        "shell scanned", "organic", lambda rng: cubes(shell, (-10, -13, -7), (10, 13, 4), 0.5), (2, 0.4, 5), noise=0.08
+    ),
+)
