@@ -61,7 +61,7 @@ TRAINING = (
         "creased",
         lambda rng: turned(STEPS, 92, 0.62, rng),
         (3, 0.4, 5),
-        laid(knurl, 6),
+        laid(knurl, 8),
         0.7,
         rim=(0.5, 1.5),
     ),

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from ornament import Ornament, Rng
-from surface import Array, Faces, Surface
+from surface import Array, Faces, Surface, angle_deg
 from tessellation import halved
 
 
@@ -80,15 +80,26 @@ def heights_of(entry: Entry, surface: Surface, rng: Rng) -> Array:
     return heights * (entry.slope / np.percentile(slopes[slopes > 0.1 * np.percentile(slopes, 98)], 90))
 
 
+def calmed(surface: Surface, heights: Array, steepest: float = 70.0) -> Array:
+    """Heights evened out where they would turn a face by more than an angle, as they do where the form is cramped."""
+    for _ in range(12):
+        turned = angle_deg(Surface(surface.raised(heights), surface.faces).face_normals, surface.face_normals)
+        bad = surface.faces[turned > steepest]
+        if not len(bad):
+            break
+        count = np.bincount(bad.ravel(), minlength=len(heights))
+        total = np.bincount(bad.ravel(), np.repeat(heights[bad].mean(axis=1), 3), len(heights))
+        heights = np.where(count > 0, 0.9 * total / count.clip(1, None), heights)
+    return heights
+
+
 def made(entry: Entry, seed: int) -> list[TrainingMesh]:
     """The mesh of an entry, and its finer version where it has one."""
     rng = np.random.default_rng([seed, zlib.crc32(entry.name.encode())])
     surface = entry.form(rng)
-    vertices = surface.raised(heights_of(entry, surface, rng))
-    if entry.noise:
-        off = rng.normal(size=len(vertices)) * entry.noise * surface.edge
-        vertices = vertices + off[:, None] * surface.normals
-        vertices = vertices + rng.normal(size=vertices.shape) * 0.2 * entry.noise * surface.edge
+    heights = heights_of(entry, surface, rng)
+    off = rng.normal(size=(len(heights), 4)) * entry.noise * surface.edge
+    vertices = surface.raised(calmed(surface, heights + off[:, 0])) + 0.2 * off[:, 1:]
     one = TrainingMesh(entry.name, vertices, surface.faces, *entry.filter, entry.group, surface.face_normals)
     if entry.finer is None:
         return [one]
