@@ -28,15 +28,18 @@ from profiles import (
     STEPS,
     VASE,
     above,
+    bowl,
     band,
     clear_of_tips,
     crystal,
     folds,
     hair,
+    hide,
     horn,
     mask_face,
     medal,
     pebble,
+    trunk,
     within,
 )
 from scattered import bosses, cells, fur, pores, scales
@@ -59,7 +62,7 @@ TRAINING = (
     Entry(
         "steps knurled",
         "creased",
-        lambda rng: turned(STEPS, 92, 0.62, rng),
+        lambda rng: turned(STEPS, 84, 0.68, rng),
         (3, 0.4, 5),
         laid(knurl, 8),
         0.7,
@@ -85,7 +88,7 @@ TRAINING = (
         (2, 0.4, 5),
         noise=0.08,
     ),
-    Entry("drum cells", "creased", lambda rng: turned(DRUM, 110, 0.56, rng), (4, 0.4, 5), cells(7), 0.8),
+    Entry("drum cells", "creased", lambda rng: turned(DRUM, 100, 0.6, rng), (4, 0.4, 5), cells(7), 0.8),
     Entry("crystal chased", "creased", lambda rng: crystal(irregular(4500, rng)), (4, 0.4, 5), chased(5), 0.45),
     Entry(
         "slanted star fur",
@@ -130,7 +133,7 @@ TRAINING = (
         (3, 0.4, 5),
         fur(3),
         0.6,
-        above(-4),
+        trunk,
     ),
     Entry(
         "vessels bark",
@@ -138,7 +141,8 @@ TRAINING = (
         lambda rng: cubes(vessels, (-22, -20, -7), (22, 22, 7), 0.46),
         (2, 0.4, 5),
         fur(2.5, 6, (0, 1, 0)),
-        0.35,
+        0.6,
+        lambda p: 1 - above(0)(p),
     ),
     Entry(
         "beast fur",
@@ -147,15 +151,22 @@ TRAINING = (
         (3, 0.4, 5),
         fur(3, 5, (-1, -0.6, 0)),
         0.6,
+        hide,
     ),
     Entry(
-        "ear cells", "organic", lambda rng: cubes(shell, (-10, -13, -7), (10, 13, 4), 0.52), (3, 0.4, 5), cells(5), 0.4
+        "ear cells",
+        "organic",
+        lambda rng: cubes(shell, (-10, -13, -7), (10, 13, 4), 0.52),
+        (3, 0.4, 5),
+        cells(5),
+        0.5,
+        bowl,
     ),
     Entry("mask pores", "organic", lambda rng: globe(uneven(4600), mask_face), (3, 0.4, 5), pores(5), 0.5),
     Entry(
         "small blob bumps",
         "organic",
-        lambda rng: cubes(blob(rng, 5, 6), (-18, -16, -14), (18, 16, 14), 0.9),
+        lambda rng: cubes(blob(rng, 5, 6), (-18, -16, -14), (18, 16, 14), 0.95),
         (4, 0.4, 5),
         noise(5),
         0.5,
@@ -174,7 +185,7 @@ TRAINING = (
     Entry(
         "vase fluted",
         "ornament",
-        lambda rng: turned(curved(VASE, 80), 76, 0.42, rng, "one"),
+        lambda rng: turned(curved(VASE, 76), 66, 0.45, rng, "one"),
         (4, 0.4, 5),
         laid(flutes, 7),
         0.9,
@@ -230,12 +241,12 @@ TRAINING = (
         both(cells(9), noise(4), 0.3),
         0.7,
     ),
-    Entry("horn rings", "ornament", lambda rng: horn(170, 34), (3, 0.4, 5), laid(rings, 6), 0.6, clear_of_tips),
+    Entry("horn rings", "ornament", lambda rng: horn(150, 32), (3, 0.4, 5), laid(rings, 6), 0.6, clear_of_tips),
     # nothing to take off, or only noise
     Entry("gear", "plain", lambda rng: prism(gear(12, 11, 8.6), 4, 0.5, rng), (1.5, 0.2, 4)),
     Entry("steps", "plain", lambda rng: turned(STEPS, 70, 0.85, rng, "one"), (1.5, 0.2, 4)),
     Entry("vessels", "plain", lambda rng: cubes(vessels, (-22, -20, -7), (22, 22, 7), 0.55), (1.5, 0.2, 4)),
-    Entry("torso", "plain", lambda rng: cubes(torso, (-15, -19, -8), (15, 19, 9), 0.62, 1), (1.5, 0.2, 4)),
+    Entry("torso", "plain", lambda rng: cubes(torso, (-15, -19, -8), (15, 19, 9), 0.7, 1), (1.5, 0.2, 4)),
     Entry(
         "shell scanned", "organic", lambda rng: cubes(shell, (-10, -13, -7), (10, 13, 4), 0.5), (2, 0.4, 5), noise=0.08
     ),

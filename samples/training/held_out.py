@@ -109,7 +109,7 @@ HELD_OUT = (
         "ornament",
         lambda rng: globe(uneven(6000, 6), dome),
         (4, 0.4, 5),
-        lambda s, rng: np.abs(waves(s.vertices, 12 * s.edge, rng)) ** 0.5,
+        lambda s, rng: np.abs(waves(s.vertices, 8 * s.edge, rng)) ** 0.5,
         0.7,
     ),
     Entry(

@@ -134,9 +134,13 @@ def rings(u: Array, v: Array) -> Array:
 
 
 def tiles(u: Array, v: Array) -> Array:
-    """Roof tiles: rows that rise and drop, each hollow across."""
+    """Roof tiles: rows that end in a drop, each row cut across half a tile further on."""
     row = np.floor(v)
-    return (v % 1) * (1 - (v % 1) ** 12) + 0.35 * np.abs(np.sin(np.pi * (u + row / 2)))
+    return (
+        (0.8 + 0.2 * (v % 1))
+        * ((1 - v % 1) / 0.25).clip(0, 1)
+        * (np.abs(np.sin(np.pi * (u + row / 2))) / 0.4).clip(0, 1)
+    )
 
 
 def writing(text: str) -> Flat:

@@ -46,6 +46,22 @@ def above(level: float, soft: float = 1.0) -> Callable[[Array], Array]:
     return lambda p: smooth_step(p[:, 1], level - soft, level + soft)
 
 
+def trunk(p: Array) -> Array:
+    """The chest and belly of the torso, without its arms."""
+    return above(-4)(p) * (1 - smooth_step(np.abs(p[:, 0]), 6.0, 7.5)) * (1 - smooth_step(p[:, 1], 9.5, 11.0))
+
+
+def hide(p: Array) -> Array:
+    """The beast's body and neck, without its legs, head and tail."""
+    x, y = p[:, 0], p[:, 1]
+    return smooth_step(y, -4.5, -3.0) * smooth_step(x, -12.0, -10.5) * (1 - smooth_step(x + 0.6 * y, 14.0, 15.5))
+
+
+def bowl(p: Array) -> Array:
+    """The ear without its rim."""
+    return 1 - smooth_step(p[:, 2], -1.2, -0.4)
+
+
 def band(low: float, high: float, soft: float = 0.6) -> Callable[[Array], Array]:
     """Between two heights only."""
     return lambda p: smooth_step(p[:, 1], low - soft, low + soft) * (1 - smooth_step(p[:, 1], high - soft, high + soft))

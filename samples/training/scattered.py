@@ -73,7 +73,7 @@ def scales(wave: float, way: tuple[float, float, float] = (0, -1, 0)) -> Ornamen
         rest = (s.vertices[:, None] - s.vertices[places][which]) / (wave * s.edge)
         along = (rest * down[which]).sum(axis=2)
         off = np.sqrt((rest**2).sum(axis=2))
-        return (smooth_step(0.82 - off, 0, 0.22) * (0.6 + 0.55 * along)).max(axis=1)
+        return (smooth_step(0.82 - off, 0, 0.22) * (0.8 + 0.25 * along)).max(axis=1)
 
     return heights
 
@@ -91,9 +91,13 @@ def fur(width: float, length: float = 5.0, way: tuple[float, float, float] = (0,
         weight = np.exp(-((across / (0.22 * width * s.edge)) ** 2) - (along / (reach / 1.5)) ** 2)
         step = csr_matrix((weight, (one, two)), (len(s.vertices),) * 2)
         share = 0.4 + np.asarray(step.sum(axis=1)).ravel()
+        around = csr_matrix((np.exp(-2 * ((across**2 + along**2) / reach**2)), (one, two)), step.shape)
         value = rng.normal(size=len(s.vertices))
         for _ in range(round(length)):
             value = (0.4 * value + step @ value) / share
+        value = value - (value + around @ value) / (
+            1 + np.asarray(around.sum(axis=1)).ravel()
+        )  # no wider than a strand
         return np.tanh(1.2 * value / value.std())
 
     return heights
