@@ -80,8 +80,8 @@ def hair(p: Array) -> Array:
 def medal(p: Array) -> Array:
     """A field that sinks to a bust, within a raised rim."""
     r = np.hypot(*p.T)
-    bust = 3.2 * np.exp(-(((p[:, 0] + 0.5) / 3.6) ** 2) - ((p[:, 1] + 0.5) / 4.6) ** 2)
-    return bust + 0.9 * smooth_step(r, 10.6, 11.2)
+    bust = 3.2 * np.exp(-(((p[:, 0] + 0.5) / 4.6) ** 2) - ((p[:, 1] + 0.5) / 5.8) ** 2)
+    return bust + 0.9 * smooth_step(r, 9.9, 11.4)
 
 
 def folds(p: Array) -> Array:
