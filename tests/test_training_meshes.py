@@ -1,6 +1,7 @@
 """The meshes to train a filter with: sound, the same for the same seed, and filtered well by their parameters."""
 
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +20,8 @@ sys.path.pop(0)
 
 # a few of each, so that the test stays quick; all of them are looked at by choose_parameters
 QUICK = (
-    *("box bricks", "letter fractal", "crystal chased", "small box bosses", "mask pores", "knot rope", "ball bosses"),
-    *("pebble fractal", "cloth woven", "gear", "steps", "cross scales", "snail fur", "dome crackled", "crystal"),
+    *("box bricks", "letter fractal", "crystal chased", "small box bosses", "mask pores", "pebble fractal"),
+    *("cloth woven", "gear", "steps", "cross scales", "crystal"),
 )
 ENTRIES = {entry.name: entry for entry in (*TRAINING, *HELD_OUT)}
 
@@ -30,6 +31,7 @@ def quick():
     return {mesh.name: mesh for name in QUICK for mesh in made(ENTRIES[name], 3)}
 
 
+@cache
 def base_of(mesh):
     options = nm.FilterOptions(filter="grnf", sigma_s=mesh.sigma_s, sigma_r=mesh.sigma_r, iterations=mesh.iterations)
     base = nm.decompose_normals(nm.Mesh(mesh.vertices, mesh.faces), options).base
@@ -76,7 +78,7 @@ def test_meshes_are_sound(quick):
 
 
 def test_a_seed_gives_the_same_mesh_whatever_is_made_before_it(quick):
-    for name in ("letter fractal", "pebble fractal", "snail fur"):
+    for name in ("letter fractal", "pebble fractal", "cross scales"):
         (again,), (other,) = made(ENTRIES[name], 3), made(ENTRIES[name], 4)
         np.testing.assert_array_equal(again.vertices, quick[name].vertices)
         np.testing.assert_array_equal(again.faces, quick[name].faces)
@@ -84,7 +86,7 @@ def test_a_seed_gives_the_same_mesh_whatever_is_made_before_it(quick):
 
 
 def test_ornament_is_lost_and_plain_forms_stay(quick):
-    for mesh in quick.values():
+    for mesh in (quick[name] for name in QUICK):  # the finer versions are slow
         before, after = off(mesh, original(mesh)), off(mesh, base_of(mesh))
         if mesh.group == "plain":
             assert before == 0
@@ -98,7 +100,6 @@ def test_ornament_is_lost_and_plain_forms_stay(quick):
 def test_creases_survive(quick, name):
     mesh = quick[name]
     pairs, _ = neighbours(mesh.faces)
-    # normals some edges away from the crease on both sides: a step, not a slope
     true = angle_deg(*(mesh.clean_normals[pairs[:, k]] for k in (0, 1)))
     kept = angle_deg(*(base_of(mesh)[pairs[:, k]] for k in (0, 1)))
     creased = true > 30
@@ -110,7 +111,7 @@ def test_a_finer_version_is_the_same_surface(quick):
     one, two = quick["small box bosses"], quick["small box bosses+"]
     assert len(two.faces) == 4 * len(one.faces)
     np.testing.assert_allclose(original(two).reshape(-1, 4, 3), np.repeat(original(one)[:, None], 4, 1), atol=1e-9)
-    assert two.sigma_s >= 1.5 * one.sigma_s
+    assert two.sigma_s == 2 * one.sigma_s
 
 
 def test_slopes_are_those_of_the_height():

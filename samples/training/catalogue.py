@@ -89,11 +89,13 @@ TRAINING = (
         0.4,
     ),
     Entry(
-        "disk part noise",
+        "disk part pores",
         "creased",
         lambda rng: sharpened(cubes(disk_part, (-6, -12, -5.5), (11.5, 12, 7), 0.42), disk_part),
-        (1.5, 0.2, 4),
-        noise=0.08,
+        (3, 0.2, 5),
+        pores(6),
+        0.6,
+        noise=0.05,
     ),
     Entry("drum cells", "creased", lambda rng: turned(DRUM, 100, 0.6, rng), (5, 0.4, 8), cells(7), 0.8),
     Entry("crystal chased", "creased", lambda rng: crystal(irregular(4500, rng)), (4, 0.2, 5), chased(5), 0.45),
@@ -113,7 +115,7 @@ TRAINING = (
         bosses(7),
         0.8,
         rim=(0.5, 1.5),
-        finer=(12, 0.2, 4),
+        finer=(6, 0.3, 4),
     ),
     # grown forms
     Entry(
@@ -168,6 +170,7 @@ TRAINING = (
         cells(5),
         0.5,
         bowl,
+        noise=0.05,
     ),
     Entry("mask pores", "organic", lambda rng: globe(uneven(4600), mask_face), (2, 0.3, 4), pores(5), 0.5),
     Entry(
@@ -177,14 +180,14 @@ TRAINING = (
         (3, 0.7, 4),
         noise(5),
         0.5,
-        finer=(8, 0.5, 4),
+        finer=(6, 0.7, 4),
     ),
     # much ornament
     Entry(
         "vase chased",
         "ornament",
         lambda rng: turned(curved(VASE, 100), 48, 0.3, rng),
-        (1.5, 0.7, 4),
+        (2, 0.5, 5),
         chased(5),
         0.6,
         band(6, 24),
@@ -248,13 +251,10 @@ TRAINING = (
         both(cells(9), noise(4), 0.3),
         0.7,
     ),
-    Entry("horn rings", "ornament", lambda rng: horn(150, 32), (3, 0.4, 5), laid(rings, 6), 0.6, clear_of_tips),
-    # nothing to take off, or only noise
-    Entry("gear", "plain", lambda rng: prism(gear(12, 11, 8.6), 4, 0.5, rng), (1.5, 0.2, 4)),
-    Entry("steps", "plain", lambda rng: turned(STEPS, 70, 0.85, rng, "one"), (1.5, 0.2, 4)),
-    Entry("vessels", "plain", lambda rng: cubes(vessels, (-22, -20, -7), (22, 22, 7), 0.55), (1.5, 0.2, 4)),
-    Entry("torso", "plain", lambda rng: cubes(torso, (-15, -19, -8), (15, 19, 9), 0.7, 1), (1.5, 0.2, 4)),
-    Entry(
-        "shell scanned", "organic", lambda rng: cubes(shell, (-10, -13, -7), (10, 13, 4), 0.5), (2, 0.4, 5), noise=0.08
-    ),
+    Entry("horn rings", "ornament", lambda rng: horn(150, 32), (3, 0.2, 4), laid(rings, 6), 0.6, clear_of_tips),
+    # nothing to take off
+    Entry("gear", "plain", lambda rng: prism(gear(12, 11, 8.6), 4, 0.5, rng), (0.25, 0.2, 4)),
+    Entry("steps", "plain", lambda rng: turned(STEPS, 70, 0.85, rng, "one"), (0.25, 0.2, 4)),
+    Entry("vessels", "plain", lambda rng: cubes(vessels, (-22, -20, -7), (22, 22, 7), 0.55), (0.25, 0.2, 4)),
+    Entry("torso", "plain", lambda rng: cubes(torso, (-15, -19, -8), (15, 19, 9), 0.7, 1), (0.25, 0.2, 4)),
 )
