@@ -1,0 +1,122 @@
+"""Meshes to train and to judge a learned mesh filter with, each with the parameters that suit it.
+
+    sys.path.insert(0, "samples/training")
+    from meshes import held_out_meshes, training_meshes
+
+A mesh is a base form, an ornament raised on it, and for some the noise of a scanner. Since the form is known without
+the ornament, so are the normals that a filter should give: ``clean_normals``.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from ornament import Ornament, Rng
+from surface import Array, Faces, Surface, angle_deg
+from tessellation import halved
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingMesh:
+    """A mesh and what a GRNF filter needs to take its ornament off.
+
+    Attributes
+    ----------
+    name : str
+        Ends with ``+`` where each face of another mesh was cut in four.
+    vertices : (N, 3) float64
+    faces : (M, 3) int32
+    sigma_s : float
+        In mean edges of this mesh.
+    sigma_r : float
+    iterations : int
+    group : str
+        ``creased``, ``organic``, ``ornament`` or ``plain``, which has nothing to take off.
+    clean_normals : (M, 3) float64
+        Normals of the faces before ornament and noise.
+    """
+
+    name: str
+    vertices: Array
+    faces: Faces
+    sigma_s: float
+    sigma_r: float
+    iterations: int
+    group: str
+    clean_normals: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Entry:
+    """How one mesh is made: sizes are in edges, ``slope`` is what nine in ten ornamented faces stay below."""
+
+    name: str
+    group: str
+    form: Callable[[Rng], Surface]
+    filter: tuple[float, float, int]
+    ornament: Ornament | None = None
+    slope: float = 0.0
+    where: Callable[[Array], Array] | None = None  # over vertices: 1 where there is ornament
+    rim: tuple[float, float] | None = None  # edges from a crease within which ornament fades in
+    noise: float = 0.0
+    finer: tuple[float, float, int] | None = None  # parameters of its version with four times the faces
+
+
+def heights_of(entry: Entry, surface: Surface, rng: Rng) -> Array:
+    """The ornament's height at each vertex."""
+    if entry.ornament is None:
+        return np.zeros(len(surface.vertices))
+    heights = entry.ornament(surface, rng) + np.zeros(len(surface.vertices))
+    heights = heights - np.median(heights)
+    if entry.where is not None:
+        heights = heights * entry.where(surface.vertices)
+    if entry.rim is not None:
+        heights = heights * surface.away_from_creases(*entry.rim)
+    slopes = surface.slopes(heights)[surface.thinness > 0.25]
+    return heights * (entry.slope / np.percentile(slopes[slopes > 0.1 * np.percentile(slopes, 98)], 90))
+
+
+def calmed(surface: Surface, heights: Array, steepest: float = 70.0) -> Array:
+    """Heights evened out where they would turn a face by more than an angle, as they do where the form is cramped."""
+    for _ in range(12):
+        turned = angle_deg(Surface(surface.raised(heights), surface.faces).face_normals, surface.face_normals)
+        bad = surface.faces[turned > steepest]
+        if not len(bad):
+            break
+        count = np.bincount(bad.ravel(), minlength=len(heights))
+        total = np.bincount(bad.ravel(), np.repeat(heights[bad].mean(axis=1), 3), len(heights))
+        heights = np.where(count > 0, 0.9 * total / count.clip(1, None), heights)
+    return heights
+
+
+def made(entry: Entry, seed: int) -> list[TrainingMesh]:
+    """The mesh of an entry, and its finer version where it has one."""
+    rng = np.random.default_rng([seed, zlib.crc32(entry.name.encode())])
+    surface = entry.form(rng)
+    heights = heights_of(entry, surface, rng)
+    off = rng.normal(size=(len(heights), 4)) * entry.noise * surface.edge
+    vertices = surface.raised(calmed(surface, heights + off[:, 0])) + 0.2 * off[:, 1:]
+    one = TrainingMesh(entry.name, vertices, surface.faces, *entry.filter, entry.group, surface.face_normals)
+    if entry.finer is None:
+        return [one]
+    points, faces, source = halved(vertices, surface.faces)
+    two = TrainingMesh(f"{entry.name}+", points, faces, *entry.finer, entry.group, surface.face_normals[source])
+    return [one, two]
+
+
+def training_meshes(seed: int) -> list[TrainingMesh]:
+    """Meshes to learn from, the same for the same seed."""
+    from catalogue import TRAINING
+
+    return [mesh for entry in TRAINING for mesh in made(entry, seed)]
+
+
+def held_out_meshes(seed: int) -> list[TrainingMesh]:
+    """Meshes to judge with: other forms, ornaments and tessellations together than those to learn from."""
+    from held_out import HELD_OUT
+
+    return [mesh for entry in HELD_OUT for mesh in made(entry, seed)]
