@@ -122,7 +122,8 @@ _MODULES = {
     "mesh": "Mesh",
     "model": "Decoding Frame Height NormalMap RasterImage",
     "options": "BakeOptions BlendOptions CanvasOptions DepthOptions DescriptorOptions FilterOptions GroupOptions "
-    "LayerOptions MeshReadOptions PackOptions ReadOptions ReliefOptions SplitOptions TrainOptions TransformOptions WriteOptions",
+    "LayerOptions MeshReadOptions PackOptions ReadOptions ReliefOptions SplitOptions TrainOptions TransformOptions "
+    "WriteOptions",
     "orientation": "doubts",
     "recipe": "Recipe RecipeGroup RecipeLayer RecipeLink",
     "recipe_parsing": "parse_recipe",

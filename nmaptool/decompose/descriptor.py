@@ -14,28 +14,29 @@ from nmaptool.progress import Progress
 
 
 class Describer:
-    """Filtered normals of one mesh, for any field of normals on it (the descriptor of paper, Sec. 3.2).
+    """Filtered normals of one mesh (the descriptor of paper, Sec. 3.2), led by any guide.
 
     Parameters
     ----------
     mesh : Mesh
-        Clean and welded.
+        Clean and welded; its own normals are what is filtered.
     options : DescriptorOptions
     """
 
     def __init__(self, mesh: Mesh, options: DescriptorOptions) -> None:
         self.options = options
-        # the narrow ones are the most work: first, so that no thread is left with one at the end
+        self._normals = mesh.geometry.normals
         sizes = [size * mesh.mean_edge for size in options.sigma_s]
         self._surroundings = each_of(sizes, lambda size: Surroundings(mesh, mesh.geometry, size))
 
-    def __call__(self, normals: Float64, progress: Progress | None = None) -> Float32:
+    def __call__(self, guide: Float64 | None = None, progress: Progress | None = None) -> Float32:
         """Descriptors.
 
         Parameters
         ----------
-        normals : (M, 3) float64
-            Unit normals, one a face.
+        guide : (M, 3) float64, optional
+            Unit normals, such as a stage before found: likeness counts by them, and one pass is made. Default: none,
+            as rolling guidance begins, and ``options.passes`` are made.
         progress : callable, optional
 
         Returns
@@ -44,28 +45,31 @@ class Describer:
             Unit normals: all ranges of the first width, all of the second, and so on.
         """
         options = self.options
-        out = np.empty((len(normals), options.size, 3), np.float32)
-        tasks = [(width, place) for width in range(len(options.sigma_s)) for place in range(len(options.sigma_r))]
+        widths, ranges = range(len(options.sigma_s)), range(len(options.sigma_r))
+        out = np.empty((len(self._normals), options.size, 3), np.float32)
+        # the first pass without a guide is the same for all ranges
+        blurred = None if guide is not None else each_of(widths, lambda width: self._gather(width, 0)(None))
+        passes = options.passes if guide is None else 1
         done = 0
-
-        def first_pass(width: int) -> Float64:
-            return self._surroundings[width].gather(normals, 1.0)(None)
-
-        blurred = each_of(range(len(options.sigma_s)), first_pass)
 
         def describe(task: tuple[int, int]) -> None:
             nonlocal done
             width, place = task
-            gather = self._surroundings[width].gather(normals, options.sigma_r[place])
-            out[:, width * len(options.sigma_r) + place] = roll(normals, _known(gather, blurred[width]), options.passes)
+            gather = self._gather(width, place)
+
+            def sums(led_by: Float64 | None) -> Float64:
+                if led_by is not None:
+                    return gather(led_by)
+                return gather(guide) if blurred is None else blurred[width]
+
+            out[:, width * len(ranges) + place] = roll(self._normals, sums, passes)
             done += 1
             if progress is not None:
-                progress("describing", done / len(tasks))
+                progress("describing", done / options.size)
 
-        each_of(tasks, describe)
+        # the narrow ones are the most work: first, so that no thread is left with one at the end
+        each_of([(width, place) for width in widths for place in ranges], describe)
         return out
 
-
-def _known(gather: Gather, blurred: Float64) -> Gather:
-    """The same sums, the ones without a guide known already."""
-    return lambda guide: blurred if guide is None else gather(guide)
+    def _gather(self, width: int, place: int) -> Gather:
+        return self._surroundings[width].gather(self._normals, self.options.sigma_r[place])

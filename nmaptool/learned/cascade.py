@@ -12,8 +12,8 @@ from nmaptool.learned.fitting import kind_of
 from nmaptool.learned.model import FilterModel, Stage
 from nmaptool.progress import Progress
 
-# (M, 3) float64 normals -> (M, K, 3) float32 filtered normals
-Describe = Callable[[Float64, Progress | None], Float32]
+# guide (M, 3) float64 or None -> (M, K, 3) float32 filtered normals
+Describe = Callable[[Float64 | None, Progress | None], Float32]
 
 
 def apply_stage(stage: Stage, frames: Float32, inputs: Float32) -> Float64:
@@ -48,7 +48,7 @@ def refine(model: FilterModel, normals: Float64, describe: Describe, progress: P
     normals : (M, 3) float64
         Unit normals of the faces.
     describe : callable
-        Filtered normals of any field on the same mesh, made for ``model.descriptor``.
+        The mesh's filtered normals, led by a guide, made for ``model.descriptor``.
     progress : callable, optional
 
     Returns
@@ -63,7 +63,8 @@ def refine(model: FilterModel, normals: Float64, describe: Describe, progress: P
             if progress is not None:
                 progress("filtering", (number + share) / count)
 
-        descriptors = describe(normals, tell)
+        # the first stage begins as rolling guidance does; the others are led by what the one before found
+        descriptors = describe(normals if number else None, tell)
         frames = canonical_frames(descriptors)
         normals = apply_stage(stage, frames, in_frames(normals, descriptors, frames))
     return normals

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from nmaptool.arrays import Float32, Float64
-from nmaptool.learned.network import Network, count_parameters, loss_and_gradient, split_parameters
+from nmaptool.learned.network import Lesson, Network, count_parameters, split_parameters
 
 _CLUSTER_STEPS = 40
 # inputs that vary by less are as good as constant
@@ -73,13 +73,12 @@ def fit_network(
 
     mean = inputs.mean(axis=0, dtype=np.float64)
     spread = np.maximum(inputs.std(axis=0, dtype=np.float64), _LEAST_SPREAD)
-    scaled = ((inputs - mean) / spread).astype(np.float32)
+    lesson = Lesson(inputs, targets, mean, spread)
     width = inputs.shape[1]
     start = np.zeros(count_parameters(width, hidden))
-    w1, _, w2, b2 = split_parameters(start, width, hidden)
+    w1, _, w2, _ = split_parameters(start, width, hidden)
     w1[:] = rng.normal(0, 1 / np.sqrt(width), w1.shape)
     w2[:] = rng.normal(0, 0.1 / np.sqrt(hidden), w2.shape)
-    b2[:] = targets.mean(axis=0)
     count = 0
 
     def tell(_: Float64) -> None:
@@ -89,9 +88,9 @@ def fit_network(
             step_done(count / steps)
 
     found = minimize(
-        loss_and_gradient,
+        lesson.loss,
         start,
-        args=(scaled, targets, hidden, weight_decay),
+        args=(hidden, weight_decay),
         jac=True,
         method="L-BFGS-B",
         callback=tell,

@@ -1,4 +1,9 @@
-"""Networks with one hidden layer from a face's descriptor to its normal, in the descriptor's frame."""
+"""Networks with one hidden layer that mix a face's own normal and its filtered ones.
+
+A network puts out shares, and the face's normal is the mean of its normals by these shares, made unit. So the answer
+lies among what the filters found, however strange a neighbourhood is; networks that put out the normal's components
+instead were further off, on meshes that they had learned from and on others (docs/decisions/0017-learned-filter.md).
+"""
 
 from __future__ import annotations
 
@@ -11,20 +16,20 @@ from nmaptool.errors import InputError
 
 # faces that are worked on at a time: their hidden layer stays in the cache
 _AT_ONCE = 4096
-# a shorter output has no direction
+# normals that cancel out have no mean
 _NO_DIRECTION = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """n = unit(W2 tanh(W1 x + b1) + b2).
+    """n = unit(sum_k s_k n_k), s = softmax(W2 tanh(W1 x + b1) + b2), x = the components of n_1 ... n_K.
 
     Parameters
     ----------
-    w1 : (H, D) float32
+    w1 : (H, 3 K) float32
     b1 : (H,) float32
-    w2 : (3, H) float32
-    b2 : (3,) float32
+    w2 : (K, H) float32
+    b2 : (K,) float32
 
     Raises
     ------
@@ -39,7 +44,8 @@ class Network:
 
     def __post_init__(self) -> None:
         hidden, inputs = self.w1.shape if self.w1.ndim == 2 else (0, 0)
-        shapes = {"w1": (hidden, inputs), "b1": (hidden,), "w2": (3, hidden), "b2": (3,)}
+        mixed = inputs // 3
+        shapes = {"w1": (hidden, 3 * mixed), "b1": (hidden,), "w2": (mixed, hidden), "b2": (mixed,)}
         for name, shape in shapes.items():
             array = getattr(self, name)
             if array.shape != shape or 0 in shape or array.dtype != np.float32:
@@ -49,68 +55,96 @@ class Network:
             object.__setattr__(self, name, read_only(array))
 
     def __call__(self, inputs: Float32) -> Float32:
-        """(M, 3) float32 unit normals of (M, D) float32 inputs."""
+        """(M, 3) float32 unit normals of (M, 3 K) float32 components."""
         out = np.empty((len(inputs), 3), np.float32)
         for first in range(0, len(inputs), _AT_ONCE):
-            part = inputs[first : first + _AT_ONCE]
-            raw = np.tanh(part @ self.w1.T + self.b1) @ self.w2.T + self.b2
-            length = np.sqrt(np.einsum("ij,ij->i", raw, raw))[:, None]
-            out[first : first + _AT_ONCE] = raw / np.maximum(length, _NO_DIRECTION)
+            x = inputs[first : first + _AT_ONCE]
+            shares = _softmax(np.tanh(x @ self.w1.T + self.b1) @ self.w2.T + self.b2)
+            out[first : first + _AT_ONCE] = _mean(shares, x.reshape(len(x), -1, 3))[0]
         return out
+
+
+def _softmax(values: Float32) -> Float32:
+    values -= values.max(axis=1, keepdims=True)
+    np.exp(values, out=values)
+    values /= values.sum(axis=1, keepdims=True)
+    return values
+
+
+def _mean(shares: Float32, normals: Float32) -> tuple[Float32, Float32]:
+    """Unit means of (M, K, 3) normals by (M, K) shares, and the lengths (M, 1) that they had."""
+    mean = np.matmul(shares[:, None], normals)[:, 0]
+    length = np.maximum(np.sqrt(np.einsum("ij,ij->i", mean, mean)), _NO_DIRECTION)[:, None]
+    return mean / length, length
 
 
 def count_parameters(inputs: int, hidden: int) -> int:
     """Weights of one network."""
-    return hidden * (inputs + 4) + 3
+    return hidden * (inputs + 1) + (hidden + 1) * (inputs // 3)
 
 
 def split_parameters(flat: Float64, inputs: int, hidden: int) -> tuple[Float64, Float64, Float64, Float64]:
     """W1, b1, W2, b2 as views of one vector."""
-    ends = np.cumsum([hidden * inputs, hidden, 3 * hidden])
-    w1, b1, w2, b2 = np.split(flat, ends)
-    return w1.reshape(hidden, inputs), b1, w2.reshape(3, hidden), b2
+    mixed = inputs // 3
+    w1, b1, w2, b2 = np.split(flat, np.cumsum([hidden * inputs, hidden, mixed * hidden]))
+    return w1.reshape(hidden, inputs), b1, w2.reshape(mixed, hidden), b2
 
 
-def loss_and_gradient(
-    flat: Float64, inputs: Float32, targets: Float32, hidden: int, weight_decay: float
-) -> tuple[float, Float64]:
-    """Mean squared distance of the *normalised* outputs from the targets, plus the decay, and its gradient.
-
-    Normalising first leaves the network free in the length of what it puts out, which nobody uses.
+@dataclass(frozen=True, eq=False)
+class Lesson:
+    """What a network is fitted to.
 
     Parameters
     ----------
-    flat : (P,) float64
-        Weights, see `split_parameters`.
-    inputs : (N, D) float32
+    inputs : (N, 3 K) float32
+        Components of the normals to be mixed.
     targets : (N, 3) float32
-        Unit vectors.
-    hidden : int
-    weight_decay : float
-        Times the sum of squares of W1 and W2.
+        Unit normals.
+    mean, spread : (3 K,) float64
+        What is taken off the inputs, and what they are divided by, before they reach the hidden layer.
     """
-    width = inputs.shape[1]
-    w1, b1, w2, b2 = (part.astype(np.float32) for part in split_parameters(flat, width, hidden))
-    total = 0.0
-    slope = np.zeros_like(flat)
-    d1, db1, d2, db2 = split_parameters(slope, width, hidden)
-    for first in range(0, len(inputs), _AT_ONCE):
-        x, t = inputs[first : first + _AT_ONCE], targets[first : first + _AT_ONCE]
-        middle = np.tanh(x @ w1.T + b1)
-        raw = middle @ w2.T + b2
-        length = np.maximum(np.sqrt(np.einsum("ij,ij->i", raw, raw)), _NO_DIRECTION)[:, None]
-        raw /= length
-        # |n - t|^2 = 2 - 2 n.t, whose gradient is what of -2 t is across n, over the length
-        agree = np.einsum("ij,ij->i", raw, t)[:, None]
-        total += float((2 - 2 * agree).sum(dtype=np.float64))
-        across = (raw * agree - t) * (2 / length)
-        d2 += across.T @ middle
-        db2 += across.sum(axis=0)
-        back = (across @ w2) * (1 - middle * middle)
-        d1 += back.T @ x
-        db1 += back.sum(axis=0)
-    slope /= len(inputs)
-    d1 += 2 * weight_decay * w1
-    d2 += 2 * weight_decay * w2
-    decay = weight_decay * float((w1 * w1).sum(dtype=np.float64) + (w2 * w2).sum(dtype=np.float64))
-    return total / len(inputs) + decay, slope
+
+    inputs: Float32
+    targets: Float32
+    mean: Float64
+    spread: Float64
+
+    def loss(self, flat: Float64, hidden: int, weight_decay: float) -> tuple[float, Float64]:
+        """Mean squared distance of the *normalised* means from the targets, plus the decay; and its gradient.
+
+        Parameters
+        ----------
+        flat : (P,) float64
+            Weights, see `split_parameters`.
+        hidden : int
+        weight_decay : float
+            Times the sum of squares of W1 and W2.
+        """
+        width = self.inputs.shape[1]
+        w1, b1, w2, b2 = (part.astype(np.float32) for part in split_parameters(flat, width, hidden))
+        off, scale = self.mean.astype(np.float32), (1 / self.spread).astype(np.float32)
+        total, slope = 0.0, np.zeros_like(flat)
+        d1, db1, d2, db2 = split_parameters(slope, width, hidden)
+        for first in range(0, len(self.inputs), _AT_ONCE):
+            x, target = self.inputs[first : first + _AT_ONCE], self.targets[first : first + _AT_ONCE]
+            normals = x.reshape(len(x), -1, 3)
+            scaled = (x - off) * scale
+            middle = np.tanh(scaled @ w1.T + b1)
+            shares = _softmax(middle @ w2.T + b2)
+            found, length = _mean(shares, normals)
+            # |n - t|^2 = 2 - 2 n.t; its gradient is what of -2 t is across n, over the length
+            agree = np.einsum("ij,ij->i", found, target)[:, None]
+            total += float((2 - 2 * agree).sum(dtype=np.float64))
+            across = (found * agree - target) * (2 / length)
+            by_share = np.matmul(normals, across[:, :, None])[:, :, 0]
+            by_value = shares * (by_share - np.einsum("ij,ij->i", shares, by_share)[:, None])
+            d2 += by_value.T @ middle
+            db2 += by_value.sum(axis=0)
+            back = (by_value @ w2) * (1 - middle * middle)
+            d1 += back.T @ scaled
+            db1 += back.sum(axis=0)
+        slope /= len(self.inputs)
+        d1 += 2 * weight_decay * w1
+        d2 += 2 * weight_decay * w2
+        decay = weight_decay * float((w1 * w1).sum(dtype=np.float64) + (w2 * w2).sum(dtype=np.float64))
+        return total / len(self.inputs) + decay, slope

@@ -25,7 +25,7 @@ class DescriptorOptions:
     sigma_r:
         Ranges of the filters, as lengths of differences of unit normals.
     passes:
-        Passes of each filter; the first has no guide and is shared by all ranges.
+        Passes of each filter in the first stage; later stages make one, led by the stage before.
     """
 
     sigma_s: tuple[float, ...] = (3.0, 5.0, 8.0, 10.0, 14.0)
@@ -72,9 +72,9 @@ class TrainOptions:
     stages: int = 3
     clusters: int = 4
     hidden: int = 32
-    steps: int = 300
+    steps: int = 150
     samples: int = 160_000
-    weight_decay: float = 1e-6
+    weight_decay: float = 1e-4
     seed: int = 1
 
     def __post_init__(self) -> None:
@@ -87,6 +87,6 @@ class TrainOptions:
         ):
             if not 1 <= value <= high:
                 raise UsageError(f"--{name} {value}: must lie between 1 and {high}")
-        require_number("weight-decay", self.weight_decay, 0, 1, "1e-6")
+        require_number("weight-decay", self.weight_decay, 0, 1, "1e-4")
         if not 0 <= self.seed < 2**32:
             raise UsageError(f"--seed {self.seed}: must lie between 0 and {2**32 - 1}")

@@ -93,7 +93,7 @@ def train(
     """Learn a filter of face normals from examples (paper, Sec. 3.2: DRNF).
 
     Every stage describes the faces by their filtered normals, in frames of their own; sorts them into kinds; and fits a
-    network for each kind to the target normals. The next stage begins with the normals that this one gives.
+    network for each kind to the target normals. What this one gives leads the filters of the next.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ class _Work:
         out = []
         for place, (example, field_) in enumerate(zip(self.examples, normals, strict=True)):
             self.tell("describing", 0.4 * place / len(self.examples))
-            descriptors = Describer(example.mesh, self.descriptor)(field_)
+            descriptors = Describer(example.mesh, self.descriptor)(field_ if self.number else None)
             frames = canonical_frames(descriptors)
             out.append((frames, in_frames(field_, descriptors, frames)))
         return out
