@@ -21,11 +21,30 @@ from nmaptool.mesh import FaceGeometry, Mesh, sum_by
 
 RADIUS = 2.5  # sigma_s
 _PATCH = 0.5  # sigma_s
-_ALIKE = 0.5  # sigma_r
+_COARSEST, _COARSER = 4.0, 1.3  # sigma_r, and how much coarser at a time
 _WEIGHTS_AT_ONCE = 100_000
 _ROUNDING = 1e-9  # of the longest side
 # from the squares of eight columns to -|place|^2 / 2 and -|guide|^2 / 2
 _HALVES = np.repeat(np.eye(3, 2, dtype=np.float32), (3, 3, 2), axis=0) * np.float32(-0.5)
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """How roughly sums are worked out.
+
+    Parameters
+    ----------
+    alike : float
+        Patches are split where the guide differs by this many sigma_r.
+    pairs_per_face : float
+        Where there would be more pairs of nodes, patches are split less.
+    """
+
+    alike: float
+    pairs_per_face: float
+
+
+EXACT = Roughness(0.5, np.inf)
 
 
 class Surroundings:
@@ -55,17 +74,27 @@ class Surroundings:
         self._where = own / sigma_s
         self._areas = geometry.areas
 
-    def gather(self, normals: Float64, sigma_r: float) -> Gather:
+    def gather(self, normals: Float64, sigma_r: float, rough: Roughness = EXACT) -> Gather:
         """Sums of (M, 3) unit normals, led by a guide whose differences count in units of ``sigma_r``."""
         parts = summands(normals @ self._axes.T, self._areas)
 
         def sums(guide: Float64 | None) -> Float64:
             lead = np.zeros_like(self._where) if guide is None else guide @ self._axes.T / sigma_r
-            nodes = _nodes(self._cells, self._around.patch, self._where, lead, parts)
+            nodes = self._few_nodes(lead, parts, rough)
             found = _at_faces(nodes, _pair_sums(nodes, self._around), self._where, lead)
             return np.hstack([found[:, :3] @ self._axes, found[:, 3:]])
 
         return sums
+
+    def _few_nodes(self, lead: Float64, parts: Float64, rough: Roughness) -> _Nodes:
+        """Nodes as fine in the guide as is asked for, or coarser where their pairs would be too many."""
+        alike = rough.alike
+        while True:
+            nodes = _nodes(self._cells, self._around.patch, self._where, lead, parts, alike)
+            own, reached = _counts(nodes, self._around)
+            if alike >= _COARSEST or own @ reached <= rough.pairs_per_face * len(lead):
+                return nodes
+            alike *= _COARSER
 
 
 def gather_surface(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: float) -> Gather:
@@ -129,9 +158,9 @@ def _cells(patch: Labels, large: Labels) -> _Cells:
     return _Cells(number, first[patch])
 
 
-def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, parts: Float64) -> _Nodes:
+def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, parts: Float64, alike: float) -> _Nodes:
     # bins are counted from the patch's own first face, so that a smooth patch is rarely cut
-    bins = np.floor((lead - lead.take(cells.first, axis=0)) / _ALIKE + 0.5).astype(np.int64)
+    bins = np.floor((lead - lead.take(cells.first, axis=0)) / alike + 0.5).astype(np.int64)
     bins -= bins.min(axis=0)
     spans = bins.max(axis=0) + 1
     likeness = (bins[:, 0] * spans[1] + bins[:, 1]) * spans[2] + bins[:, 2]
@@ -154,9 +183,8 @@ def _pair_sums(nodes: _Nodes, around: Reach) -> Float32:
     moments[count] = 0  # a node that adds nothing, to fill up shorter lists of sources
     places = np.zeros((count + 1, 8), np.float32)
     places[:count, :6] = nodes.places
-    start = np.searchsorted(nodes.large, np.arange(around.near.shape[0] + 1))
-    own = np.diff(start)
-    reached = around.near @ own
+    own, reached = _counts(nodes, around)
+    start = np.concatenate([[0], np.cumsum(own)])
     out = np.empty((count, 28), np.float32)
     for large in _batches(own, reached):
         # the nodes of one large patch have the same sources, so that their weights are a dense block
@@ -167,6 +195,12 @@ def _pair_sums(nodes: _Nodes, around: Reach) -> Float32:
         weights = _weights(places.take(mine, axis=0) - places.take(mine[:, :1], axis=0), sources)
         out[mine] = weights @ moments.take(others, axis=0)
     return out
+
+
+def _counts(nodes: _Nodes, around: Reach) -> tuple[Labels, Labels]:
+    """(P,) int64 each: nodes of each large patch, and nodes that it reaches."""
+    own = np.bincount(nodes.large, minlength=around.near.shape[0])
+    return own, np.asarray(around.near @ own, np.int64)
 
 
 def _batches(own: Labels, reached: Labels) -> Iterator[Labels]:

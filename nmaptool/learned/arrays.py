@@ -51,6 +51,8 @@ def filter_from_arrays(arrays: Arrays) -> FilterModel:
         descriptor = DescriptorOptions(tuple(given["sigma_s"]), tuple(given["sigma_r"]), given["passes"])
         account = dict(header["account"])
         parts = _parts_from_arrays(arrays, header["networks"])
+    except InputError:
+        raise
     except (KeyError, TypeError, ValueError, UsageError):
         raise InputError("its header is damaged") from None
     return FilterModel(descriptor, tuple(Stage(*part) for part in parts), account)
@@ -84,6 +86,8 @@ def training_from_arrays(arrays: Arrays) -> TrainingState:
         fingerprint, losses = str(header["fingerprint"]), tuple(float(loss) for loss in header["losses"])
         parts = _parts_from_arrays(arrays, header["networks"])
         finished = int(header["stages"])
+    except InputError:
+        raise
     except (KeyError, TypeError, ValueError):
         raise InputError("its header is damaged") from None
     stages = tuple(Stage(*part) for part in parts[:finished])

@@ -132,9 +132,9 @@ class Lesson:
             middle = np.tanh(scaled @ w1.T + b1)
             shares = _softmax(middle @ w2.T + b2)
             found, length = _mean(shares, normals)
+            total += float(np.square(found - target).sum(dtype=np.float64))
             # |n - t|^2 = 2 - 2 n.t; its gradient is what of -2 t is across n, over the length
             agree = np.einsum("ij,ij->i", found, target)[:, None]
-            total += float((2 - 2 * agree).sum(dtype=np.float64))
             across = (found * agree - target) * (2 / length)
             by_share = np.matmul(normals, across[:, :, None])[:, :, 0]
             by_value = shares * (by_share - np.einsum("ij,ij->i", shares, by_share)[:, None])

@@ -1,0 +1,158 @@
+"""Files of learned filters: the same bytes for the same filter, nothing executed, damage told in one line."""
+
+import io
+import pickle
+import zipfile
+
+import numpy as np
+import pytest
+from learned_cases import DESCRIPTOR, network, same, small_filter
+
+import nmaptool as nm
+from nmaptool.learned.arrays import filter_to_arrays
+from nmaptool.learned.model import FilterModel, Stage
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "f.npz"
+    nm.write_filter_model(small_filter(), path)
+    return path
+
+
+def test_a_filter_comes_back_as_it_was(file, tmp_path):
+    read = nm.read_filter_model(file)
+    assert same(read, small_filter())
+    assert read.descriptor == DESCRIPTOR
+    assert read.account == small_filter().account
+    nm.write_filter_model(read, tmp_path / "again.npz")
+    assert (tmp_path / "again.npz").read_bytes() == file.read_bytes()
+
+
+def test_the_digest_tells_filters_apart():
+    stage = Stage(np.zeros((1, 15), np.float32), (network(),))
+    other = Stage(np.zeros((1, 15), np.float32), (network(seed=1),))
+    one = FilterModel(DESCRIPTOR, (stage,), {"name": "a"})
+    assert same(one, FilterModel(DESCRIPTOR, (stage,), {"name": "b"}))
+    assert not same(one, FilterModel(DESCRIPTOR, (other,)))
+    assert not same(one, FilterModel(DESCRIPTOR, (stage, stage)))
+    assert len(one.digest) == 12
+
+
+def test_nothing_that_exists_is_overwritten(file):
+    with pytest.raises(nm.OutputError, match=r"f\.npz: exists already; give another name, or --overwrite"):
+        nm.write_filter_model(small_filter(), file)
+    nm.write_filter_model(small_filter(), file, overwrite=True)
+    with pytest.raises(nm.UsageError, match=r"f\.bin: learned filters are kept in files that end in \.npz"):
+        nm.write_filter_model(small_filter(), file.with_suffix(".bin"))
+
+
+class Touch:
+    """Code that a pickle would run."""
+
+    def __init__(self, path):
+        self.path = str(path)
+
+    def __reduce__(self):
+        return (open, (self.path, "w"))
+
+
+def npz(path, arrays):
+    with path.open("wb") as stream:
+        np.savez(stream, **arrays)
+
+
+def without(name):
+    return {key: value for key, value in filter_to_arrays(small_filter()).items() if key != name}
+
+
+def header(text):
+    return without("header") | {"header": np.frombuffer(text, np.uint8)}
+
+
+def deflated_zeros(path):
+    held = io.BytesIO()
+    np.lib.format.write_array(held, np.zeros(9_000_000))
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("header.npy", held.getvalue())
+
+
+@pytest.mark.parametrize(
+    ("write", "message"),
+    [
+        (lambda p: None, r"it cannot be read \(No such file or directory\)"),
+        (lambda p: p.write_bytes(b"hello"), "it is no .npz file, or damaged"),
+        (lambda p: p.write_bytes(b""), "it is no .npz file, or damaged"),
+        (deflated_zeros, "it unpacks to more than the limit of 64000000 bytes"),
+        (lambda p: npz(p, {"a": np.zeros(3)}), "it is not a filter of nmaptool: it has no header"),
+        (lambda p: npz(p, header(b"[1]")), "it is not a filter of nmaptool: it has no header"),
+        (lambda p: npz(p, header(b'{"kind": "cake"}')), "it is 'cake', expected 'nmaptool filter 1'"),
+        (lambda p: npz(p, header(b'{"kind": "nmaptool filter 1"}')), "its header is damaged"),
+        (
+            lambda p: npz(p, header(b'{"kind": "nmaptool filter 1", "descriptor": {"sigma_s": [0]}}')),
+            "its header is damaged",
+        ),
+        (lambda p: npz(p, without("stage1_centers")), "it has no array 'stage1_centers'"),
+        (lambda p: npz(p, without("stage0_network1_w2")), "it has no array 'stage0_network1_w2'"),
+        (
+            lambda p: npz(p, without("stage0_centers") | {"stage0_centers": np.zeros((2, 14), np.float32)}),
+            "a network takes 15 inputs, expected 14",
+        ),
+    ],
+)
+def test_files_that_are_no_filter(tmp_path, write, message):
+    path = tmp_path / "f.npz"
+    write(path)
+    with pytest.raises(nm.InputError, match=rf"f\.npz: cannot be used as a learned filter: {message}"):
+        nm.read_filter_model(path)
+
+
+def test_pickled_objects_are_refused_and_not_run(tmp_path):
+    mark = tmp_path / "run"
+    npz(tmp_path / "f.npz", {"header": np.array([Touch(mark)], object)})
+    (tmp_path / "g.npz").write_bytes(pickle.dumps(Touch(tmp_path / "run")))
+    mark.unlink(missing_ok=True)
+    for name in ("f.npz", "g.npz"):
+        with pytest.raises(nm.InputError, match=r"it is no \.npz file, or damaged"):
+            nm.read_filter_model(tmp_path / name)
+    assert not mark.exists()
+
+
+def test_damaged_files_give_one_kind_of_error(file):
+    """Cut and flipped anywhere: an InputError, or a filter that is sound."""
+    data = file.read_bytes()
+    rng = np.random.default_rng(0)
+    damaged = file.with_name("damaged.npz")
+    outcomes = {"read": 0, "refused": 0}
+    for _ in range(150):
+        broken = bytearray(data[: rng.integers(1, len(data))] if rng.random() < 0.3 else data)
+        broken[rng.integers(len(broken))] ^= 1 << rng.integers(8)
+        damaged.write_bytes(bytes(broken))
+        try:
+            nm.read_filter_model(damaged)
+            outcomes["read"] += 1
+        except nm.InputError:
+            outcomes["refused"] += 1
+    assert outcomes["refused"] > 100
+
+
+def test_a_training_is_no_filter_and_a_filter_no_training(file, tmp_path):
+    with pytest.raises(nm.InputError, match="begun: it is 'nmaptool filter 1', expected 'nmaptool training 1'"):
+        nm.read_training(file)
+    nm.write_training(nm.TrainingState("abc"), tmp_path / "t.npz")
+    assert nm.read_training(tmp_path / "t.npz").fingerprint == "abc"
+    with pytest.raises(nm.InputError, match="filter: it is 'nmaptool training 1', expected 'nmaptool filter 1'"):
+        nm.read_filter_model(tmp_path / "t.npz")
+
+
+def test_the_shipped_filter_is_small_and_says_how_it_was_made():
+    from importlib.resources import files
+
+    data = files("nmaptool.learned").joinpath("filter.npz").read_bytes()
+    assert len(data) < 2_000_000
+    account = nm.shipped_filter().account
+    assert len(account["meshes"]) >= 23
+    assert account["options"] == {name: getattr(nm.TrainOptions(), name) for name in account["options"]}
+    assert nm.shipped_filter().descriptor == nm.DescriptorOptions()
+    assert len(nm.shipped_filter().stages) == 3
+    assert {len(stage.networks) for stage in nm.shipped_filter().stages} == {4}

@@ -1,0 +1,243 @@
+"""The learned filter: its parts against what they should be, and what it makes of meshes."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from learned_cases import DESCRIPTOR, OPTIONS, examples, hilly, network, same, small_filter
+from mesh_cases import angles, divided, joined, sheet, sphere
+
+import nmaptool as nm
+from nmaptool.cleaning import clean_mesh
+from nmaptool.decompose.descriptor import Describer
+from nmaptool.decompose.rolling import roll
+from nmaptool.decompose.surface import gather_surface
+from nmaptool.learned.canonical import canonical_frames, in_frames
+from nmaptool.learned.fitting import find_kinds, fit_network, kind_of
+from nmaptool.learned.model import FilterModel, Stage
+from nmaptool.learned.network import Lesson, Network, count_parameters
+
+RNG = np.random.default_rng(3)
+TURN = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+TURN *= np.linalg.det(TURN)
+MIRROR = TURN @ np.diag([1.0, 1.0, -1.0])
+
+
+def directions(*shape):
+    v = np.random.default_rng(7).normal(size=(*shape, 3)) + np.array([0, 0, 2])
+    return (v / np.linalg.norm(v, axis=-1, keepdims=True)).astype(np.float32)
+
+
+@pytest.mark.parametrize("turn", [TURN, MIRROR], ids=["turned", "mirrored"])
+def test_frames_turn_with_the_normals_and_inputs_do_not(turn):
+    normals = directions(200, 15)
+    own = normals.mean(axis=1, dtype=np.float64)
+    turned = (normals @ turn.T).astype(np.float32)
+    one, other = canonical_frames(normals), canonical_frames(turned)
+    assert np.allclose(one @ one.swapaxes(-1, -2), np.eye(3), atol=1e-5)
+    assert np.allclose(other, one @ turn.T, atol=1e-3)
+    assert np.allclose(in_frames(own, normals, one), in_frames(own @ turn.T, turned, other), atol=1e-3)
+    products = np.einsum("mij,mkj,mkl,mnl->min", one, normals, normals, one)
+    size = np.abs(np.einsum("mii->mi", products))
+    assert (np.diff(size, axis=1) <= 1e-4).all()  # the axis with most of the normals first
+    assert np.allclose(products, products * np.eye(3), atol=1e-4)
+    assert (np.einsum("mij,mj->mi", one, own) >= -1e-6).all()  # each points to the side of the mean
+
+
+def test_inputs_are_the_own_and_the_filtered_normals():
+    normals = directions(50, 4)
+    frames = canonical_frames(normals)
+    inputs = in_frames(normals[:, 1].astype(float), normals, frames).reshape(50, 5, 3)
+    assert np.allclose(np.einsum("mij,mki->mkj", frames, inputs[:, 1:]), normals, atol=1e-6)
+    assert np.array_equal(inputs[:, 0], inputs[:, 2])
+
+
+def test_a_network_mixes_the_normals_it_is_given():
+    normals = directions(300, 5)
+    found = network(mixed=5)(normals.reshape(300, -1))
+    assert np.allclose(np.linalg.norm(found, axis=1), 1, atol=1e-6)
+    weights = np.linalg.lstsq(normals[0].T, found[0], rcond=None)[0]
+    assert np.allclose(normals[0].T @ weights, found[0], atol=1e-5)
+    one_kind = np.repeat(normals[:, :1], 5, axis=1).reshape(300, -1)
+    assert angles(network(mixed=5)(one_kind), normals[:, 0]).max() < 0.05  # of equals only themselves
+    picks = Network(*(np.zeros(s, np.float32) for s in ((2, 15), (2,), (5, 2))), np.float32([0, 0, 60, 0, 0]))
+    assert np.allclose(picks(normals.reshape(300, -1)), normals[:, 2], atol=1e-6)
+
+
+def test_the_gradient_is_that_of_the_loss():
+    inputs, targets = directions(5000, 4).reshape(5000, -1), directions(5000)
+    lesson = Lesson(inputs, targets, inputs.mean(axis=0, dtype=float), inputs.std(axis=0, dtype=float))
+    flat = np.random.default_rng(1).normal(size=count_parameters(12, 3)) * 0.7
+    _, slope = lesson.loss(flat, 3, 1e-3)
+    for k in range(0, len(flat), 3):
+        step = np.zeros_like(flat)
+        step[k] = 0.02
+        rise = (lesson.loss(flat + step, 3, 1e-3)[0] - lesson.loss(flat - step, 3, 1e-3)[0]) / 0.04
+        assert slope[k] == pytest.approx(rise, rel=0.02, abs=2e-5)
+
+
+def test_the_loss_is_that_of_the_normalised_normal():
+    normals = directions(400, 4)
+    lesson = Lesson(normals.reshape(400, -1), normals[:, 1], np.zeros(12), np.ones(12))
+    flat = np.zeros(count_parameters(12, 2))
+    mean = normals.mean(axis=1)
+    mean /= np.linalg.norm(mean, axis=1, keepdims=True)
+    assert lesson.loss(flat, 2, 0.0)[0] == pytest.approx(((mean - normals[:, 1]) ** 2).sum(axis=1).mean(), rel=1e-4)
+
+
+def test_a_network_learns_which_of_its_normals_is_right():
+    normals = directions(3000, 4)
+    right = np.where(normals[:, :1, 0] > 0, normals[:, 1], normals[:, 3])
+    inputs = normals.reshape(3000, -1)
+    shares = []
+    learned, loss = fit_network(
+        inputs, right, hidden=4, steps=150, weight_decay=0, rng=np.random.default_rng(0), step_done=shares.append
+    )
+    blind = normals.mean(axis=1)
+    blind /= np.linalg.norm(blind, axis=1, keepdims=True)
+    assert angles(learned(inputs), right).mean() < 0.25 * angles(blind, right).mean()
+    assert loss == pytest.approx(((learned(inputs) - right) ** 2).sum(axis=1).mean(), rel=1e-3, abs=1e-9)
+    assert shares == sorted(shares)
+    assert 0 < shares[0] <= shares[-1] <= 1
+
+
+def test_kinds_are_the_nearest_centres():
+    rng = np.random.default_rng(0)
+    groups = (np.float32([[0, 0], [9, 0], [0, 9]])[:, None] + rng.normal(size=(3, 100, 2))).astype(np.float32)
+    centers = find_kinds(groups.reshape(-1, 2), 3, np.random.default_rng(1))
+    kinds = kind_of(groups.reshape(-1, 2), centers).reshape(3, 100)
+    assert all(len(set(kind)) == 1 for kind in kinds.tolist())
+    assert len(set(kinds[:, 0])) == 3
+
+
+def test_descriptors_are_filtered_normals():
+    """As gather_surface has them, up to how finely patches are split."""
+    mesh = clean_mesh(hilly(5))[0]
+    normals = mesh.geometry.normals
+    found = Describer(mesh, DESCRIPTOR)()
+    led = Describer(mesh, DESCRIPTOR)(found[:, 0].astype(float))
+    for place, (size, likeness) in enumerate((s, r) for s in DESCRIPTOR.sigma_s for r in DESCRIPTOR.sigma_r):
+        gather = gather_surface(mesh, mesh.geometry, size * mesh.mean_edge, likeness)
+        exact = roll(normals, gather, 2)
+        assert angles(found[:, place], exact).mean() < 0.5
+        once = gather(found[:, 0].astype(float))[:, :3]
+        assert angles(led[:, place], once / np.linalg.norm(once, axis=1, keepdims=True)).mean() < 0.5
+    assert angles(found[:, 0], found[:, 3]).mean() > 3
+
+
+def test_every_stage_comes_nearer_to_the_targets():
+    before, *after = small_filter().account["mean_angle_deg"]
+    assert after[0] < 0.7 * before
+    assert after[1] < after[0] + 0.1
+    new = nm.training_example(hilly(9), nm.FilterOptions(filter="grnf"))
+    found = nm.decompose_normals(new.mesh, nm.FilterOptions(filter="learned"), model=small_filter())
+    assert angles(found.base, new.targets).mean() < 0.7 * angles(found.normals, new.targets).mean()
+
+
+@pytest.mark.parametrize("turn", [TURN, MIRROR], ids=["turned", "mirrored"])
+def test_the_learned_base_turns_with_the_mesh(turn):
+    mesh = clean_mesh(hilly(9))[0]
+    faces = mesh.faces if np.linalg.det(turn) > 0 else np.ascontiguousarray(mesh.faces[:, ::-1])
+    options = nm.FilterOptions(filter="learned")
+    one = nm.decompose_normals(mesh, options)
+    other = nm.decompose_normals(nm.Mesh(mesh.vertices @ turn.T + 5, faces), options)
+    assert angles(one.normals, one.base).mean() > 1
+    error = angles(one.base @ turn.T, other.base)
+    assert np.percentile(error, 99) < 0.5
+    assert error.mean() < 0.05
+
+
+def test_size_and_unit_do_not_matter_to_the_learned_filter():
+    mesh = clean_mesh(hilly(9))[0]
+    options = nm.FilterOptions(filter="learned")
+    one, other = (nm.decompose_normals(nm.Mesh(mesh.vertices * s, mesh.faces), options).base for s in (1.0, 1000.0))
+    assert angles(one, other).mean() < 0.01
+
+
+def test_the_shipped_filter_takes_bumps_and_keeps_forms():
+    """A ball with bumps, a smooth ball, and a box: no parameter is given."""
+    options = nm.FilterOptions(filter="learned")
+    ball = sphere(30)
+    v = ball.vertices
+    bumps = 0.012 * np.sin(40 * v[:, :1]) * np.sin(40 * v[:, 1:2]) * np.sin(40 * v[:, 2:])
+    rough = nm.decompose_normals(nm.Mesh(v * (1 + bumps), ball.faces), options)
+    true = ball.geometry.normals
+    assert angles(rough.normals, true).mean() > 6
+    assert angles(rough.base, true).mean() < 0.5 * angles(rough.normals, true).mean()
+    assert angles(nm.decompose_normals(ball, options).base, true).mean() < 0.5
+    side = sheet(lambda x, y: 0 * x + 8, 16, 16).vertices
+    box = clean_mesh(
+        joined(
+            *(
+                nm.Mesh(np.roll(side * [1, 1, s] * [s, 1, 1], k, axis=1), sheet(lambda x, y: 0 * x, 16, 16).faces)
+                for k in range(3)
+                for s in (1.0, -1.0)
+            )
+        )
+    )[0]
+    kept = nm.decompose_normals(box, options)
+    assert angles(kept.base, kept.normals).mean() < 2
+
+
+def test_refining_the_mesh_changes_the_learned_base_little():
+    mesh = clean_mesh(hilly(9))[0]
+    options = nm.FilterOptions(filter="learned")
+    one = nm.decompose_normals(mesh, options)
+    fine = nm.decompose_normals(divided(mesh), options)
+    moved = angles(np.repeat(one.base, 4, axis=0), fine.base).mean()
+    assert moved < 0.5 * angles(one.base, one.normals).mean()
+
+
+def test_base_and_residual_are_the_original_in_every_bit():
+    found = nm.decompose_normals(hilly(9), nm.FilterOptions(filter="learned"))
+    assert np.array_equal(found.base + found.residual, found.normals)
+    assert np.array_equal(found.is_detail, np.linalg.norm(found.normals - found.filtered, axis=1) > found.mixture.theta)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"sigma_s": 5.0}, "--sigma-s 5.0: a learned filter has no parameters; leave it away, or use --filter grnf"),
+        ({"sigma_r": 0.3}, "--sigma-r 0.3: a learned filter has no parameters"),
+        ({"iterations": 3}, "--iterations 3: a learned filter has no parameters"),
+        ({"neighborhood": "ring"}, "--neighborhood ring: a learned filter has no parameters"),
+    ],
+)
+def test_a_learned_filter_takes_no_parameters(changes, message):
+    with pytest.raises(nm.UsageError, match=message):
+        nm.FilterOptions(filter="learned", **changes)
+
+
+def test_a_model_belongs_to_the_learned_filter():
+    with pytest.raises(nm.UsageError, match="--model: belongs to --filter learned, not to rnf"):
+        nm.decompose_normals(hilly(0), model=small_filter())
+    with pytest.raises(nm.UsageError, match="--model: belongs to --filter learned, not to grnf"):
+        nm.bake(hilly(0), filter=nm.FilterOptions(filter="grnf"), model=small_filter())
+
+
+def test_models_that_do_not_fit_together():
+    good = network()
+    with pytest.raises(nm.InputError, match=r"weights b1 are float32 \(4,\), expected float32 \(3,\)"):
+        dataclasses.replace(good, b1=np.zeros(4, np.float32))
+    with pytest.raises(nm.InputError, match=r"weights w1 are float64 .*, expected float32"):
+        dataclasses.replace(good, w1=good.w1.astype(float))
+    with pytest.raises(nm.InputError, match="weights w2 are not all finite"):
+        dataclasses.replace(good, w2=good.w2 * np.float32(np.nan))
+    centers = np.zeros((2, 15), np.float32)
+    with pytest.raises(nm.InputError, match="1 networks for 2 kinds of neighbourhood"):
+        Stage(centers, (good,))
+    with pytest.raises(nm.InputError, match=r"centers are float64 \(2, 15\), expected finite float32 \(K, D\)"):
+        Stage(centers.astype(float), (good, good))
+    with pytest.raises(nm.InputError, match="a network takes 15 inputs, expected 12"):
+        Stage(centers[:, :12].copy(), (good, good))
+    with pytest.raises(nm.InputError, match="a learned filter needs at least one stage"):
+        FilterModel(DESCRIPTOR, ())
+    with pytest.raises(nm.InputError, match="a stage takes 15 inputs, but its descriptor gives 48"):
+        FilterModel(nm.DescriptorOptions(), (Stage(centers, (good, good)),))
+
+
+def test_the_same_seed_gives_the_same_filter_and_another_another():
+    again = nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR)
+    assert same(again, small_filter())
+    other = nm.train(examples(), dataclasses.replace(OPTIONS, seed=2), descriptor=DESCRIPTOR)
+    assert not same(other, small_filter())

@@ -1,0 +1,114 @@
+"""Training: resumed to the same result, and what cannot be learned from."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from learned_cases import DESCRIPTOR, OPTIONS, examples, same, small_filter
+from mesh_cases import sheet
+
+import nmaptool as nm
+
+
+def states():
+    """What is kept of the training of `small_filter`, network after network."""
+    kept = []
+    model = nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR, keep=kept.append)
+    assert same(model, small_filter())
+    return kept
+
+
+def test_a_training_goes_on_from_every_state_to_the_same_filter(tmp_path):
+    kept = states()
+    assert [(len(s.stages), len(s.networks)) for s in kept] == [(0, 1), (1, 0), (1, 1), (2, 0)]
+    for number, state in enumerate(kept):
+        file = tmp_path / f"{number}.npz"
+        nm.write_training(state, file)
+        read = nm.read_training(file)
+        assert read.fingerprint == state.fingerprint
+        assert read.losses == state.losses
+        assert [len(s.networks) for s in read.stages] == [len(s.networks) for s in state.stages]
+        more = []
+        again = nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR, state=read, keep=more.append)
+        assert same(again, small_filter())
+        assert again.account == small_filter().account
+        assert len(more) == len(kept) - number - 1  # nothing that is finished is done again
+
+
+def test_a_state_of_another_training_is_refused():
+    state = states()[0]
+    for others, changes in ((examples(1), {}), (examples(), {"hidden": 5}), (examples(), {"seed": 4})):
+        with pytest.raises(nm.InputError, match="the training that was begun had other meshes or options; begin anew"):
+            nm.train(others, dataclasses.replace(OPTIONS, **changes), descriptor=DESCRIPTOR, state=state)
+
+
+def test_the_account_says_how_a_filter_was_made():
+    account = small_filter().account
+    assert account["options"]["seed"] == OPTIONS.seed
+    assert [mesh["name"] for mesh in account["meshes"]] == ["roof 0", "roof 1"]
+    assert [mesh["faces"] for mesh in account["meshes"]] == [1152, 1152]
+    assert account["meshes"][0]["filter"] == "grnf"
+    assert len(account["losses"]) == OPTIONS.stages * OPTIONS.clusters
+    assert len(account["mean_angle_deg"]) == 1 + OPTIONS.stages
+
+
+def test_examples_are_the_base_of_grnf():
+    mesh = examples()[0].mesh
+    options = nm.FilterOptions(filter="grnf")
+    base = nm.decompose_normals(mesh, options).base
+    assert np.array_equal(examples()[0].targets, base)
+    assert not np.array_equal(nm.training_example(mesh, nm.FilterOptions(filter="grnf", sigma_s=1.5)).targets, base)
+
+
+def test_progress_rises_to_the_end():
+    told = []
+    nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR, progress=lambda word, share: told.append((word, share)))
+    shares = [share for _, share in told]
+    assert shares == sorted(shares)
+    assert 0 <= shares[0] < 0.1
+    assert 0.9 < shares[-1] <= 1
+    assert {word for word, _ in told} == {f"stage {k}, {work}" for k in (1, 2) for work in ("describing", "fitting")}
+
+
+def test_what_cannot_be_learned_from():
+    mesh = nm.clean_mesh(sheet(lambda x, y: 0 * x, 4, 4))[0]
+    flat = nm.TrainingExample(mesh, np.tile([0, 0, 1.0], (32, 1)))
+    with pytest.raises(nm.InputError, match="32 faces in all: too few to learn from; give more meshes, or denser ones"):
+        nm.train([flat])
+    with pytest.raises(nm.InputError, match=r"mesh: targets are \(31, 3\), expected \(32, 3\)"):
+        nm.TrainingExample(mesh, flat.targets[1:])
+    with pytest.raises(nm.InputError, match="mesh: targets must be finite and of unit length"):
+        nm.TrainingExample(mesh, flat.targets * 1.1)
+    with pytest.raises(nm.InputError, match="mesh: targets must be finite and of unit length"):
+        nm.TrainingExample(mesh, flat.targets * np.nan)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"stages": 0}, "--stages 0: must lie between 1 and 10"),
+        ({"clusters": 65}, "--clusters 65: must lie between 1 and 64"),
+        ({"hidden": 0}, "--hidden 0: must lie between 1 and 256"),
+        ({"steps": 0}, "--steps 0: must lie between 1 and 100000"),
+        ({"samples": 0}, "--samples 0: must lie between 1 and 10000000"),
+        ({"weight_decay": -1.0}, "--weight-decay -1: must lie between 0 and 1, such as 1e-4"),
+        ({"seed": -1}, "--seed -1: must lie between 0 and 4294967295"),
+    ],
+)
+def test_train_options_that_cannot_be_meant(changes, message):
+    with pytest.raises(nm.UsageError, match=message):
+        nm.TrainOptions(**changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"sigma_s": ()}, "sigma_s: 0 values, expected 1 to 16"),
+        ({"sigma_s": (0.0,)}, "--sigma_s 0: must lie between 0.1 and 1000"),
+        ({"sigma_r": (0.2, np.nan)}, "--sigma_r nan: must lie between 0.01 and 10"),
+        ({"passes": 0}, "passes 0: must lie between 1 and 20"),
+    ],
+)
+def test_descriptors_that_cannot_be_meant(changes, message):
+    with pytest.raises(nm.UsageError, match=message):
+        nm.DescriptorOptions(**changes)
