@@ -43,6 +43,9 @@ app.command("nmaptool_cli.compose:app", name="compose", help=COMPOSE_HELP)
 app.command(
     "nmaptool_cli.relief:relief", name="relief", help="Make a relief in millimetres from one or two normal maps."
 )
+app.command(
+    "nmaptool_cli.smooth:smooth", name="smooth", help="Rebuild a mesh without its fine detail, or with more of it."
+)
 
 
 # flags whose values may start with a minus sign
@@ -51,9 +54,10 @@ _SIGNED = (
     *("--size", "--margin", "--pitch", "--sigma-s"),
     *("--at", "--rotate", "--feather", "--scale", "--strength", "--height-factor"),
     *("--crop", "--pad", "--affine", "--resize", "--depth-scale", "--jump", "--smooth", "--fov"),
+    *("--detail-gain", "--closeness"),
 )
 # flags that take whole numbers: the parser would round
-_WHOLE = ("--max-iterations", "--iterations", "--max-faces")
+_WHOLE = ("--max-iterations", "--iterations", "--max-faces", "--steps")
 _DASH_VALUE = re.compile(r"--?[a-z][a-z-]*=-")
 _SIGNED_VALUE = re.compile(r"-[\d.rgb]")
 

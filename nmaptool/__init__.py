@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.layer_files import write_layers
     from nmaptool.io.map_files import write_composition
+    from nmaptool.io.mesh_files import write_mesh
     from nmaptool.io.mesh_reader import read_mesh
     from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
     from nmaptool.io.outputs import write_relief
@@ -58,7 +59,9 @@ if TYPE_CHECKING:
         MeshReadOptions,
         PackOptions,
         ReadOptions,
+        ReconstructOptions,
         ReliefOptions,
+        SmoothOptions,
         SplitOptions,
         TransformOptions,
         WriteOptions,
@@ -67,6 +70,7 @@ if TYPE_CHECKING:
     from nmaptool.recipe import Recipe, RecipeGroup, RecipeLayer, RecipeLink
     from nmaptool.recipe_parsing import parse_recipe
     from nmaptool.recipe_toml import to_toml
+    from nmaptool.reconstructed import Reconstruction, ReconstructReport, Smoothed, SmoothReport
     from nmaptool.results import ComposeReport, Composition, Relief, SolveReport
     from nmaptool.shading import preview
     from nmaptool.tessellate import surface_mesh
@@ -81,9 +85,11 @@ if TYPE_CHECKING:
     from nmaptool.verbs.integrate import integrate
     from nmaptool.verbs.pack import PackedMap, pack
     from nmaptool.verbs.place_layers import place_layers
+    from nmaptool.verbs.reconstruct import reconstruct
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
     from nmaptool.verbs.relief_session import ReliefSession
+    from nmaptool.verbs.smooth import smooth
     from nmaptool.verbs.split import split
     from nmaptool.verbs.transform import transform
     from nmaptool.verbs.unpack import unpack
@@ -101,6 +107,7 @@ _MODULES = {
     "io.heights": "read_height read_surface",
     "io.layer_files": "write_layers",
     "io.map_files": "write_composition",
+    "io.mesh_files": "write_mesh",
     "io.mesh_reader": "read_mesh",
     "io.normal_maps": "read_grey read_normal_map read_raster write_normal_map",
     "io.outputs": "write_relief",
@@ -113,11 +120,13 @@ _MODULES = {
     "mesh": "Mesh",
     "model": "Decoding Frame Height NormalMap RasterImage",
     "options": "BakeOptions BlendOptions CanvasOptions DepthOptions FilterOptions GroupOptions LayerOptions "
-    "MeshReadOptions PackOptions ReadOptions ReliefOptions SplitOptions TransformOptions WriteOptions",
+    "MeshReadOptions PackOptions ReadOptions ReconstructOptions ReliefOptions SmoothOptions SplitOptions "
+    "TransformOptions WriteOptions",
     "orientation": "doubts",
     "recipe": "Recipe RecipeGroup RecipeLayer RecipeLink",
     "recipe_parsing": "parse_recipe",
     "recipe_toml": "to_toml",
+    "reconstructed": "Reconstruction ReconstructReport Smoothed SmoothReport",
     "results": "ComposeReport Composition Relief SolveReport",
     "shading": "preview",
     "tessellate": "surface_mesh",
@@ -132,9 +141,11 @@ _MODULES = {
     "verbs.integrate": "integrate",
     "verbs.pack": "PackedMap pack",
     "verbs.place_layers": "place_layers",
+    "verbs.reconstruct": "reconstruct",
     "verbs.relief": "relief",
     "verbs.relief_inputs": "pitch_of",
     "verbs.relief_session": "ReliefSession",
+    "verbs.smooth": "smooth",
     "verbs.split": "split",
     "verbs.transform": "transform",
     "verbs.unpack": "unpack",
@@ -184,10 +195,16 @@ __all__ = [
     "RecipeGroup",
     "RecipeLayer",
     "RecipeLink",
+    "ReconstructOptions",
+    "ReconstructReport",
+    "Reconstruction",
     "Relief",
     "ReliefOptions",
     "ReliefSession",
     "RendererError",
+    "SmoothOptions",
+    "SmoothReport",
+    "Smoothed",
     "SolveReport",
     "SplitOptions",
     "Stack",
@@ -231,7 +248,9 @@ __all__ = [
     "read_stack",
     "read_surface",
     "read_workspace",
+    "reconstruct",
     "relief",
+    "smooth",
     "split",
     "surface_mesh",
     "to_toml",
@@ -239,6 +258,7 @@ __all__ = [
     "unpack",
     "write_composition",
     "write_layers",
+    "write_mesh",
     "write_normal_map",
     "write_relief",
     "write_unpacked",

@@ -18,6 +18,7 @@ from nmaptool.options.compose import (
 from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
+from nmaptool.options.reconstruct import Boundary, ReconstructOptions, Scheme, SmoothOptions
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
 from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.workspace import PackOptions
@@ -30,6 +31,7 @@ __all__ = [
     "Bits",
     "BlendMode",
     "BlendOptions",
+    "Boundary",
     "CanvasOptions",
     "Clip",
     "Components",
@@ -49,9 +51,12 @@ __all__ = [
     "NewGround",
     "PackOptions",
     "ReadOptions",
+    "ReconstructOptions",
     "ReliefOptions",
     "Renderer",
+    "Scheme",
     "Shading",
+    "SmoothOptions",
     "SolverName",
     "SplitOptions",
     "TransformOptions",
