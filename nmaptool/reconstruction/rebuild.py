@@ -17,6 +17,8 @@ from nmaptool.reconstruction.stitching import Average, GradientStitch, ShapeStit
 
 # of the closeness: how much vertices of a folded face are worth as a guide
 _FOLDED = 1e-3
+# steps
+_UNFOLD_EVERY = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +53,9 @@ def rebuild(mesh: Mesh, targets: Float64, options: ReconstructOptions, progress:
     corners of each face; nothing but the number of its steps keeps "gsfg" from shrinking to a point where the targets
     are the normals of no surface.
 
-    Where faces oppose their targets, a projection would leave them folded over. Once, at the start, their vertices are
-    laid between their neighbours (`relaxed`) and hardly pull back to where they were; faces that oppose later on are
-    turned. "poisson" only turns, as its authors do.
+    Faces far from their targets are turned, too, since projections would crush them. Of faces that oppose their targets
+    a projection stays folded over: at the start, and every few steps, their vertices are laid between their neighbours
+    (`relaxed`), and vertices that were folded when given hardly pull back. "poisson" only turns, as its authors do.
 
     Parameters
     ----------
@@ -75,14 +77,18 @@ def rebuild(mesh: Mesh, targets: Float64, options: ReconstructOptions, progress:
         progress("setting up", 0.0)
     stitch = _stitch(mesh, options, shapes, folded, held)
     vertices = start
-    if folded.any() and options.scheme != "poisson":
-        vertices = relaxed(start, faces, folded, held)
     moves = []
     for step in range(options.steps):
         if progress is not None:
             progress("rebuilding", step / options.steps)
         shapes = shapes_of(vertices, faces)
         normals = normals_of(shapes)
+        if step % _UNFOLD_EVERY == 0 and options.scheme != "poisson":
+            over = opposed(normals, targets)
+            if over.any():
+                vertices = relaxed(vertices, faces, over, held)
+                shapes = shapes_of(vertices, faces)
+                normals = normals_of(shapes)
         shaped = (rotated if options.scheme == "poisson" else wanted)(shapes, normals, targets)
         shaped -= shapes
         move = stitch.move(shaped, vertices - start)

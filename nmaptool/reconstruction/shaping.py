@@ -13,6 +13,8 @@ from nmaptool.mesh import Faces, cross
 
 # beyond this cosine the least rotation between two normals has no axis to speak of
 _OPPOSED = -0.99
+# cosine of 60 degrees
+_FAR = 0.5
 _NOTHING = 1e-12
 
 
@@ -72,11 +74,14 @@ def rotated(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
 
 
 def wanted(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
-    """Corners projected; those of a face that looks the other way turned, since its projection would look so, too."""
+    """Corners projected; those of a face more than 60 degrees from its target turned.
+
+    A projection halves such a face and worse, and leaves one that looks the other way looking so.
+    """
     out = projected(shapes, targets)
-    away = np.flatnonzero(opposed(normals, targets))
-    if len(away):
-        out[:, away] = rotated(shapes[:, away], normals[away], targets[away])
+    far = np.flatnonzero(np.einsum("ij,ij->i", normals, targets) < _FAR)
+    if len(far):
+        out[:, far] = rotated(shapes[:, far], normals[far], targets[far])
     return out
 
 
