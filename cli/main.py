@@ -39,6 +39,7 @@ app.command(
     "nmaptool_cli.inspect:inspect", name="inspect", help="Look a normal map over and say what is wrong with it."
 )
 app.command("nmaptool_cli.bake:bake", name="bake", help="Draw a mesh as original, base and detail normal maps.")
+app.command("nmaptool_cli.compare:compare", name="compare", help="Compare gSfG with Poisson reconstruction on a mesh.")
 app.command("nmaptool_cli.compose:app", name="compose", help=COMPOSE_HELP)
 app.command(
     "nmaptool_cli.relief:relief", name="relief", help="Make a relief in millimetres from one or two normal maps."

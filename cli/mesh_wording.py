@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from nmaptool import ReconstructReport
+    from nmaptool import Comparison, ReconstructReport
 
 
 def describe_reconstruction(report: ReconstructReport, gain: float) -> Iterator[str]:
@@ -36,3 +36,27 @@ def _volume(report: ReconstructReport) -> str:
     if report.mean_offset_mm is not None:
         return f"; surface {report.mean_offset_mm:+.2g} mm outwards on average"
     return ""
+
+
+def describe_comparison(comparison: Comparison) -> Iterator[str]:
+    """Two schemes, a line each, and the verdict."""
+    before = f"normals {comparison.normal_before_deg:.2f} degrees from the base"
+    yield f"{comparison.name}: {comparison.faces} faces, {before}"
+    for each in comparison.contenders.values():
+        o, share = each.options, 100 / comparison.diagonal_mm
+        pull = "" if o.scheme == "gsfg" else f", closeness {o.closeness:g}"
+        yield (
+            f"  {o.scheme}, {o.steps} steps{pull}: normals {each.normal_mean_deg:.3f} degrees off, vertices rms "
+            f"{each.rms_mm:.4g} mm ({each.rms_mm * share:.3f}%), largest {each.max_mm:.4g} mm, Hausdorff "
+            f"{each.hausdorff_mm:.4g} mm ({each.hausdorff_mm * share:.3f}%)"
+        )
+    for verdict in comparison.verdicts:
+        yield f"  the paper's claim {verdict.words}"
+
+
+def describe_curves(comparison: Comparison) -> Iterator[str]:
+    """The sweeps, a line a point."""
+    for name, points in comparison.curves.items():
+        for p in points:
+            pull = "" if p.closeness is None else f", closeness {p.closeness:g}"
+            yield f"  {name}: {p.steps} steps{pull}: {p.normal_deg:.3f} degrees, {p.rms_mm:.4g} mm, {p.folded} folded"

@@ -18,6 +18,7 @@ from nmaptool._version import __version__
 
 if TYPE_CHECKING:
     from nmaptool.cleaning import MeshFindings, clean_mesh
+    from nmaptool.compared import Comparison, Contender, CurvePoint, Verdict
     from nmaptool.conversion import ConvertReport
     from nmaptool.curl_shading import curl_picture
     from nmaptool.decoding import decode_normal_map
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
         RendererError,
         UsageError,
     )
+    from nmaptool.io.comparison_files import write_comparison
     from nmaptool.io.conversion import convert
     from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.layer_files import write_layers
@@ -52,6 +54,7 @@ if TYPE_CHECKING:
         BakeOptions,
         BlendOptions,
         CanvasOptions,
+        CompareOptions,
         DepthOptions,
         FilterOptions,
         GroupOptions,
@@ -78,6 +81,7 @@ if TYPE_CHECKING:
     from nmaptool.unpacked import Unpacked, UnpackedLayer
     from nmaptool.verbs.bake import bake, bake_views
     from nmaptool.verbs.blend import blend
+    from nmaptool.verbs.compare import compare
     from nmaptool.verbs.compose import compose, paste
     from nmaptool.verbs.decompose import decompose_normals
     from nmaptool.verbs.depth import depth_to_normals
@@ -97,12 +101,14 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "cleaning": "MeshFindings clean_mesh",
+    "compared": "Comparison Contender CurvePoint Verdict",
     "conversion": "ConvertReport",
     "curl_shading": "curl_picture",
     "decoding": "decode_normal_map",
     "decompose.rolling": "Decomposition",
     "depth.report": "DepthNormals DepthReport",
     "errors": "ConvergenceError InputError LimitError NmaptoolError OutputError RendererError UsageError",
+    "io.comparison_files": "write_comparison",
     "io.conversion": "convert",
     "io.heights": "read_height read_surface",
     "io.layer_files": "write_layers",
@@ -119,7 +125,8 @@ _MODULES = {
     "layer_stack": "Layer LayerGroup",
     "mesh": "Mesh",
     "model": "Decoding Frame Height NormalMap RasterImage",
-    "options": "BakeOptions BlendOptions CanvasOptions DepthOptions FilterOptions GroupOptions LayerOptions "
+    "options": "BakeOptions BlendOptions CanvasOptions CompareOptions DepthOptions FilterOptions GroupOptions "
+    "LayerOptions "
     "MeshReadOptions PackOptions ReadOptions ReconstructOptions ReliefOptions SmoothOptions SplitOptions "
     "TransformOptions WriteOptions",
     "orientation": "doubts",
@@ -134,6 +141,7 @@ _MODULES = {
     "unpacked": "Unpacked UnpackedLayer",
     "verbs.bake": "bake bake_views",
     "verbs.blend": "blend",
+    "verbs.compare": "compare",
     "verbs.compose": "compose paste",
     "verbs.decompose": "decompose_normals",
     "verbs.depth": "depth_to_normals",
@@ -157,10 +165,14 @@ __all__ = [
     "BakeOptions",
     "BlendOptions",
     "CanvasOptions",
+    "CompareOptions",
+    "Comparison",
     "ComposeReport",
     "Composition",
+    "Contender",
     "ConvergenceError",
     "ConvertReport",
+    "CurvePoint",
     "Decoding",
     "Decomposition",
     "DepthNormals",
@@ -212,6 +224,7 @@ __all__ = [
     "Unpacked",
     "UnpackedLayer",
     "UsageError",
+    "Verdict",
     "Workspace",
     "WorkspaceFinding",
     "WorkspaceGroup",
@@ -223,6 +236,7 @@ __all__ = [
     "bake_views",
     "blend",
     "clean_mesh",
+    "compare",
     "compose",
     "convert",
     "curl_picture",
@@ -256,6 +270,7 @@ __all__ = [
     "to_toml",
     "transform",
     "unpack",
+    "write_comparison",
     "write_composition",
     "write_layers",
     "write_mesh",

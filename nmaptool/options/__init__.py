@@ -4,6 +4,7 @@ Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
 from nmaptool.options.bake import BakeOptions, DetailEncoding, MeshReadOptions, Renderer, Shading
+from nmaptool.options.compare import CompareOptions
 from nmaptool.options.compose import (
     Anchor,
     BlendMode,
@@ -34,6 +35,7 @@ __all__ = [
     "Boundary",
     "CanvasOptions",
     "Clip",
+    "CompareOptions",
     "Components",
     "DepthBackground",
     "DepthOptions",

@@ -17,6 +17,8 @@ from nmaptool.reconstruction.stitching import Average, GradientStitch, ShapeStit
 
 # of the closeness: how much vertices of a folded face are worth as a guide
 _FOLDED = 1e-3
+# relative residuals of one solve, and of one of several
+_EXACT, _ROUGH = 1e-10, 1e-2
 # steps
 _UNFOLD_EVERY = 4
 
@@ -103,7 +105,7 @@ def _stitch(mesh: Mesh, options: ReconstructOptions, shapes: Float64, folded: Ma
         return Average(mesh.faces, held)
     closeness = np.full(len(mesh.vertices), options.closeness)
     if options.scheme == "poisson":
-        return GradientStitch(mesh.faces, shapes, closeness, held)
+        return GradientStitch(mesh.faces, shapes, closeness, held, _EXACT if options.steps == 1 else _ROUGH)
     touched = np.zeros(len(mesh.vertices), bool)
     touched[mesh.faces[folded]] = True
     closeness[touched] *= _FOLDED

@@ -16,7 +16,7 @@ from nmaptool.mesh import Faces
 
 # up to so many unknowns a sparse LU is set up as quickly as a hierarchy
 _DIRECT = 20_000
-_RESIDUAL, _MOST_CYCLES = 1e-10, 200
+_MOST_CYCLES = 200
 Solve = Callable[[Float64], Float64]
 
 
@@ -103,15 +103,17 @@ class GradientStitch:
         Greater than zero.
     held : (N,) bool
         Vertices that stay.
+    residual : float
+        What to solve to, relative; a step that is followed by others need not be exact.
     """
 
-    def __init__(self, faces: Faces, shapes: Float64, closeness: Float64, held: Mask) -> None:
+    def __init__(self, faces: Faces, shapes: Float64, closeness: Float64, held: Mask, residual: float) -> None:
         self._closeness = closeness
         self._stiffness = gradient_stiffness(shapes)
         self._gather = _gathering(faces, len(held))
         self._free = np.flatnonzero(~held)
         matrix = assembled(faces, self._stiffness, closeness)[self._free][:, self._free]
-        self._solve = direct(matrix) if matrix.shape[0] <= _DIRECT else _conjugate_gradients(matrix)
+        self._solve = direct(matrix) if matrix.shape[0] <= _DIRECT else _conjugate_gradients(matrix, residual)
 
     def move(self, pull: Float64, moved: Float64) -> Float64:
         """See `Stitch.move`."""
@@ -158,12 +160,12 @@ def _gathering(faces: Faces, count: int) -> sparse.csr_matrix:
     return sparse.csr_matrix((np.ones(faces.size), (faces.T.ravel(), corners)), shape=(count, faces.size))
 
 
-def _conjugate_gradients(matrix: sparse.csr_matrix) -> Solve:
+def _conjugate_gradients(matrix: sparse.csr_matrix, residual: float) -> Solve:
     cycle = hierarchy_of(matrix).aspreconditioner(cycle="V")
-    return lambda load: np.column_stack([_solved(matrix, cycle, np.ascontiguousarray(b)) for b in load.T])
+    return lambda load: np.column_stack([_solved(matrix, cycle, np.ascontiguousarray(b), residual) for b in load.T])
 
 
-def _solved(matrix: sparse.csr_matrix, cycle: Any, load: Float64) -> Float64:
+def _solved(matrix: sparse.csr_matrix, cycle: Any, load: Float64, residual: float) -> Float64:
     from pyamg import krylov
 
     size = float(np.linalg.norm(load))
@@ -171,11 +173,11 @@ def _solved(matrix: sparse.csr_matrix, cycle: Any, load: Float64) -> Float64:
         return np.zeros_like(load)
     # pyamg warns of small curvature: the residual decides
     with warnings.catch_warnings(record=True):
-        x, _ = krylov.cg(matrix, load, tol=_RESIDUAL / 2, maxiter=_MOST_CYCLES, M=cycle)
+        x, _ = krylov.cg(matrix, load, tol=residual / 2, maxiter=_MOST_CYCLES, M=cycle)
     left = float(np.linalg.norm(load - matrix @ x)) / size
-    if not left <= 10 * _RESIDUAL:
+    if not left <= 10 * residual:
         raise ConvergenceError(
-            f"poisson: the residual is {left:.1e} after {_MOST_CYCLES} iterations, {_RESIDUAL:.0e} is needed; its "
+            f"poisson: the residual is {left:.1e} after {_MOST_CYCLES} iterations, {residual:.0e} is needed; its "
             "faces may be too thin: use --scheme gsfg-shape, or a larger --closeness",
             (left,),
         )
