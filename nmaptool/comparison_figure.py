@@ -43,8 +43,8 @@ def comparison_figure(comparison: Comparison) -> NDArray[np.uint8]:
         _show(figure.add_subplot(pictures[row, 0]), _grey(shot), _title(comparison, name))
         largest = f"largest {each.max_mm:.4g}, Hausdorff {each.hausdorff_mm:.4g} mm"
         percent = f"rms {each.rms_mm * share:.3g}%, Hausdorff {each.hausdorff_mm * share:.3g}% of the diagonal"
-        words = f"vertex deviation: rms {each.rms_mm:.4g}, {largest}\n{percent}"
-        _show(figure.add_subplot(pictures[row, 1]), _colored(shot, top), words)
+        caption = f"vertex deviation: rms {each.rms_mm:.4g}, {largest}\n{percent}"
+        _show(figure.add_subplot(pictures[row, 1]), _colored(shot, top), caption)
     bar = figure.colorbar(_scale(top), cax=figure.add_subplot(scale[0]), extend="max")
     bar.set_label("vertex deviation from the original, mm")
     _histograms(figure.add_subplot(plots[0]), comparison)

@@ -3,7 +3,7 @@
 Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
-from nmaptool.options.bake import BakeOptions, DetailEncoding, MeshReadOptions, Renderer, Shading
+from nmaptool.options.bake import BakeOptions, DetailEncoding, Geometry, MeshReadOptions, Renderer, Shading
 from nmaptool.options.compare import CompareOptions
 from nmaptool.options.compose import (
     Anchor,
@@ -44,6 +44,7 @@ __all__ = [
     "Energy",
     "FilterOptions",
     "Fit",
+    "Geometry",
     "Green",
     "Ground",
     "GroupOptions",

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from nmaptool.arrays import Float64
-from nmaptool.capture import numpy_raster
 from nmaptool.capture.camera import Camera, frame_camera
 from nmaptool.capture.numpy_raster import Draw
+from nmaptool.capture.rendering import rendering
 from nmaptool.capture.sight import look
 from nmaptool.cleaning import clean_mesh
 from nmaptool.compared import Comparison, Contender, CurvePoint, Shot
@@ -82,7 +81,7 @@ def compare(
     begun = time.perf_counter()
     clean, _, _ = clean_mesh(mesh)
     camera = frame_camera(clean, _bake_options(options), *VIEWS[options.view])
-    with _drawing(options.renderer) as draw:
+    with rendering(options.renderer) as (draw, _):
         split = decompose_clean(clean, chosen, lambda word, share: tell(word, 0.1 * share))
         bench = _Bench(clean, mixed(split, 0.0))
         found = {"gsfg": bench.run(ours)}
@@ -202,17 +201,6 @@ def _matched(points: tuple[CurvePoint, ...], ours: CurvePoint, options: Reconstr
 
 def _bake_options(options: CompareOptions) -> BakeOptions:
     return BakeOptions(view=options.view, up=options.up, size=options.size, renderer=options.renderer)
-
-
-@contextlib.contextmanager
-def _drawing(renderer: str) -> Iterator[Draw]:
-    if renderer == "numpy":
-        yield numpy_raster.visible_faces
-        return
-    from nmaptool.capture import gl
-
-    with gl.drawing(renderer) as (draw, _):
-        yield draw
 
 
 def _shot(contender: Contender, camera: Camera, draw: Draw) -> Shot:
