@@ -45,5 +45,5 @@ class CompareOptions:
         cols, rows = parse_size("size", self.size)
         if cols * rows > _MOST_PIXELS:
             raise LimitError(
-                f"--size {self.size}: a picture in a figure may have {_MOST_PIXELS} pixels; make it smaller"
+                f"--size {self.size}: more than the {_MOST_PIXELS} pixels a figure may have; make it smaller"
             )
