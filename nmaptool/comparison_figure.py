@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from nmaptool.compared import Comparison, Shot
 
 _COLORS = {"gsfg": "tab:blue", "poisson": "tab:orange"}
-_CURVES = (("tab:blue", "o", "-"), ("tab:cyan", "s", "-"), ("tab:orange", "o", "-"), ("tab:red", "s", "--"))
+_CURVES = (
+    ("tab:blue", "o", "-"),
+    ("tab:green", "^", ":"),
+    ("tab:cyan", "s", ":"),
+    ("tab:orange", "o", "-"),
+    ("tab:red", "s", "--"),
+)
 _MAP = "viridis"
 
 

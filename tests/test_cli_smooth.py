@@ -35,7 +35,7 @@ def test_every_ending_and_the_report(run, place, tree):
     assert (done.code, done.out) == (0, "")
     assert {"m.stl", "m.ply", "m.obj", "m.glb", "r.json"} < set(tree())
     assert "plate.obj: 625 vertices, 1152 faces\n" in done.err
-    assert "  detail times 0, by gsfg-shape: 20 steps, closeness 0.01, " in done.err
+    assert "  detail times 0, by gsfg-gradient: 20 steps, closeness 0.01, " in done.err
     assert "  96 vertices on open edges, held\n" in done.err
     assert "mm outwards on average" in done.err
     assert "  wrote m.stl (the numbers of the input)\n" in done.err
@@ -157,7 +157,7 @@ def test_compare_writes_a_figure_and_says_the_verdict(run, place, tree):
     found = json.loads((place / "f.json").read_text())
     assert said == [f"  the paper's claim {verdict['words']}" for verdict in found["verdicts"]]
     assert len(said) == 3
-    assert "  gsfg-shape, 20 steps, closeness 0.01: normals " in done.err
+    assert "  gsfg-gradient, 20 steps, closeness 0.01: normals " in done.err
     assert "  poisson, 20 solves: 20 steps, closeness 0.01: " in done.err
     assert found["unit_from"] == "assumed"
 

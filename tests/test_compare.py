@@ -42,7 +42,7 @@ def test_deviations_are_those_of_the_rebuilt_meshes(mesh, compared):
         assert each.to_original_mm == pytest.approx(10 * hausdorff(each.mesh.vertices, mesh)[0])
         assert each.from_original_mm == pytest.approx(10 * hausdorff(mesh.vertices, each.mesh)[0])
         assert each.histogram.sum() == pytest.approx(1)
-        assert each.options.scheme == {"gsfg": "gsfg-shape", "poisson": "poisson"}[name]
+        assert each.options.scheme == {"gsfg": "gsfg-gradient", "poisson": "poisson"}[name]
     assert compared.diagonal_mm == pytest.approx(10 * np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
 
 
@@ -57,7 +57,7 @@ def test_poisson_is_shown_where_it_comes_nearest(compared):
 
 
 def test_a_closer_pull_is_nearer_to_the_mesh_and_farther_from_the_targets(compared):
-    for name in ("gsfg-shape, 20 steps", "poisson, one solve", "poisson, 20 solves"):
+    for name in ("gsfg-gradient, 20 steps", "gsfg-shape, 20 steps", "poisson, one solve", "poisson, 20 solves"):
         points = sorted(compared.curves[name], key=lambda p: -p.closeness)[:-1]
         assert [p.rms_mm for p in points] == sorted(p.rms_mm for p in points)
         assert [-p.normal_deg for p in points] == sorted(-p.normal_deg for p in points)
@@ -97,7 +97,7 @@ def test_fronts_and_what_they_reach():
 def test_the_verdict_is_plain(factor, holds, words):
     ours = tuple(nm.CurvePoint(0.1, 20, angle, 1 / angle, 0) for angle in (1.0, 2.0, 4.0))
     rival = tuple(nm.CurvePoint(0.1, 1, angle, factor / angle, 0) for angle in (1.0, 2.0, 4.0))
-    found = verdicts_of(dict(zip(CURVES, (ours, ours, rival, rival), strict=True)))[0]
+    found = verdicts_of(dict(zip(CURVES, (ours, ours, ours, rival, rival), strict=True)))[0]
     assert found.holds == holds
     with pytest.raises(ValueError, match=words):
         raise ValueError(found.words)
@@ -106,7 +106,7 @@ def test_the_verdict_is_plain(factor, holds, words):
 def test_a_verdict_in_part_says_where():
     ours = tuple(nm.CurvePoint(0.1, 20, angle, 1 / angle, 0) for angle in (1.0, 2.0, 4.0))
     rival = tuple(nm.CurvePoint(0.1, 1, *each, 0) for each in ((0.5, 9.0), (1.0, 1.5), (2.0, 0.4)))
-    found = verdicts_of(dict(zip(CURVES, (ours, ours, rival, rival), strict=True)))[1]
+    found = verdicts_of(dict(zip(CURVES, (ours, ours, ours, rival, rival), strict=True)))[1]
     assert (found.holds, found.points, found.held, found.held_deg) == ("in part", 3, 1, (1.0,))
     assert "at 1 of 3 points of Poisson's front, normals 1.00 degrees off" in found.words
     assert "at 1 Poisson's normals are nearer to their targets than any of gSfG's" in found.words
@@ -142,5 +142,5 @@ def test_files_appear_together_or_not_at_all(compared, tmp_path, tree):
 
 
 def test_poisson_is_not_compared_with_itself(mesh):
-    with pytest.raises(UsageError, match=r"--scheme poisson: is what gSfG is compared with; use gsfg-shape or gsfg"):
+    with pytest.raises(UsageError, match=r"--scheme poisson: is what gSfG is compared with; use one of the others"):
         nm.compare(mesh, DRAWN, reconstruct_options=nm.ReconstructOptions(scheme="poisson"))

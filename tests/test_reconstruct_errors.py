@@ -51,14 +51,19 @@ def test_a_system_that_cannot_be_solved(monkeypatch):
     monkeypatch.setattr(stitching, "_MOST_CYCLES", 1)
     ball = nm.clean_mesh(sphere(24))[0]
     flat = nm.Mesh(ball.vertices * [1, 1, 0.1], ball.faces)
-    with pytest.raises(ConvergenceError, match=r"poisson: the residual is .* use --scheme gsfg-shape, or a larger --c"):
+    with pytest.raises(
+        ConvergenceError, match=r"poisson: the residual is .* use --scheme gsfg-gradient, or a larger --"
+    ):
         nm.reconstruct(flat, ball.geometry.normals, nm.ReconstructOptions(scheme="poisson", steps=1))
 
 
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: nm.ReconstructOptions(scheme="sfg"), r"--scheme 'sfg': use one of gsfg-shape, gsfg, poisson"),
+        (
+            lambda: nm.ReconstructOptions(scheme="sfg"),
+            r"--scheme 'sfg': use one of gsfg-gradient, gsfg-shape, gsfg, poisson",
+        ),
         (lambda: nm.ReconstructOptions(boundary="cut"), r"--boundary 'cut': use one of hold, free"),
         (lambda: nm.ReconstructOptions(steps=0), r"--steps 0: must lie between 1 and 10000, such as 20"),
         (lambda: nm.ReconstructOptions(closeness=0), r"--closeness 0: must lie between 1e-08 and 10000, such as 0.01"),

@@ -83,7 +83,7 @@ def test_the_report_is_plain_json():
     values = json.loads(json.dumps(report.to_dict()))
     assert values["filter"]["sigma_s"] == "5%"
     assert values["detail_gain"] == 0
-    assert values["reconstruction"]["options"]["scheme"] == "gsfg-shape"
+    assert values["reconstruction"]["options"]["scheme"] == "gsfg-gradient"
     assert len(values["reconstruction"]["moves"]) == 20
     assert set(values["seconds"]) == {"clean", "filter", "rebuild"}
 

@@ -11,9 +11,9 @@ from typing import Literal
 from nmaptool.errors import UsageError
 from nmaptool.options.checks import require_choices, require_number
 
-Scheme = Literal["gsfg-shape", "gsfg", "poisson"]
+Scheme = Literal["gsfg-gradient", "gsfg-shape", "gsfg", "poisson"]
 Boundary = Literal["hold", "free"]
-SCHEMES = ("gsfg-shape", "gsfg", "poisson")
+SCHEMES = ("gsfg-gradient", "gsfg-shape", "gsfg", "poisson")
 
 _MOST_STEPS = 10_000
 _LARGEST_GAIN = 10.0
@@ -26,8 +26,9 @@ class ReconstructOptions:
     Parameters
     ----------
     scheme:
-        "gsfg-shape" stitches the faces' shapes together, all vertices at once; "gsfg" takes the mean of each vertex's
-        projections, as the paper prints it; "poisson" turns the gradients, the yardstick of both.
+        "gsfg-gradient" stitches the projected faces together, all vertices at once, measured over the surface;
+        "gsfg-shape" does so corner by corner; "gsfg" takes the mean of each vertex's projections, as the paper prints
+        it; "poisson" turns faces instead of projecting them, the yardstick of the others.
     steps:
         Times that faces are shaped and stitched. Poisson takes 1 in the literature.
     closeness:
@@ -37,7 +38,7 @@ class ReconstructOptions:
         "hold" keeps the vertices of open edges where they are; "free" lets them go.
     """
 
-    scheme: Scheme = "gsfg-shape"
+    scheme: Scheme = "gsfg-gradient"
     steps: int = 20
     closeness: float = 0.01
     boundary: Boundary = "hold"

@@ -13,7 +13,7 @@ from nmaptool.progress import Progress
 from nmaptool.reconstruction.boundary import boundary_vertices
 from nmaptool.reconstruction.folds import relaxed
 from nmaptool.reconstruction.shaping import normals_of, opposed, rotated, shapes_of, wanted
-from nmaptool.reconstruction.stitching import Average, GradientStitch, ShapeStitch, Stitch
+from nmaptool.reconstruction.stitching import Average, ShapeStitch, Stitch, gradient_stiffness
 
 # of the closeness: how much vertices of a folded face are worth as a guide
 _FOLDED = 1e-3
@@ -48,12 +48,13 @@ class Rebuilt:
 def rebuild(mesh: Mesh, targets: Float64, options: ReconstructOptions, progress: Progress | None = None) -> Rebuilt:
     """Move the vertices so that the face normals come to their targets.
 
-    All schemes repeat two steps. Local: each face by itself gets the shape it should have; "gsfg" and "gsfg-shape"
-    project its corners on the plane through its centroid (paper, Eq. 2), "poisson" turns it by the least rotation.
-    Global: the shapes are stitched, by the mean of each vertex's corners (Eq. 3; "gsfg"), or over the whole mesh at
-    once with a pull to the given vertices. With projections both descend on sum |n n^T R x|^2, R = I - 1/3 on the
-    corners of each face; nothing but the number of its steps keeps "gsfg" from shrinking to a point where the targets
-    are the normals of no surface.
+    All schemes repeat two steps. Local: each face by itself gets the shape it should have; those of "gsfg..." project
+    its corners on the plane through its centroid (paper, Eq. 2), "poisson" turns it by the least rotation. Global: the
+    shapes are stitched, by the mean of each vertex's corners (Eq. 3; "gsfg"), or over the whole mesh at once with a
+    pull to the given vertices. With projections all descend on the sum over faces of |h|^2, h the heights of a face's
+    corners over its plane, from their mean ("gsfg", "gsfg-shape"), or of the integral of |grad h|^2 ("gsfg-gradient"),
+    which does not depend on how finely the surface is divided. Nothing but the number of its steps keeps "gsfg" from
+    shrinking to a point where the targets are the normals of no surface.
 
     Faces far from their targets are turned, too, since projections would crush them. Of faces that oppose their targets
     a projection stays folded over: at the start, and every few steps, their vertices are laid between their neighbours
@@ -104,9 +105,11 @@ def _stitch(mesh: Mesh, options: ReconstructOptions, shapes: Float64, folded: Ma
     if options.scheme == "gsfg":
         return Average(mesh.faces, held)
     closeness = np.full(len(mesh.vertices), options.closeness)
+    stiffness = None if options.scheme == "gsfg-shape" else gradient_stiffness(shapes)
     if options.scheme == "poisson":
-        return GradientStitch(mesh.faces, shapes, closeness, held, _EXACT if options.steps == 1 else _ROUGH)
+        residual = _EXACT if options.steps == 1 else _ROUGH
+        return ShapeStitch(mesh.faces, stiffness, closeness, held, residual)
     touched = np.zeros(len(mesh.vertices), bool)
     touched[mesh.faces[folded]] = True
     closeness[touched] *= _FOLDED
-    return ShapeStitch(mesh.faces, closeness, held)
+    return ShapeStitch(mesh.faces, stiffness, closeness, held)

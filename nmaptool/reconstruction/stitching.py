@@ -57,68 +57,43 @@ class Average:
 
 
 class ShapeStitch:
-    """min over x of sum over faces |R x - p|^2 + sum over vertices closeness |x - x0|^2, with R = I - 1/3.
+    """min over x of sum over faces |x - p|^2 in the face's measure + sum over vertices closeness |x - x0|^2.
 
-    One factorisation serves all steps and all three coordinates; of a large mesh one cycle of one multigrid hierarchy
-    stands for it. A fixed point is the same with both, for both are symmetric, positive and near the inverse.
+    The measure counts every corner alike, R = I - 1/3, or integrates the squared difference of the gradients over the
+    face. With the latter and gradients for p this is Poisson's (G^T M G + closeness) x = G^T M g + closeness x0.
+
+    One factorisation serves all steps and all three coordinates. Of a large mesh one multigrid hierarchy does: cycles
+    to a residual, or a single one, which is symmetric, positive and near the inverse, so that steps end where they
+    would with the inverse.
 
     Parameters
     ----------
     faces : (M, 3) int32
+    stiffness : (M, 3, 3) float64 or None
+        The measure of each face, such as `gradient_stiffness`; None is R.
     closeness : (N,) float64
         Greater than zero.
     held : (N,) bool
         Vertices that stay.
+    residual : float or None
+        What each solve comes to, relative; None is one cycle.
     """
 
-    def __init__(self, faces: Faces, closeness: Float64, held: Mask) -> None:
-        self._closeness = closeness
+    def __init__(
+        self, faces: Faces, stiffness: Float64 | None, closeness: Float64, held: Mask, residual: float | None = None
+    ) -> None:
+        self._closeness, self._stiffness = closeness, stiffness
         self._gather = _gathering(faces, len(held))
         self._free = np.flatnonzero(~held)
         even = np.broadcast_to(np.eye(3) - 1 / 3, (len(faces), 3, 3))
-        matrix = assembled(faces, even, closeness)[self._free][:, self._free]
-        if matrix.shape[0] <= _DIRECT:
-            self._solve = direct(matrix)
-        else:
-            cycle = hierarchy_of(matrix).aspreconditioner(cycle="V")
-            self._solve = lambda load: np.column_stack([cycle @ np.ascontiguousarray(column) for column in load.T])
+        matrix = assembled(faces, even if stiffness is None else stiffness, closeness)[self._free][:, self._free]
+        self._solve = direct(matrix) if matrix.shape[0] <= _DIRECT else _by_hierarchy(matrix, residual)
 
     def move(self, pull: Float64, moved: Float64) -> Float64:
         """See `Stitch.move`."""
+        if self._stiffness is not None:  # R would change nothing: the pull has no mean
+            pull = np.einsum("fij,jfk->ifk", self._stiffness, pull)
         load = self._gather @ pull.reshape(-1, 3) - self._closeness[:, None] * moved
-        out = np.zeros_like(moved)
-        out[self._free] = self._solve(load[self._free])
-        return out
-
-
-class GradientStitch:
-    """(G^T M G + closeness) x = G^T M g + closeness x0: gradients of the coordinates met in the mean over the surface.
-
-    Parameters
-    ----------
-    faces : (M, 3) int32
-    shapes : (3, M, 3) float64
-        Of the mesh that was given: G and M are its gradients and areas.
-    closeness : (N,) float64
-        Greater than zero.
-    held : (N,) bool
-        Vertices that stay.
-    residual : float
-        What to solve to, relative; a step that is followed by others need not be exact.
-    """
-
-    def __init__(self, faces: Faces, shapes: Float64, closeness: Float64, held: Mask, residual: float) -> None:
-        self._closeness = closeness
-        self._stiffness = gradient_stiffness(shapes)
-        self._gather = _gathering(faces, len(held))
-        self._free = np.flatnonzero(~held)
-        matrix = assembled(faces, self._stiffness, closeness)[self._free][:, self._free]
-        self._solve = direct(matrix) if matrix.shape[0] <= _DIRECT else _conjugate_gradients(matrix, residual)
-
-    def move(self, pull: Float64, moved: Float64) -> Float64:
-        """See `Stitch.move`."""
-        weighed = np.einsum("fij,jfk->ifk", self._stiffness, pull)
-        load = self._gather @ weighed.reshape(-1, 3) - self._closeness[:, None] * moved
         out = np.zeros_like(moved)
         out[self._free] = self._solve(load[self._free])
         return out
@@ -160,9 +135,16 @@ def _gathering(faces: Faces, count: int) -> sparse.csr_matrix:
     return sparse.csr_matrix((np.ones(faces.size), (faces.T.ravel(), corners)), shape=(count, faces.size))
 
 
-def _conjugate_gradients(matrix: sparse.csr_matrix, residual: float) -> Solve:
+def _by_hierarchy(matrix: sparse.csr_matrix, residual: float | None) -> Solve:
     cycle = hierarchy_of(matrix).aspreconditioner(cycle="V")
-    return lambda load: np.column_stack([_solved(matrix, cycle, np.ascontiguousarray(b), residual) for b in load.T])
+
+    def solve(load: Float64) -> Float64:
+        columns = [np.ascontiguousarray(column) for column in load.T]
+        return np.column_stack(
+            [cycle @ b if residual is None else _solved(matrix, cycle, b, residual) for b in columns]
+        )
+
+    return solve
 
 
 def _solved(matrix: sparse.csr_matrix, cycle: Any, load: Float64, residual: float) -> Float64:
@@ -178,7 +160,7 @@ def _solved(matrix: sparse.csr_matrix, cycle: Any, load: Float64, residual: floa
     if not left <= 10 * residual:
         raise ConvergenceError(
             f"poisson: the residual is {left:.1e} after {_MOST_CYCLES} iterations, {residual:.0e} is needed; its "
-            "faces may be too thin: use --scheme gsfg-shape, or a larger --closeness",
+            "faces may be too thin: use --scheme gsfg-gradient, or a larger --closeness",
             (left,),
         )
     return np.asarray(x)

@@ -76,7 +76,7 @@ def compare(
     options, chosen = options or CompareOptions(), filter or FilterOptions()
     ours = reconstruct_options or ReconstructOptions()
     if ours.scheme == "poisson":
-        raise UsageError("--scheme poisson: is what gSfG is compared with; use gsfg-shape or gsfg")
+        raise UsageError("--scheme poisson: is what gSfG is compared with; use one of the others")
     tell = progress or (lambda word, share: None)
     begun = time.perf_counter()
     clean, _, _ = clean_mesh(mesh)

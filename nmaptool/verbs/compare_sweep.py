@@ -10,11 +10,11 @@ from nmaptool.options import ReconstructOptions
 from nmaptool.reconstruction.verdict import Judged, judged
 
 POISSON_ONCE, POISSON_AGAIN = "poisson, one solve", "poisson, 20 solves"
-_SHAPES, _PAPER = "gsfg-shape, 20 steps", "gsfg, 1 to 80 steps"
-CURVES = (_SHAPES, _PAPER, POISSON_ONCE, POISSON_AGAIN)
+_GRADIENTS, _SHAPES, _PAPER = "gsfg-gradient, 20 steps", "gsfg-shape, 20 steps", "gsfg, 1 to 80 steps"
+CURVES = (_GRADIENTS, _SHAPES, _PAPER, POISSON_ONCE, POISSON_AGAIN)
 
 _CLOSENESS = (2.0, 0.5, 0.1, 0.02, 4e-3, 5e-4)
-_FINER = (4.0, 2.0, 0.7, 0.25, 0.1, 0.04, 0.015, 5e-3, 1.5e-3, 4e-4)
+_FINER = (4.0, 1.5, 0.5, 0.15, 0.05, 0.015, 5e-3, 1e-3, 2e-4)
 _COARSER = (1.0, 0.1, 0.01, 1e-3)
 _STEPS = (1, 3, 8, 20, 40, 80)
 _AGAIN = 20
@@ -28,8 +28,10 @@ def sweep(
 ) -> tuple[CurvePoint, ...]:
     """The points of a curve; the boundary is treated as the options say."""
     runs: list[dict[str, object]]
-    if name == _SHAPES:
-        runs = [{"scheme": "gsfg-shape", "steps": _AGAIN, "closeness": c} for c in _FINER]
+    if name == _GRADIENTS:
+        runs = [{"scheme": "gsfg-gradient", "steps": _AGAIN, "closeness": c} for c in _FINER]
+    elif name == _SHAPES:
+        runs = [{"scheme": "gsfg-shape", "steps": _AGAIN, "closeness": c} for c in _CLOSENESS]
     elif name == _PAPER:
         runs = [{"scheme": "gsfg", "steps": steps} for steps in _STEPS]
     elif name == POISSON_ONCE:
@@ -56,9 +58,9 @@ def as_shown(ours: Contender, rival: Contender) -> Verdict:
 
 
 def verdicts_of(curves: Mapping[str, tuple[CurvePoint, ...]]) -> tuple[Verdict, ...]:
-    """gSfG, whichever variant is better, against each of Poisson's curves."""
+    """gSfG, whichever variant is best, against each of Poisson's curves."""
     pairs = {name: [(p.normal_deg, p.rms_mm) for p in points] for name, points in curves.items()}
-    ours = [pairs[_SHAPES], pairs[_PAPER]]
+    ours = [pairs[name] for name in (_GRADIENTS, _SHAPES, _PAPER)]
     return tuple(_verdict(rival, judged(ours, pairs[rival])) for rival in (POISSON_ONCE, POISSON_AGAIN))
 
 
