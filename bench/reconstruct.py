@@ -61,8 +61,8 @@ def main() -> None:
         surroundings.describe(),
         (
             f"Meshes rebuilt to their base normals (surface, sigma_s 3). Seconds are the best of {options.repeat}, "
-            "set-up included; `x` is that over\nthe five passes of the ring filter; degrees are what normals are still off, "
-            "on average over the surface."
+            "set-up included; `x` is that over\nthe five passes of the ring filter; degrees are what normals are still "
+            "off, on average over the surface."
         ),
         table(header, rows),
         *goals,

@@ -62,7 +62,7 @@ def test_a_system_that_cannot_be_solved(monkeypatch):
     [
         (
             lambda: nm.ReconstructOptions(scheme="sfg"),
-            r"--scheme 'sfg': use one of gsfg-gradient, gsfg-shape, gsfg, poisson",
+            r"--scheme 'sfg': use one of gsfg-gradient, gsfg-shape, gsfg, p",
         ),
         (lambda: nm.ReconstructOptions(boundary="cut"), r"--boundary 'cut': use one of hold, free"),
         (lambda: nm.ReconstructOptions(steps=0), r"--steps 0: must lie between 1 and 10000, such as 20"),

@@ -29,13 +29,11 @@ from nmaptool.options.account import plain_values
 from nmaptool.progress import Progress
 from nmaptool.units import Length
 from nmaptool.vectors import mean_abs_curls, mean_angle_deg
-from nmaptool.verbs.decompose import decompose_clean, sigma_s_of
+from nmaptool.verbs.decompose import decompose_clean, long_edges, sigma_s_of
 from nmaptool.verbs.reconstruct import reconstruct
 
 # sizes in mm beyond which a mesh's units are hardly millimetres
 _SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
-# share of the mesh beyond which sigma_s takes forms for detail
-_LARGEST_DETAIL = 0.06
 
 
 def bake(
@@ -235,12 +233,7 @@ def _warnings(drawn: _Drawn, work: _Work, coverage: Float32) -> tuple[str, ...]:
     size_mm = longest * mesh.mm_per_unit
     if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
         found.append(f"is {size_mm:.3g} mm large if its units are mm; say --width 100mm, or its --unit")
-    share = sigma_s_of(mesh, work.filter) / longest
-    if share > _LARGEST_DETAIL and not isinstance(work.filter.sigma_s, Length):
-        found.append(
-            f"its edges are long: sigma_s comes to {share:.0%} of it, and forms of that size go into the detail; "
-            "say --sigma-s 2%"
-        )
+    found += long_edges(mesh, work.filter)
     if float((coverage > 0).mean()) < 0.001:
         found.append("less than a thousandth of the picture sees the mesh")
     return tuple(found)

@@ -13,7 +13,7 @@ from nmaptool.mesh import Mesh
 from nmaptool.options import FilterOptions, ReconstructOptions, SmoothOptions
 from nmaptool.progress import Progress
 from nmaptool.reconstructed import ReconstructReport, Smoothed, SmoothReport
-from nmaptool.verbs.decompose import decompose_clean
+from nmaptool.verbs.decompose import decompose_clean, long_edges
 from nmaptool.verbs.reconstruct import reconstruct
 
 # share of the faces that may end folded over before it is worth a word
@@ -71,7 +71,7 @@ def smooth(
         mixture=split.mixture,
         reconstruction=rebuilt.report,
         seconds={name: round(value, 4) for name, value in seconds.items()},
-        warnings=_warnings(findings, rebuilt.report),
+        warnings=(*_dropped(findings), *long_edges(clean, chosen), *_warnings(rebuilt.report)),
     )
     return Smoothed(rebuilt.mesh, source_faces, report)
 
@@ -86,11 +86,13 @@ def mixed(split: Decomposition, gain: float) -> Float64:
     return np.asarray(out / length[:, None])
 
 
-def _warnings(findings: MeshFindings, report: ReconstructReport) -> tuple[str, ...]:
+def _dropped(findings: MeshFindings) -> tuple[str, ...]:
+    count = findings.degenerate_faces + findings.nonfinite_faces + findings.repeated_faces
+    return (f"{count} faces without area, with NaN or twice there were dropped",) if count else ()
+
+
+def _warnings(report: ReconstructReport) -> tuple[str, ...]:
     found = []
-    dropped = findings.degenerate_faces + findings.nonfinite_faces + findings.repeated_faces
-    if dropped:
-        found.append(f"{dropped} faces without area, with NaN or twice there were dropped")
     if report.folded_after > _FEW_FOLDED * report.faces:
         found.append(
             f"{report.folded_after} of {report.faces} faces end folded over; a smaller --sigma-s, a --detail-gain "
