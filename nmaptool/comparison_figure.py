@@ -36,6 +36,7 @@ def comparison_figure(comparison: Comparison) -> NDArray[np.uint8]:
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import ScalarFormatter
 
     figure = Figure(figsize=(16, 10.4), dpi=110)
     canvas = FigureCanvasAgg(figure)
@@ -47,11 +48,16 @@ def comparison_figure(comparison: Comparison) -> NDArray[np.uint8]:
     for row, (name, each) in enumerate(comparison.contenders.items()):
         shot, share = comparison.shots[name], 100 / comparison.diagonal_mm
         _show(figure.add_subplot(pictures[row, 0]), _grey(shot), _title(comparison, name))
-        largest = f"largest {each.max_mm:.4g}, Hausdorff {each.hausdorff_mm:.4g} mm"
-        percent = f"rms {each.rms_mm * share:.3g}%, Hausdorff {each.hausdorff_mm * share:.3g}% of the diagonal"
-        caption = f"vertex deviation: rms {each.rms_mm:.4g}, {largest}\n{percent}"
+        first = f"vertex deviation: rms {each.rms_mm:.3g}, largest {each.max_mm:.3g} mm"
+        hausdorff = f"Hausdorff {each.hausdorff_mm:.3g} mm"
+        second = (
+            f"{hausdorff}; rms {each.rms_mm * share:.3g}%, Hausdorff {each.hausdorff_mm * share:.3g}% of the diagonal"
+        )
+        caption = f"{first}\n{second}"
         _show(figure.add_subplot(pictures[row, 1]), _colored(shot, top), caption)
-    bar = figure.colorbar(_scale(top), cax=figure.add_subplot(scale[0]), extend="max")
+    numbers = ScalarFormatter()
+    numbers.set_powerlimits((-2, 4))
+    bar = figure.colorbar(_scale(top), cax=figure.add_subplot(scale[0]), extend="max", format=numbers)
     bar.set_label("vertex deviation from the original, mm")
     _histograms(figure.add_subplot(plots[0]), comparison)
     _curves(figure.add_subplot(plots[1]), comparison)
@@ -75,7 +81,7 @@ def _title(comparison: Comparison, name: str) -> str:
 
 def _show(axes: Any, picture: NDArray[np.float32], title: str) -> None:
     axes.imshow(picture, interpolation="antialiased")
-    axes.set_title(title, fontsize=9.5)
+    axes.set_title(title, fontsize=9)
     axes.set_xticks([])
     axes.set_yticks([])
     for side in axes.spines.values():

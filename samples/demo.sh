@@ -18,7 +18,7 @@ nmap relief "$gallery/portrait/base.exr" --height 4mm \
 
 echo "== the portrait without its detail, and with twice as much of it"
 nmap smooth "$samples/portrait.ply" -o "$gallery/portrait_smooth.stl" --sigma-s 1.5 --report "$gallery/portrait_smooth.json" --overwrite
-nmap smooth "$samples/portrait.ply" -o "$gallery/portrait_crisp.stl" --sigma-s 1.5 --detail-gain 1.7 --overwrite
+nmap smooth "$samples/portrait.ply" -o "$gallery/portrait_crisp.stl" --sigma-s 1.5 --detail-gain 1.4 --overwrite
 nmap bake "$gallery/portrait_crisp.stl" -o "$gallery/portrait_crisp" --shading smooth --sigma-s 2 --overwrite
 nmap relief "$gallery/portrait_crisp/original.exr" --height 4mm \
     -o "$gallery/portrait_crisp_relief.stl" --preview "$gallery/portrait_crisp.png" --overwrite
