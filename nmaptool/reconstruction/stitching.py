@@ -82,8 +82,9 @@ class ShapeStitch:
     def __init__(
         self, faces: Faces, stiffness: Float64 | None, closeness: Float64, held: Mask, residual: float | None = None
     ) -> None:
-        self._closeness, self._stiffness = closeness, stiffness
-        self._gather = _gathering(faces, len(held))
+        self._closeness = closeness
+        # R would change nothing: the pull has no mean
+        self._gather = _gathering(faces, len(held)) if stiffness is None else _weighing(faces, stiffness, len(held))
         self._free = np.flatnonzero(~held)
         even = np.broadcast_to(np.eye(3) - 1 / 3, (len(faces), 3, 3))
         matrix = assembled(faces, even if stiffness is None else stiffness, closeness)[self._free][:, self._free]
@@ -91,8 +92,6 @@ class ShapeStitch:
 
     def move(self, pull: Float64, moved: Float64) -> Float64:
         """See `Stitch.move`."""
-        if self._stiffness is not None:  # R would change nothing: the pull has no mean
-            pull = np.einsum("fij,jfk->ifk", self._stiffness, pull)
         load = self._gather @ pull.reshape(-1, 3) - self._closeness[:, None] * moved
         out = np.zeros_like(moved)
         out[self._free] = self._solve(load[self._free])
@@ -133,6 +132,13 @@ def _gathering(faces: Faces, count: int) -> sparse.csr_matrix:
     """(N, 3 M): sums over the corners that are a vertex, first corners first."""
     corners = np.arange(faces.size)
     return sparse.csr_matrix((np.ones(faces.size), (faces.T.ravel(), corners)), shape=(count, faces.size))
+
+
+def _weighing(faces: Faces, stiffness: Float64, count: int) -> sparse.csr_matrix:
+    """(N, 3 M): as `_gathering`, each face's corners multiplied by its matrix (M, 3, 3) before."""
+    rows, columns = np.repeat(faces, 3, axis=1), np.arange(faces.size).reshape(3, -1).T
+    entries = (stiffness.ravel(), (rows.ravel(), np.tile(columns, (1, 3)).ravel()))
+    return sparse.csr_matrix(entries, shape=(count, faces.size))
 
 
 def _by_hierarchy(matrix: sparse.csr_matrix, residual: float | None) -> Solve:
