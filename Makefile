@@ -40,6 +40,7 @@ bench: $(STAMP)
 	$(BIN)/python -m bench.session
 	$(BIN)/python -m bench.relief
 	$(BIN)/python -m bench.bake
+	$(BIN)/python -m bench.reconstruct
 	$(BIN)/python -m bench.compose
 
 clean:

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from nmaptool.errors import UsageError
 from nmaptool.options import BakeOptions, FilterOptions, MeshReadOptions
+from nmaptool_cli.learned import LearnedFilter
 from nmaptool_cli.session import CAMERA, FILTER, OUTPUTS, READING, RUN, STREAM, RunOptions, Session
 
 if TYPE_CHECKING:
@@ -60,19 +61,6 @@ class DrawnOutputs:
     faces: bool = False
 
 
-@dataclass(frozen=True)
-class LearnedFilter:
-    """A filter of your own.
-
-    Parameters
-    ----------
-    model:
-        Filter made by nmap train, .npz, for --filter learned. Default: the one that comes with nmaptool.
-    """
-
-    model: Path | None = None
-
-
 def bake(
     mesh: str,
     /,
@@ -117,12 +105,12 @@ def bake(
     import nmaptool as nm
 
     with session.progress() as progress:
-        model = None if learned.model is None else nm.read_filter_model(learned.model)
+        model = learned.read()
         source = nm.read_mesh(mesh, unit=reading.unit, max_faces=reading.max_faces)
         layer_sets = nm.bake_views(source, options, filter, model=model, progress=progress)
     account: dict[str, Any] = {
         "version": nm.__version__,
-        "files": {"mesh": mesh} | ({} if learned.model is None else {"model": str(learned.model)}),
+        "files": {"mesh": mesh} | learned.files,
         "reading": asdict(reading),
         "outputs": [str(path) for path in files.targets],
         "layers": [layers.report.to_dict() for layers in layer_sets],

@@ -39,9 +39,13 @@ app.command(
     "nmaptool_cli.inspect:inspect", name="inspect", help="Look a normal map over and say what is wrong with it."
 )
 app.command("nmaptool_cli.bake:bake", name="bake", help="Draw a mesh as original, base and detail normal maps.")
+app.command("nmaptool_cli.compare:compare", name="compare", help="Compare gSfG with Poisson reconstruction on a mesh.")
 app.command("nmaptool_cli.compose:app", name="compose", help=COMPOSE_HELP)
 app.command(
     "nmaptool_cli.relief:relief", name="relief", help="Make a relief in millimetres from one or two normal maps."
+)
+app.command(
+    "nmaptool_cli.smooth:smooth", name="smooth", help="Rebuild a mesh without its fine detail, or with more of it."
 )
 app.command("nmaptool_cli.train:train", name="train", help="Learn a filter from meshes of your own.")
 
@@ -52,9 +56,10 @@ _SIGNED = (
     *("--size", "--margin", "--pitch", "--sigma-s"),
     *("--at", "--rotate", "--feather", "--scale", "--strength", "--height-factor"),
     *("--crop", "--pad", "--affine", "--resize", "--depth-scale", "--jump", "--smooth", "--fov"),
+    *("--detail-gain", "--closeness"),
 )
 # flags that take whole numbers: the parser would round
-_WHOLE = ("--max-iterations", "--iterations", "--max-faces")
+_WHOLE = ("--max-iterations", "--iterations", "--max-faces", "--steps")
 _DASH_VALUE = re.compile(r"--?[a-z][a-z-]*=-")
 _SIGNED_VALUE = re.compile(r"-[\d.rgb]")
 

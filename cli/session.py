@@ -50,8 +50,8 @@ FilterOptions.__annotations__["sigma_s"] = Annotated[float | Length, _SIZE]
 
 
 # groups of flags in the order that --help shows them
-_GROUPS = ("Inputs", "Outputs", "Camera", "Filter", "Composing", "Relief", "Reading", "Run")
-INPUTS, OUTPUTS, CAMERA, FILTER, COMPOSING, RELIEF, READING, RUN = (
+_GROUPS = ("Inputs", "Outputs", "Camera", "Filter", "Rebuilding", "Composing", "Relief", "Reading", "Run")
+INPUTS, OUTPUTS, CAMERA, FILTER, REBUILDING, COMPOSING, RELIEF, READING, RUN = (
     Group(name, sort_key=place) for place, name in enumerate(_GROUPS, start=1)
 )
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         LayerReport,
         LayerSet,
         Mesh,
+        MeshFindings,
         SolveReport,
         TrainingExample,
         Unpacked,
@@ -98,8 +99,12 @@ def describe_relief(report: SolveReport) -> Iterator[str]:
 
 def describe_mesh(mesh: Mesh, report: LayerReport) -> Iterator[str]:
     """A mesh as it was read and cleaned."""
-    found = report.findings
-    assert found is not None  # every drawing has them
+    assert report.findings is not None  # every drawing has them
+    yield describe_findings(mesh, report.findings)
+
+
+def describe_findings(mesh: Mesh, found: MeshFindings) -> str:
+    """A mesh as it was read and cleaned, in one line."""
     counted = (
         (found.welded_vertices, "vertices welded"),
         (found.degenerate_faces, "faces without area"),
@@ -109,7 +114,7 @@ def describe_mesh(mesh: Mesh, report: LayerReport) -> Iterator[str]:
         (found.unreferenced_vertices, "vertices unused"),
     )
     dropped = ", ".join(f"{count} {words}" for count, words in counted if count)
-    yield f"{mesh.name}: {found.vertices} vertices, {found.faces} faces{f'; {dropped}' if dropped else ''}"
+    return f"{mesh.name}: {found.vertices} vertices, {found.faces} faces{f'; {dropped}' if dropped else ''}"
 
 
 def describe_split(report: LayerReport) -> Iterator[str]:

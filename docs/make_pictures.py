@@ -96,6 +96,15 @@ def capture(side: int = 400) -> Picture:
     return row([cv2.resize(p, (side, side), interpolation=cv2.INTER_AREA).astype(np.uint8) for p in pictures])
 
 
+def smoothing(side: int = 400) -> Picture:
+    """The portrait as it is, without its detail, with half of it, with more of it."""
+    mesh = nm.read_mesh(SAMPLES / "portrait.ply")
+    camera, detail = nm.BakeOptions(size=f"{2 * side}x{2 * side}", shading="smooth"), nm.FilterOptions(sigma_s=1.5)
+    meshes = [mesh, *(nm.smooth(mesh, nm.SmoothOptions(gain), detail).mesh for gain in (0.0, 0.5, 1.4))]
+    pictures = [lit(nm.bake(each, camera, detail).original) for each in meshes]
+    return row([cv2.resize(p, (side, side), interpolation=cv2.INTER_AREA).astype(np.uint8) for p in pictures])
+
+
 def divided(mesh: nm.Mesh) -> nm.Mesh:
     """Each face in four, at the middles of its edges: the same surface."""
     a, b, c = (mesh.corners[:, k] for k in range(3))
@@ -125,3 +134,4 @@ if __name__ == "__main__":
     save("parameters.jpg", parameters())
     save("capture.jpg", capture())
     save("refinement.jpg", refinement())
+    save("smoothing.jpg", smoothing())

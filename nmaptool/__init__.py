@@ -18,6 +18,7 @@ from nmaptool._version import __version__
 
 if TYPE_CHECKING:
     from nmaptool.cleaning import MeshFindings, clean_mesh
+    from nmaptool.compared import Comparison, Contender, CurvePoint, Verdict
     from nmaptool.conversion import ConvertReport
     from nmaptool.curl_shading import curl_picture
     from nmaptool.decoding import decode_normal_map
@@ -32,11 +33,13 @@ if TYPE_CHECKING:
         RendererError,
         UsageError,
     )
+    from nmaptool.io.comparison_files import write_comparison
     from nmaptool.io.conversion import convert
     from nmaptool.io.filter_models import read_filter_model, read_training, write_filter_model, write_training
     from nmaptool.io.heights import read_height, read_surface
     from nmaptool.io.layer_files import write_layers
     from nmaptool.io.map_files import write_composition
+    from nmaptool.io.mesh_files import write_mesh
     from nmaptool.io.mesh_reader import read_mesh
     from nmaptool.io.normal_maps import read_grey, read_normal_map, read_raster, write_normal_map
     from nmaptool.io.outputs import write_relief
@@ -54,6 +57,7 @@ if TYPE_CHECKING:
         BakeOptions,
         BlendOptions,
         CanvasOptions,
+        CompareOptions,
         DepthOptions,
         DescriptorOptions,
         FilterOptions,
@@ -62,7 +66,9 @@ if TYPE_CHECKING:
         MeshReadOptions,
         PackOptions,
         ReadOptions,
+        ReconstructOptions,
         ReliefOptions,
+        SmoothOptions,
         SplitOptions,
         TrainOptions,
         TransformOptions,
@@ -72,6 +78,7 @@ if TYPE_CHECKING:
     from nmaptool.recipe import Recipe, RecipeGroup, RecipeLayer, RecipeLink
     from nmaptool.recipe_parsing import parse_recipe
     from nmaptool.recipe_toml import to_toml
+    from nmaptool.reconstructed import Reconstruction, ReconstructReport, Smoothed, SmoothReport
     from nmaptool.results import ComposeReport, Composition, Relief, SolveReport
     from nmaptool.shading import preview
     from nmaptool.tessellate import surface_mesh
@@ -79,6 +86,7 @@ if TYPE_CHECKING:
     from nmaptool.unpacked import Unpacked, UnpackedLayer
     from nmaptool.verbs.bake import bake, bake_views
     from nmaptool.verbs.blend import blend
+    from nmaptool.verbs.compare import compare
     from nmaptool.verbs.compose import compose, paste
     from nmaptool.verbs.decompose import decompose_normals
     from nmaptool.verbs.depth import depth_to_normals
@@ -86,9 +94,11 @@ if TYPE_CHECKING:
     from nmaptool.verbs.integrate import integrate
     from nmaptool.verbs.pack import PackedMap, pack
     from nmaptool.verbs.place_layers import place_layers
+    from nmaptool.verbs.reconstruct import reconstruct
     from nmaptool.verbs.relief import relief
     from nmaptool.verbs.relief_inputs import pitch_of
     from nmaptool.verbs.relief_session import ReliefSession
+    from nmaptool.verbs.smooth import smooth
     from nmaptool.verbs.split import split
     from nmaptool.verbs.train import TrainingExample, train, training_example
     from nmaptool.verbs.transform import transform
@@ -97,17 +107,20 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "cleaning": "MeshFindings clean_mesh",
+    "compared": "Comparison Contender CurvePoint Verdict",
     "conversion": "ConvertReport",
     "curl_shading": "curl_picture",
     "decoding": "decode_normal_map",
     "decompose.rolling": "Decomposition",
     "depth.report": "DepthNormals DepthReport",
     "errors": "ConvergenceError InputError LimitError NmaptoolError OutputError RendererError UsageError",
+    "io.comparison_files": "write_comparison",
     "io.conversion": "convert",
     "io.filter_models": "read_filter_model read_training write_filter_model write_training",
     "io.heights": "read_height read_surface",
     "io.layer_files": "write_layers",
     "io.map_files": "write_composition",
+    "io.mesh_files": "write_mesh",
     "io.mesh_reader": "read_mesh",
     "io.normal_maps": "read_grey read_normal_map read_raster write_normal_map",
     "io.outputs": "write_relief",
@@ -121,13 +134,14 @@ _MODULES = {
     "learned.shipped": "shipped_filter",
     "mesh": "Mesh",
     "model": "Decoding Frame Height NormalMap RasterImage",
-    "options": "BakeOptions BlendOptions CanvasOptions DepthOptions DescriptorOptions FilterOptions GroupOptions "
-    "LayerOptions MeshReadOptions PackOptions ReadOptions ReliefOptions SplitOptions TrainOptions TransformOptions "
-    "WriteOptions",
+    "options": "BakeOptions BlendOptions CanvasOptions CompareOptions DepthOptions DescriptorOptions FilterOptions "
+    "GroupOptions LayerOptions MeshReadOptions PackOptions ReadOptions ReconstructOptions ReliefOptions SmoothOptions "
+    "SplitOptions TrainOptions TransformOptions WriteOptions",
     "orientation": "doubts",
     "recipe": "Recipe RecipeGroup RecipeLayer RecipeLink",
     "recipe_parsing": "parse_recipe",
     "recipe_toml": "to_toml",
+    "reconstructed": "Reconstruction ReconstructReport Smoothed SmoothReport",
     "results": "ComposeReport Composition Relief SolveReport",
     "shading": "preview",
     "tessellate": "surface_mesh",
@@ -135,6 +149,7 @@ _MODULES = {
     "unpacked": "Unpacked UnpackedLayer",
     "verbs.bake": "bake bake_views",
     "verbs.blend": "blend",
+    "verbs.compare": "compare",
     "verbs.compose": "compose paste",
     "verbs.decompose": "decompose_normals",
     "verbs.depth": "depth_to_normals",
@@ -142,9 +157,11 @@ _MODULES = {
     "verbs.integrate": "integrate",
     "verbs.pack": "PackedMap pack",
     "verbs.place_layers": "place_layers",
+    "verbs.reconstruct": "reconstruct",
     "verbs.relief": "relief",
     "verbs.relief_inputs": "pitch_of",
     "verbs.relief_session": "ReliefSession",
+    "verbs.smooth": "smooth",
     "verbs.split": "split",
     "verbs.train": "TrainingExample train training_example",
     "verbs.transform": "transform",
@@ -153,14 +170,19 @@ _MODULES = {
 }
 _HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
 
+# fmt: off
 __all__ = [
     "BakeOptions",
     "BlendOptions",
     "CanvasOptions",
+    "CompareOptions",
+    "Comparison",
     "ComposeReport",
     "Composition",
+    "Contender",
     "ConvergenceError",
     "ConvertReport",
+    "CurvePoint",
     "Decoding",
     "Decomposition",
     "DepthNormals",
@@ -197,10 +219,16 @@ __all__ = [
     "RecipeGroup",
     "RecipeLayer",
     "RecipeLink",
+    "ReconstructOptions",
+    "ReconstructReport",
+    "Reconstruction",
     "Relief",
     "ReliefOptions",
     "ReliefSession",
     "RendererError",
+    "SmoothOptions",
+    "SmoothReport",
+    "Smoothed",
     "SolveReport",
     "SplitOptions",
     "Stack",
@@ -211,6 +239,7 @@ __all__ = [
     "Unpacked",
     "UnpackedLayer",
     "UsageError",
+    "Verdict",
     "Workspace",
     "WorkspaceFinding",
     "WorkspaceGroup",
@@ -222,6 +251,7 @@ __all__ = [
     "bake_views",
     "blend",
     "clean_mesh",
+    "compare",
     "compose",
     "convert",
     "curl_picture",
@@ -249,8 +279,10 @@ __all__ = [
     "read_surface",
     "read_training",
     "read_workspace",
+    "reconstruct",
     "relief",
     "shipped_filter",
+    "smooth",
     "split",
     "surface_mesh",
     "to_toml",
@@ -258,15 +290,18 @@ __all__ = [
     "training_example",
     "transform",
     "unpack",
+    "write_comparison",
     "write_composition",
     "write_filter_model",
     "write_layers",
+    "write_mesh",
     "write_normal_map",
     "write_relief",
     "write_training",
     "write_unpacked",
     "write_workspace",
 ]
+# fmt: on
 
 
 def __getattr__(name: str) -> Any:

@@ -16,6 +16,13 @@ echo "== the structure alone: the base map"
 nmap relief "$gallery/portrait/base.exr" --height 4mm \
     -o "$gallery/portrait_base.stl" --preview "$gallery/portrait_base.png" --overwrite
 
+echo "== the portrait without its detail, and with twice as much of it"
+nmap smooth "$samples/portrait.ply" -o "$gallery/portrait_smooth.stl" --sigma-s 1.5 --report "$gallery/portrait_smooth.json" --overwrite
+nmap smooth "$samples/portrait.ply" -o "$gallery/portrait_crisp.stl" --sigma-s 1.5 --detail-gain 1.4 --overwrite
+nmap bake "$gallery/portrait_crisp.stl" -o "$gallery/portrait_crisp" --shading smooth --sigma-s 2 --overwrite
+nmap relief "$gallery/portrait_crisp/original.exr" --height 4mm \
+    -o "$gallery/portrait_crisp_relief.stl" --preview "$gallery/portrait_crisp.png" --overwrite
+
 echo "== maps that have no mesh: look them over, split one into base and detail"
 for map in medal_original medal_detail shell leaf_on_roll; do
     nmap inspect "$samples/$map.png"

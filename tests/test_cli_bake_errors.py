@@ -73,6 +73,7 @@ BAD_WORDS = [
     ("--crease -1", r"--crease -1: must lie between"),
     ("--supersample 3", r"\"3\" for --supersample\. Choose from: 1, 2, 4"),
     ("--renderer metal", r"\"metal\" for --renderer"),
+    ("--geometry new", r"\"new\" for --geometry"),
     ("--detail-encoding pd", r"\"pd\" for --detail-encoding"),
     ("--max-megapixels 0", r"--max-megapixels 0: must be greater than zero"),
     ("--max-megapixels nan", r"--max-megapixels nan: must be greater than zero"),

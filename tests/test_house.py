@@ -57,7 +57,7 @@ def test_importing_the_package_loads_nothing_heavy():
 
 
 COMPOSE = ("blend", "convert", "depth", "pack", "paste", "split", "stack", "transform", "unpack")
-COMMANDS = ("bake", "compose", *(f"compose {name}" for name in COMPOSE), "inspect", "relief")
+COMMANDS = ("bake", "compare", "compose", *(f"compose {name}" for name in COMPOSE), "inspect", "relief", "smooth")
 
 
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])
@@ -100,6 +100,13 @@ IO = (nm.ReadOptions, nm.WriteOptions)
         ("bake", nm.BakeOptions),
         ("bake", nm.FilterOptions),
         ("bake", nm.MeshReadOptions),
+        *(
+            (command, options)
+            for command in ("smooth", "compare")
+            for options in (nm.ReconstructOptions, nm.FilterOptions, nm.MeshReadOptions)
+        ),
+        ("smooth", nm.SmoothOptions),
+        ("compare", nm.CompareOptions),
         ("compose split", nm.SplitOptions),
         ("compose blend", nm.BlendOptions),
         ("compose transform", nm.TransformOptions),

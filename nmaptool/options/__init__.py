@@ -3,7 +3,8 @@
 Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
-from nmaptool.options.bake import BakeOptions, DetailEncoding, MeshReadOptions, Renderer, Shading
+from nmaptool.options.bake import BakeOptions, DetailEncoding, Geometry, MeshReadOptions, Renderer, Shading
+from nmaptool.options.compare import CompareOptions
 from nmaptool.options.compose import (
     Anchor,
     BlendMode,
@@ -19,6 +20,7 @@ from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.learned import DescriptorOptions, TrainOptions
 from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
+from nmaptool.options.reconstruct import Boundary, ReconstructOptions, Scheme, SmoothOptions
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
 from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.workspace import PackOptions
@@ -31,8 +33,10 @@ __all__ = [
     "Bits",
     "BlendMode",
     "BlendOptions",
+    "Boundary",
     "CanvasOptions",
     "Clip",
+    "CompareOptions",
     "Components",
     "DepthBackground",
     "DepthOptions",
@@ -42,6 +46,7 @@ __all__ = [
     "Energy",
     "FilterOptions",
     "Fit",
+    "Geometry",
     "Green",
     "Ground",
     "GroupOptions",
@@ -51,9 +56,12 @@ __all__ = [
     "NewGround",
     "PackOptions",
     "ReadOptions",
+    "ReconstructOptions",
     "ReliefOptions",
     "Renderer",
+    "Scheme",
     "Shading",
+    "SmoothOptions",
     "SolverName",
     "SplitOptions",
     "TrainOptions",

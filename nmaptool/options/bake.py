@@ -15,6 +15,7 @@ from nmaptool.units import Length, length
 Up = Literal["y", "z"]
 Shading = Literal["flat", "smooth"]
 Renderer = Literal["auto", "egl", "osmesa", "window", "numpy"]
+Geometry = Literal["original", "updated"]
 DetailEncoding = Literal["rotation", "slope", "difference"]
 
 # azimuth and elevation in degrees
@@ -91,6 +92,9 @@ class BakeOptions:
     renderer:
         "auto": OpenGL through EGL, else OSMesa, else a window of the platform; or one of them; "numpy" draws without
         OpenGL, slower.
+    geometry:
+        What is drawn: "original", the mesh as it is; "updated", the mesh rebuilt to its base normals, which moves its
+        outlines (the paper's Fig. 10); the camera is the same.
     detail_encoding:
         What the detail map holds: "rotation" (undone by blending with mode rnm), "slope" (by mode pd), or
         "difference".
@@ -113,6 +117,7 @@ class BakeOptions:
     crease: float = 60.0
     supersample: Literal[1, 2, 4] = 2
     renderer: Renderer = "auto"
+    geometry: Geometry = "original"
     detail_encoding: DetailEncoding = "rotation"
     max_megapixels: float = 100.0
 
@@ -122,6 +127,7 @@ class BakeOptions:
             ("shading", self.shading, ("flat", "smooth")),
             ("supersample", str(self.supersample), ("1", "2", "4")),
             ("renderer", self.renderer, ("auto", "egl", "osmesa", "window", "numpy")),
+            ("geometry", self.geometry, ("original", "updated")),
             ("detail-encoding", self.detail_encoding, ("rotation", "slope", "difference")),
         )
         for name in ("margin", "width", "pitch"):  # text is as good as a Length

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
 
 import numpy as np
 from scipy import sparse
 
+from nmaptool.amg_hierarchy import hierarchy_of
 from nmaptool.arrays import Float64, Mask
 from nmaptool.grid import corner_sum
 from nmaptool.solver.islands import Islands
 from nmaptool.solver.method import Report
 from nmaptool.solver.system import QuadSystem
-
-_COARSEST = 500
 
 
 def assemble(system: QuadSystem, unknown: Mask) -> sparse.csr_matrix:
@@ -44,16 +42,6 @@ def assemble(system: QuadSystem, unknown: Mask) -> sparse.csr_matrix:
     pointer = np.zeros(count + 1, np.int32)
     np.cumsum(keep.sum(axis=1), out=pointer[1:])
     return sparse.csr_matrix((values[keep], columns[keep], pointer), shape=(count, count))
-
-
-def hierarchy_of(matrix: sparse.csr_matrix) -> Any:
-    """Ruge and Stueben's hierarchy of a matrix, by pyamg."""
-    import pyamg
-
-    # the second pass of coarsening nearly halves the iterations on ragged masks
-    return pyamg.ruge_stuben_solver(
-        matrix, CF=("RS", {"second_pass": True}), max_coarse=_COARSEST, coarse_solver="splu"
-    )
 
 
 class AmgMethod:

@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.arrays import Float32, Float64
-from nmaptool.capture import numpy_raster
 from nmaptool.capture.camera import Camera, frame_camera
 from nmaptool.capture.corners import corner_normals
-from nmaptool.capture.numpy_raster import Draw
+from nmaptool.capture.rendering import rendering
 from nmaptool.capture.sight import Sight, look
 from nmaptool.cleaning import MeshFindings, clean_mesh
 from nmaptool.decompose.rolling import Decomposition
@@ -31,12 +30,11 @@ from nmaptool.options.account import filter_values, plain_values
 from nmaptool.progress import Progress
 from nmaptool.units import Length
 from nmaptool.vectors import mean_abs_curls, mean_angle_deg
-from nmaptool.verbs.decompose import decompose_clean, model_of, sigma_s_of
+from nmaptool.verbs.decompose import decompose_clean, long_edges, model_of, sigma_s_of
+from nmaptool.verbs.reconstruct import reconstruct
 
 # sizes in mm beyond which a mesh's units are hardly millimetres
 _SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
-# share of the mesh beyond which sigma_s takes forms for detail
-_LARGEST_DETAIL = 0.06
 
 
 def bake(
@@ -64,7 +62,8 @@ def bake(
     Returns
     -------
     LayerSet
-        Base and detail are drawn on the original geometry (paper, Fig. 10).
+        Base and detail are drawn on the original geometry (paper, Fig. 10), or with ``geometry="updated"`` all layers
+        on a mesh rebuilt to the base normals, seen by the same camera.
 
     Raises
     ------
@@ -100,15 +99,16 @@ def bake_views(
         clean = _sized(clean, cameras, work)
     made = []
     # the renderer first: where nothing can be drawn, nobody waits for the filter
-    with _drawing(options.renderer) as renderer:
+    with rendering(options.renderer) as renderer:
         draw, platform = renderer
         with work.timed("filter"):
             split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share), work.model)
-            fields = _fields(clean, split, options)
+            shown, split = _updated(clean, split) if options.geometry == "updated" else (clean, split)
+            fields = _fields(shown, split, options)
         for number, (view, camera) in enumerate(zip(options.views, cameras, strict=True)):
             tell("drawing", 0.7 + 0.3 * number / len(cameras))
             with work.timed("draw"):
-                sight = look(clean, camera, draw, options.supersample)
+                sight = look(shown, camera, draw, options.supersample)
             with work.timed("layers"):
                 drawn = _Drawn(clean, source_faces, findings, view, sight, platform)
                 made.append(_layer_set(work, drawn, split, fields))
@@ -144,17 +144,6 @@ class _Drawn:
     platform: str
 
 
-@contextlib.contextmanager
-def _drawing(renderer: str) -> Iterator[tuple[Draw, str]]:
-    if renderer == "numpy":
-        yield numpy_raster.visible_faces, renderer
-        return
-    from nmaptool.capture import gl
-
-    with gl.drawing(renderer) as drawn:
-        yield drawn
-
-
 def _sized(mesh: Mesh, cameras: list[Camera], work: _Work) -> Mesh:
     """The mesh in the millimetres that the picture's width gives it, so that lengths in mm mean those."""
     width = work.options.width
@@ -167,6 +156,13 @@ def _sized(mesh: Mesh, cameras: list[Camera], work: _Work) -> Mesh:
             f"--sigma-s {sigma_s}: these views have different scales at --width {width}; give it in %, or one view"
         )
     return dataclasses.replace(mesh, mm_per_unit=sizes[0], unit_from="given")
+
+
+def _updated(mesh: Mesh, split: Decomposition) -> tuple[Mesh, Decomposition]:
+    """The mesh rebuilt to its base normals, and the split whose base is what came of them (paper, Fig. 10)."""
+    rebuilt = reconstruct(mesh, split.base).mesh
+    base = rebuilt.geometry.normals
+    return rebuilt, dataclasses.replace(split, base=base, residual=split.normals - base)
 
 
 def _fields(mesh: Mesh, split: Decomposition, options: BakeOptions) -> tuple[Float64, Float64]:
@@ -245,12 +241,7 @@ def _warnings(drawn: _Drawn, work: _Work, coverage: Float32) -> tuple[str, ...]:
     size_mm = longest * mesh.mm_per_unit
     if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
         found.append(f"is {size_mm:.3g} mm large if its units are mm; say --width 100mm, or its --unit")
-    share = sigma_s_of(mesh, work.filter) / longest
-    if share > _LARGEST_DETAIL and work.model is None and not isinstance(work.filter.sigma_s, Length):
-        found.append(
-            f"its edges are long: sigma_s comes to {share:.0%} of it, and forms of that size go into the detail; "
-            "say --sigma-s 2%"
-        )
+    found += long_edges(mesh, work.filter)
     if float((coverage > 0).mean()) < 0.001:
         found.append("less than a thousandth of the picture sees the mesh")
     return tuple(found)

@@ -20,6 +20,8 @@ from nmaptool.units import Length
 
 # mean edge lengths: sigma_s below it averages no two faces
 _LEAST_EDGES = 0.01
+# share of the mesh beyond which sigma_s takes forms for detail
+_LARGEST_DETAIL = 0.06
 
 
 def decompose_normals(
@@ -99,3 +101,14 @@ def sigma_s_of(mesh: Mesh, options: FilterOptions) -> float:
     else:
         size = options.sigma_s.value / 100 * float(np.ptp(mesh.vertices, axis=0).max())
     return max(size, _LEAST_EDGES * mesh.mean_edge)
+
+
+def long_edges(mesh: Mesh, options: FilterOptions) -> list[str]:
+    """A warning where sigma_s, counted in edges, is large beside a clean mesh; else none."""
+    if options.filter == "learned":
+        return []
+    share = sigma_s_of(mesh, options) / float(np.ptp(mesh.vertices, axis=0).max())
+    if isinstance(options.sigma_s, Length) or share <= _LARGEST_DETAIL:
+        return []
+    words = f"its edges are long: sigma_s comes to {share:.0%} of it, and forms of that size go into the detail"
+    return [f"{words}; say --sigma-s 2%"]

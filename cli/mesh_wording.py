@@ -1,0 +1,62 @@
+"""Reports on rebuilt meshes as sentences for a designer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from nmaptool import Comparison, ReconstructReport
+
+
+def describe_reconstruction(report: ReconstructReport, gain: float) -> Iterator[str]:
+    """How a mesh was rebuilt, a line each."""
+    o, size = report.options, report.diagonal_mm or 1.0
+    pull = "" if o.scheme == "gsfg" else f", closeness {o.closeness:g}"
+    yield f"  detail times {gain:g}, by {o.scheme}: {o.steps} steps{pull}, {report.seconds:.2f} s"
+    folded = ""
+    if report.folded_before or report.folded_after:
+        folded = f"; faces folded over {report.folded_before} before, {report.folded_after} after"
+    yield (
+        f"  normals {report.normal_deviation_before_deg:.2f} degrees from what they should be before, "
+        f"{report.normal_deviation_deg:.2f} after{folded}"
+    )
+    yield (
+        f"  vertices moved {report.moved_rms_mm:.3g} mm (rms, {report.moved_rms_mm / size:.3%} of the diagonal), "
+        f"{report.moved_max_mm:.3g} mm at most{_volume(report)}"
+    )
+    if report.boundary_vertices:
+        what = "held" if o.boundary == "hold" else "free"
+        yield f"  {report.boundary_vertices} vertices on open edges, {what}"
+
+
+def _volume(report: ReconstructReport) -> str:
+    if report.volume_share is not None:
+        return f"; volume {report.volume_share:+.3%}"
+    if report.mean_offset_mm is not None:
+        return f"; surface {report.mean_offset_mm:+.2g} mm outwards on average"
+    return ""
+
+
+def describe_comparison(comparison: Comparison) -> Iterator[str]:
+    """Two schemes, a line each, and the verdict."""
+    before = f"normals {comparison.normal_before_deg:.2f} degrees from the base"
+    yield f"{comparison.name}: {comparison.faces} faces, {before}"
+    for each in comparison.contenders.values():
+        o, share = each.options, 100 / comparison.diagonal_mm
+        pull = "" if o.scheme == "gsfg" else f", closeness {o.closeness:g}"
+        yield (
+            f"  {o.scheme}, {o.steps} steps{pull}: normals {each.normal_mean_deg:.3f} degrees off, vertices rms "
+            f"{each.rms_mm:.4g} mm ({each.rms_mm * share:.3f}%), largest {each.max_mm:.4g} mm, Hausdorff "
+            f"{each.hausdorff_mm:.4g} mm ({each.hausdorff_mm * share:.3f}%)"
+        )
+    for verdict in comparison.verdicts:
+        yield f"  the paper's claim {verdict.words}"
+
+
+def describe_curves(comparison: Comparison) -> Iterator[str]:
+    """The sweeps, a line a point."""
+    for name, points in comparison.curves.items():
+        for p in points:
+            pull = "" if p.closeness is None else f", closeness {p.closeness:g}"
+            yield f"  {name}: {p.steps} steps{pull}: {p.normal_deg:.3f} degrees, {p.rms_mm:.4g} mm, {p.folded} folded"

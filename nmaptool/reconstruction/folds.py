@@ -1,0 +1,45 @@
+"""Faces that are folded over: their projection would stay so, and nothing in the energy minds."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nmaptool.arrays import Float64, Mask
+from nmaptool.mesh import Faces
+from nmaptool.reconstruction.stitching import assembled, direct
+
+# a part of the mesh that is folded as a whole has nothing around it to lie between
+_TIE = 1e-3
+
+
+def relaxed(vertices: Float64, faces: Faces, folded: Mask, held: Mask) -> Float64:
+    """Vertices of folded faces laid evenly between their neighbours; all others stay.
+
+    min over these vertices of sum |R x|^2, R = I - 1/3: the membrane of a flat patch has no fold where its outline is
+    convex.
+
+    Parameters
+    ----------
+    vertices : (N, 3) float64
+    faces : (M, 3) int32
+    folded : (M,) bool
+    held : (N,) bool
+        Vertices that stay in any case.
+    """
+    loose = np.zeros(len(vertices), bool)
+    loose[faces[folded]] = True
+    loose &= ~held
+    chosen = np.flatnonzero(loose)
+    if not len(chosen):
+        return vertices
+    around = faces[loose.take(faces).any(axis=1)]
+    used, local = np.unique(around, return_inverse=True)
+    patch = local.reshape(-1, 3).astype(np.int32)
+    inner = loose[used]
+    tie = np.where(inner, _TIE, 0.0)
+    matrix = assembled(patch, np.broadcast_to(np.eye(3) - 1 / 3, (len(patch), 3, 3)), tie)[inner]
+    start = vertices.take(used, axis=0)
+    load = tie[inner][:, None] * start[inner] - matrix[:, ~inner] @ start[~inner]
+    out = vertices.copy()
+    out[chosen] = direct(matrix[:, inner])(load)
+    return out

@@ -1,0 +1,39 @@
+"""What became of a mesh: how far its normals are from their targets, and how much it holds."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nmaptool.arrays import Float64
+from nmaptool.mesh import Faces, cross
+
+
+def angles_deg(first: Float64, second: Float64) -> Float64:
+    """(M,) float64: degrees between unit vectors (M, 3); exact for small angles, too."""
+    chord = np.sqrt(np.einsum("ij,ij->i", first - second, first - second))
+    return np.asarray(np.degrees(2 * np.arcsin((chord / 2).clip(0, 1))))
+
+
+def volume_between(before: Float64, after: Float64, faces: Faces) -> float:
+    """What a mesh holds more than before, in cubic units.
+
+    The difference of the volumes of the cones from one point to all faces: for a closed mesh that of the volumes, and
+    for an open one whose boundary stayed what lies between the two surfaces; neither depends on the point.
+
+    Parameters
+    ----------
+    before, after : (N, 3) float64
+    faces : (M, 3) int32
+    """
+    middle = before.mean(axis=0)
+    return _cones(after - middle, faces) - _cones(before - middle, faces)
+
+
+def volume(vertices: Float64, faces: Faces) -> float:
+    """Of a closed mesh, in cubic units; below zero where it is wound inside out."""
+    return _cones(vertices - vertices.mean(axis=0), faces)
+
+
+def _cones(vertices: Float64, faces: Faces) -> float:
+    a, b, c = (vertices.take(faces[:, k], axis=0) for k in range(3))
+    return float(np.einsum("ij,ij->", a, cross(b, c))) / 6

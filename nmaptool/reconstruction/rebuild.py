@@ -1,0 +1,115 @@
+"""A mesh rebuilt to a field of normals: shape every face, stitch them, again and again (paper, Sec. 4.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.arrays import Float64, Mask
+from nmaptool.mesh import Mesh
+from nmaptool.options import ReconstructOptions
+from nmaptool.progress import Progress
+from nmaptool.reconstruction.boundary import boundary_vertices
+from nmaptool.reconstruction.folds import relaxed
+from nmaptool.reconstruction.shaping import normals_of, opposed, rotated, shapes_of, wanted
+from nmaptool.reconstruction.stitching import Average, ShapeStitch, Stitch, gradient_stiffness
+
+# of the closeness: how much vertices of a folded face are worth as a guide
+_FOLDED = 1e-3
+# relative residuals of one solve, and of one of several
+_EXACT, _ROUGH = 1e-10, 1e-2
+# steps
+_UNFOLD_EVERY = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Rebuilt:
+    """What the steps came to.
+
+    Attributes
+    ----------
+    vertices : (N, 3) float64
+    folded_before, folded_after : int
+        Faces whose normal is more than a right angle from its target.
+    boundary : (N,) bool
+        Vertices of open edges.
+    moves : tuple of float
+        Root mean square of the vertices' moves in each step, in mean edges.
+    """
+
+    vertices: Float64
+    folded_before: int
+    folded_after: int
+    boundary: Mask
+    moves: tuple[float, ...]
+
+
+def rebuild(mesh: Mesh, targets: Float64, options: ReconstructOptions, progress: Progress | None = None) -> Rebuilt:
+    """Move the vertices so that the face normals come to their targets.
+
+    All schemes repeat two steps. Local: each face by itself gets the shape it should have; those of "gsfg..." project
+    its corners on the plane through its centroid (paper, Eq. 2), "poisson" turns it by the least rotation. Global: the
+    shapes are stitched, by the mean of each vertex's corners (Eq. 3; "gsfg"), or over the whole mesh at once with a
+    pull to the given vertices. With projections all descend on the sum over faces of |h|^2, h the heights of a face's
+    corners over its plane, from their mean ("gsfg", "gsfg-shape"), or of the integral of |grad h|^2 ("gsfg-gradient"),
+    which does not depend on how finely the surface is divided. Nothing but the number of its steps keeps "gsfg" from
+    shrinking to a point where the targets are the normals of no surface.
+
+    Faces far from their targets are turned, too, since projections would crush them. Of faces that oppose their targets
+    a projection stays folded over: at the start, and every few steps, their vertices are laid between their neighbours
+    (`relaxed`), and vertices that were folded when given hardly pull back. "poisson" only turns, as its authors do.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Clean.
+    targets : (M, 3) float64
+        Unit normals.
+    options : ReconstructOptions
+    progress : callable, optional
+        Called with a word and the share done.
+    """
+    faces, start = mesh.faces, mesh.vertices
+    boundary = boundary_vertices(faces, len(start))
+    held = boundary if options.boundary == "hold" else np.zeros_like(boundary)
+    shapes = shapes_of(start, faces)
+    normals = normals_of(shapes)
+    folded = opposed(normals, targets)
+    if progress is not None:
+        progress("setting up", 0.0)
+    stitch = _stitch(mesh, options, shapes, folded, held)
+    vertices = start
+    moves = []
+    for step in range(options.steps):
+        if progress is not None:
+            progress("rebuilding", step / options.steps)
+        shapes = shapes_of(vertices, faces)
+        normals = normals_of(shapes)
+        if step % _UNFOLD_EVERY == 0 and options.scheme != "poisson":
+            over = opposed(normals, targets)
+            if over.any():
+                vertices = relaxed(vertices, faces, over, held)
+                shapes = shapes_of(vertices, faces)
+                normals = normals_of(shapes)
+        shaped = (rotated if options.scheme == "poisson" else wanted)(shapes, normals, targets)
+        shaped -= shapes
+        move = stitch.move(shaped, vertices - start)
+        vertices = vertices + move
+        moves.append(float(np.sqrt(np.einsum("ij,ij->i", move, move).mean())) / mesh.mean_edge)
+    after = opposed(normals_of(shapes_of(vertices, faces)), targets)
+    return Rebuilt(vertices, int(folded.sum()), int(after.sum()), boundary, tuple(moves))
+
+
+def _stitch(mesh: Mesh, options: ReconstructOptions, shapes: Float64, folded: Mask, held: Mask) -> Stitch:
+    if options.scheme == "gsfg":
+        return Average(mesh.faces, held)
+    closeness = np.full(len(mesh.vertices), options.closeness)
+    stiffness = None if options.scheme == "gsfg-shape" else gradient_stiffness(shapes)
+    if options.scheme == "poisson":
+        residual = _EXACT if options.steps == 1 else _ROUGH
+        return ShapeStitch(mesh.faces, stiffness, closeness, held, residual)
+    touched = np.zeros(len(mesh.vertices), bool)
+    touched[mesh.faces[folded]] = True
+    closeness[touched] *= _FOLDED
+    return ShapeStitch(mesh.faces, stiffness, closeness, held)

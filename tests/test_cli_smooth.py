@@ -1,0 +1,185 @@
+"""The smooth and compare commands: what they write and say, units, and everything that can go wrong."""
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+from bake_cases import plate, write_plate
+from mesh_files import FACES, VERTICES, obj
+
+import nmaptool as nm
+from nmaptool.errors import OutputError
+
+USAGE, INPUT, OUTPUT = 2, 3, 5
+QUICK = ("--size", "60x50", "--renderer", "numpy")
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    """A folder with a plate and a file, which is where commands run."""
+    monkeypatch.chdir(tmp_path)
+    write_plate(tmp_path / "plate.obj")
+    (tmp_path / "file.stl").write_text("precious")
+    return tmp_path
+
+
+def test_every_ending_and_the_report(run, place, tree):
+    done = run(
+        "smooth",
+        "plate.obj",
+        *(w for e in ("stl", "ply", "obj", "glb") for w in ("-o", f"m.{e}")),
+        "--report",
+        "r.json",
+    )
+    assert (done.code, done.out) == (0, "")
+    assert {"m.stl", "m.ply", "m.obj", "m.glb", "r.json"} < set(tree())
+    assert "plate.obj: 625 vertices, 1152 faces\n" in done.err
+    assert "  detail times 0, by gsfg-gradient: 20 steps, closeness 0.01, " in done.err
+    assert "  96 vertices on open edges, held\n" in done.err
+    assert "mm outwards on average" in done.err
+    assert "  wrote m.stl (the numbers of the input)\n" in done.err
+    assert "  wrote m.glb (in metres, the input's numbers taken as mm)\n" in done.err
+    found = json.loads((place / "r.json").read_text())
+    assert found["files"] == {"mesh": "plate.obj"}
+    assert found["outputs"] == ["m.stl", "m.ply", "m.obj", "m.glb", "r.json"]
+    assert (found["mm_per_unit"], found["unit_from"], found["detail_gain"]) == (1, "assumed", 0)
+    assert found["reconstruction"]["boundary_vertices"] == 96
+    assert found["filter"]["sigma_s"] == 3
+
+
+def test_gain_one_gives_the_same_numbers_in_the_same_order(run, place):
+    assert run("smooth", "plate.obj", "-o", "m.obj", "-o", "m.ply", "-o", "m.glb", "--detail-gain", "1", "-q").err == ""
+    vertices, faces = nm.read_mesh("plate.obj").vertices, plate()[1]
+    for name, unit, close in (("m.obj", 1, 1e-7), ("m.ply", 1, 1e-5), ("m.glb", 1e-3, 1e-8)):
+        made = trimesh.load(place / name, force="mesh", process=False)
+        np.testing.assert_allclose(made.vertices, vertices * unit, atol=close)
+        assert np.array_equal(made.faces, faces)
+
+
+def test_known_units_become_millimetres(run, place):
+    done = run("smooth", "plate.obj", "--unit", "cm", "--detail-gain", "1", "-o", "m.ply", "-o", "m.glb", "--json")
+    assert "wrote m.ply (in mm)\n" in done.err
+    assert "wrote m.glb (in metres)\n" in done.err
+    assert trimesh.load(place / "m.ply").extents[0] == pytest.approx(200)
+    assert trimesh.load(place / "m.glb", force="mesh").extents[0] == pytest.approx(0.2)
+    assert json.loads(done.out)["mm_per_unit"] == 10
+    # and read back they are as large as they were
+    assert np.ptp(nm.read_mesh(place / "m.glb").vertices_mm, axis=0)[0] == pytest.approx(200)
+
+
+def test_a_tiny_mesh_keeps_its_form_as_obj(tmp_path):
+    tiny = nm.Mesh(VERTICES.astype(float) * 1e-9, FACES)
+    nm.write_mesh(tiny, tmp_path / "t.obj")
+    np.testing.assert_allclose(nm.read_mesh(tmp_path / "t.obj").vertices, tiny.vertices, rtol=1e-6)
+
+
+def test_a_closed_mesh_tells_its_volume(run, place):
+    (place / "solid.obj").write_bytes(obj())
+    done = run("smooth", "solid.obj", "-o", "m.stl", "-v", "--steps", "3")
+    assert done.code == 0
+    assert "; volume " in done.err
+    assert "  moves " in done.err
+    assert "  seconds clean " in done.err
+
+
+def test_warnings_are_said(run, place):
+    (place / "twice.obj").write_bytes(obj(VERTICES, [*FACES, FACES[0]]))
+    done = run("smooth", "twice.obj", "-o", "m.stl")
+    assert "nmap: warning: twice.obj: 1 faces without area, with NaN or twice there were dropped\n" in done.err
+
+
+def test_minus_signs_are_values(run, place):
+    assert run("smooth", "plate.obj", "-o", "m.stl", "--detail-gain", "-0.5", "-q").code == 0
+
+
+BAD_WORDS = [
+    ("--detail-gain 11", r"--detail-gain 11: must lie between -10 and 10, such as 0 or 2"),
+    ("--detail-gain much", r"--detail-gain 'much': must be a number"),
+    ("--steps 0", r"--steps 0: must lie between 1 and 10000"),
+    ("--steps 1.5", r"--steps '1\.5': must be a whole number"),
+    ("--closeness 0", r"--closeness 0: must lie between"),
+    ("--closeness -1", r"--closeness -1: must lie between"),
+    ("--scheme sfg", r"\"sfg\" for --scheme"),
+    ("--boundary cut", r"\"cut\" for --boundary"),
+    ("--sigma-s 0", r"--sigma-s 0: must lie between"),
+    ("-o m.off", r"m\.off: ends in \.off; a mesh is written as \.stl, \.ply, \.obj, \.glb"),
+    ("-o m", r"m: has no ending; a mesh is written as"),
+    ("-o -", r"-: a mesh is written to a file, such as -o smooth\.stl"),
+    ("-o n.stl", r"n\.stl: is named twice as an output"),
+    ("--report r.txt", r"r\.txt: a report is written as \.json"),
+    ("-o plate.obj --overwrite", r"plate\.obj: is also an input; give another name for the output"),
+    ("second.obj", r"second\.obj: is one word too many"),
+]
+
+
+@pytest.mark.parametrize(("words", "pattern"), BAD_WORDS, ids=[bad[0] for bad in BAD_WORDS])
+def test_words_that_cannot_be_meant(refused, place, words, pattern):
+    refused(USAGE, pattern, "smooth", "plate.obj", "-o", "n.stl", *words.split())
+
+
+def test_inputs_and_outputs_that_cannot_be(refused, place):
+    refused(USAGE, r"nothing to write: say where, such as -o smooth\.stl", "smooth", "plate.obj")
+    refused(USAGE, r"-: a mesh is read from a file", "smooth", "-", "-o", "m.stl")
+    refused(INPUT, r"none\.obj: no such file|none\.obj", "smooth", "none.obj", "-o", "m.stl")
+    refused(
+        OUTPUT, r"file\.stl: exists already; give another name, or --overwrite", "smooth", "plate.obj", "-o", "file.stl"
+    )
+    refused(OUTPUT, r"deep/m\.stl: the folder deep does not exist", "smooth", "plate.obj", "-o", "deep/m.stl")
+    (place / "flat.obj").write_bytes(obj(VERTICES, [[0, 0, 1]]))
+    refused(INPUT, r"flat\.obj: none of its 1 faces has an area", "smooth", "flat.obj", "-o", "m.stl")
+
+
+def test_a_full_disk_leaves_nothing(refused, place, monkeypatch):
+    def full(path, mesh, glb_in_metres=False):
+        path.write_text("half")
+        raise OutputError(f"{path}: cannot be written (No space left on device)")
+
+    monkeypatch.setattr("nmaptool.io.meshes.write_mesh", full)
+    pattern = r"^nmap: error: m\.stl: cannot be written \(No space left on device\)"
+    refused(OUTPUT, pattern, "smooth", "plate.obj", "-o", "m.stl", "-q")
+
+
+@pytest.mark.parametrize("where", ["decompose_clean", "reconstruct"])
+def test_ctrl_c_leaves_nothing(refused, place, monkeypatch, where):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"nmaptool.verbs.smooth.{where}", interrupted)
+    refused(130, "interrupted; nothing was written", "smooth", "plate.obj", "-o", "m.stl", "-q")
+
+
+def test_compare_writes_a_figure_and_says_the_verdict(run, place, tree):
+    done = run("compare", "plate.obj", "-o", "f.png", "--report", "f.json", "-v", *QUICK)
+    assert (done.code, done.out) == (0, "")
+    assert {"f.png", "f.json"} < set(tree())
+    said = [line for line in done.err.splitlines() if line.startswith("  the paper's claim ")]
+    found = json.loads((place / "f.json").read_text())
+    assert said == [f"  the paper's claim {verdict['words']}" for verdict in found["verdicts"]]
+    assert len(said) == 3
+    assert "  gsfg-gradient, 20 steps, closeness 0.01: normals " in done.err
+    assert "  poisson, 20 solves: 20 steps, closeness 0.01: " in done.err
+    assert found["unit_from"] == "assumed"
+
+
+def test_compare_to_standard_output(run, place):
+    done = run("compare", "plate.obj", "--json", "-q", "--scheme", "gsfg", *QUICK)
+    assert done.err == ""
+    assert json.loads(done.out)["contenders"]["gsfg"]["options"]["scheme"] == "gsfg"
+
+
+@pytest.mark.parametrize(
+    ("words", "pattern"),
+    [
+        ("-o f.jpg", r"f\.jpg: a figure is written as \.png"),
+        ("-o -", r"-: a figure is written to a file, such as -o figure\.png"),
+        ("", r"nothing to write: say where, such as -o figure\.png"),
+        ("-o f.png --report r.txt", r"r\.txt: a report is written as \.json"),
+        ("-o f.png --scheme poisson", r"--scheme poisson: is what gSfG is compared with"),
+        ("-o f.png --view up", r"--view 'up': use one of front, back"),
+        ("-o f.png --size 3", r"--size '3': expected columns x rows"),
+    ],
+)
+def test_compare_refuses(refused, place, words, pattern):
+    refused(USAGE, pattern, "compare", "plate.obj", *words.split())
+    refused(USAGE, r"-: a mesh is read from a file", "compare", "-", "-o", "f.png")

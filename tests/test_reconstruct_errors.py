@@ -1,0 +1,86 @@
+"""What rebuilding a mesh refuses, in one clear line each."""
+
+import numpy as np
+import pytest
+from mesh_cases import sphere
+
+import nmaptool as nm
+from nmaptool.errors import ConvergenceError, InputError, LimitError, UsageError
+from nmaptool.reconstruction import stitching
+
+
+@pytest.fixture
+def ball():
+    return nm.clean_mesh(sphere(6))[0]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda n: n[1:], r"normals: are float64 \(287, 3\), expected float \(288, 3\): one for each face of mesh"),
+        (lambda n: n[:, :2], r"normals: are float64 \(288, 2\), expected"),
+        (lambda n: n.astype(int), r"normals: are int64 \(288, 3\), expected float"),
+        (lambda n: np.where(np.arange(288)[:, None] < 2, np.nan, n), r"normals: 2 are NaN or infinite; every face"),
+        (lambda n: n * np.inf, r"normals: 288 are NaN or infinite"),
+        (lambda n: n * 1.01, r"normals: that of face \d+ is 1\.01 long, expected 1; divide them by their lengths"),
+        (lambda n: 0 * n, r"normals: that of face 0 is 0 long"),
+        (lambda n: -n, r"normals: 100% of mesh would look the other way; .* Then negate them"),
+    ],
+)
+def test_normals_that_cannot_be_meant(ball, change, message):
+    with pytest.raises(InputError, match=message):
+        nm.reconstruct(ball, change(ball.geometry.normals))
+
+
+def test_meshes_that_are_not_clean(ball):
+    normals = ball.geometry.normals
+    with pytest.raises(InputError, match="mesh: has no faces; a surface is needed"):
+        nm.reconstruct(nm.Mesh(ball.vertices, ball.faces[:0]), normals[:0])
+    broken = ball.vertices.copy()
+    broken[3] = np.nan
+    with pytest.raises(InputError, match=r"mesh: has vertices that are NaN or infinite; clean it first: nm.clean_mesh"):
+        nm.reconstruct(nm.Mesh(broken, ball.faces), normals)
+    flat = ball.faces.copy()
+    flat[5, 2] = flat[5, 1]
+    with pytest.raises(InputError, match=r"mesh: 1 of its faces have no area and so no normal; clean it first"):
+        nm.reconstruct(nm.Mesh(ball.vertices, flat), normals)
+
+
+def test_a_system_that_cannot_be_solved(monkeypatch):
+    monkeypatch.setattr(stitching, "_DIRECT", 0)
+    monkeypatch.setattr(stitching, "_MOST_CYCLES", 1)
+    ball = nm.clean_mesh(sphere(24))[0]
+    flat = nm.Mesh(ball.vertices * [1, 1, 0.1], ball.faces)
+    with pytest.raises(
+        ConvergenceError, match=r"poisson: the residual is .* use --scheme gsfg-gradient, or a larger --"
+    ):
+        nm.reconstruct(flat, ball.geometry.normals, nm.ReconstructOptions(scheme="poisson", steps=1))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda: nm.ReconstructOptions(scheme="sfg"),
+            r"--scheme 'sfg': use one of gsfg-gradient, gsfg-shape, gsfg, p",
+        ),
+        (lambda: nm.ReconstructOptions(boundary="cut"), r"--boundary 'cut': use one of hold, free"),
+        (lambda: nm.ReconstructOptions(steps=0), r"--steps 0: must lie between 1 and 10000, such as 20"),
+        (lambda: nm.ReconstructOptions(closeness=0), r"--closeness 0: must lie between 1e-08 and 10000, such as 0.01"),
+        (lambda: nm.SmoothOptions(detail_gain=11), r"--detail-gain 11: must lie between -10 and 10, such as 0 or 2"),
+        (lambda: nm.SmoothOptions(detail_gain=float("nan")), r"--detail-gain nan: must lie between"),
+        (lambda: nm.CompareOptions(view="up"), r"--view 'up': use one of front, back"),
+        (lambda: nm.CompareOptions(up="x"), r"--up 'x': use one of y, z"),
+        (lambda: nm.CompareOptions(renderer="metal"), r"--renderer 'metal': use one of auto"),
+        (lambda: nm.CompareOptions(size="9"), r"--size '9': expected columns x rows"),
+        (lambda: nm.BakeOptions(geometry="new"), r"--geometry 'new': use one of original, updated"),
+    ],
+)
+def test_options_that_cannot_be_meant(make, message):
+    with pytest.raises(UsageError, match=message):
+        make()
+
+
+def test_a_figure_too_large():
+    with pytest.raises(LimitError, match=r"--size 9000x9000: more than the 16000000 pixels a figure may have"):
+        nm.CompareOptions(size="9000x9000")
