@@ -14,6 +14,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from nmaptool._public import MODULES
 from nmaptool._version import __version__
 
 if TYPE_CHECKING:
@@ -105,72 +106,8 @@ if TYPE_CHECKING:
     from nmaptool.verbs.unpack import unpack
     from nmaptool.workspace import Workspace, WorkspaceFinding, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
 
-_MODULES = {
-    "cleaning": "MeshFindings clean_mesh",
-    "compared": "Comparison Contender CurvePoint Verdict",
-    "conversion": "ConvertReport",
-    "curl_shading": "curl_picture",
-    "decoding": "decode_normal_map",
-    "decompose.rolling": "Decomposition",
-    "depth.report": "DepthNormals DepthReport",
-    "errors": "ConvergenceError InputError LimitError NmaptoolError OutputError RendererError UsageError",
-    "io.comparison_files": "write_comparison",
-    "io.conversion": "convert",
-    "io.filter_models": "read_filter_model read_training write_filter_model write_training",
-    "io.heights": "read_height read_surface",
-    "io.layer_files": "write_layers",
-    "io.map_files": "write_composition",
-    "io.mesh_files": "write_mesh",
-    "io.mesh_reader": "read_mesh",
-    "io.normal_maps": "read_grey read_normal_map read_raster write_normal_map",
-    "io.outputs": "write_relief",
-    "io.recipe_files": "read_recipe",
-    "io.stacks": "Stack read_stack",
-    "io.unpacked": "write_unpacked",
-    "io.workspaces": "read_workspace write_workspace",
-    "layer_set": "LayerReport LayerSet Mixture",
-    "layer_stack": "Layer LayerGroup",
-    "learned.model": "FilterModel TrainingState",
-    "learned.shipped": "shipped_filter",
-    "mesh": "Mesh",
-    "model": "Decoding Frame Height NormalMap RasterImage",
-    "options": "BakeOptions BlendOptions CanvasOptions CompareOptions DepthOptions DescriptorOptions FilterOptions "
-    "GroupOptions LayerOptions MeshReadOptions PackOptions ReadOptions ReconstructOptions ReliefOptions SmoothOptions "
-    "SplitOptions TrainOptions TransformOptions WriteOptions",
-    "orientation": "doubts",
-    "recipe": "Recipe RecipeGroup RecipeLayer RecipeLink",
-    "recipe_parsing": "parse_recipe",
-    "recipe_toml": "to_toml",
-    "reconstructed": "Reconstruction ReconstructReport Smoothed SmoothReport",
-    "results": "ComposeReport Composition Relief SolveReport",
-    "shading": "preview",
-    "tessellate": "surface_mesh",
-    "units": "Length length",
-    "unpacked": "Unpacked UnpackedLayer",
-    "verbs.bake": "bake bake_views",
-    "verbs.blend": "blend",
-    "verbs.compare": "compare",
-    "verbs.compose": "compose paste",
-    "verbs.decompose": "decompose_normals",
-    "verbs.depth": "depth_to_normals",
-    "verbs.inspect": "Finding Inspection inspect_map",
-    "verbs.integrate": "integrate",
-    "verbs.pack": "PackedMap pack",
-    "verbs.place_layers": "place_layers",
-    "verbs.reconstruct": "reconstruct",
-    "verbs.relief": "relief",
-    "verbs.relief_inputs": "pitch_of",
-    "verbs.relief_session": "ReliefSession",
-    "verbs.smooth": "smooth",
-    "verbs.split": "split",
-    "verbs.train": "TrainingExample train training_example",
-    "verbs.transform": "transform",
-    "verbs.unpack": "unpack",
-    "workspace": "Workspace WorkspaceFinding WorkspaceGroup WorkspaceLayer WorkspaceMask",
-}
-_HOME = {name: module for module, names in _MODULES.items() for name in names.split()}
+_HOME = {name: module for module, names in MODULES.items() for name in names.split()}
 
-# fmt: off
 __all__ = [
     "BakeOptions",
     "BlendOptions",
@@ -301,7 +238,6 @@ __all__ = [
     "write_unpacked",
     "write_workspace",
 ]
-# fmt: on
 
 
 def __getattr__(name: str) -> Any:

@@ -24,7 +24,7 @@ def principal_axes(geometry: FaceGeometry) -> Float64:
     """
     share = geometry.areas / geometry.areas.sum()
     place = geometry.centroids - share @ geometry.centroids
-    place /= np.abs(place).max()
+    place /= np.abs(place).max() or 1.0  # a single face lies in its own middle
     axes: Float64 = np.linalg.eigh((place * share[:, None]).T @ place)[1].T[::-1]
     skew = share @ (place @ axes.T) ** 3
     return axes * np.where(skew < 0, -1, 1)[:, None]

@@ -64,9 +64,9 @@ class Surroundings:
     def __init__(self, mesh: Mesh, geometry: FaceGeometry, sigma_s: float) -> None:
         self._axes = principal_axes(geometry)
         # rounded, so that a face on the border of a cell does not change sides with the last bit of a turned mesh
-        longest = float(np.ptp(geometry.centroids, axis=0).max())
+        step = _ROUNDING * float(np.ptp(geometry.centroids, axis=0).max()) or 1.0
         own = geometry.centroids @ self._axes.T
-        own = np.round((own - (own.min(axis=0) + own.max(axis=0)) / 2) / (_ROUNDING * longest)) * (_ROUNDING * longest)
+        own = np.round((own - (own.min(axis=0) + own.max(axis=0)) / 2) / step) * step
         neighbors = face_neighbors(mesh.faces)
         around = reach(own, neighbors, RADIUS * sigma_s)
         self._around = around
