@@ -128,12 +128,12 @@ def train(
             mesh = nm.read_mesh(name, unit=reading.unit, max_faces=reading.max_faces)
             examples.append(nm.training_example(mesh, target, progress=progress))
         state = files.begun()
-        if state is not None:
-            session.say(f"  goes on from {outputs.state}: {len(state.losses)} networks are finished")
         model = nm.train(examples, options, state=state, keep=files.keep, progress=progress)
     account = {"version": nm.__version__, "filter": model.digest, "options": plain_values(options), **model.account}
     account["outputs"] = [str(path) for path in files.targets]
     files.write(model, account)
+    if state is not None:
+        session.say(f"  went on from {state.name}, where {len(state.losses)} networks were finished")
     _tell(session, examples, model)
     for path in files.targets:
         session.say(f"  wrote {path}")

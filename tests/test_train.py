@@ -38,7 +38,10 @@ def test_a_training_goes_on_from_every_state_to_the_same_filter(tmp_path):
 def test_a_state_of_another_training_is_refused():
     state = states()[0]
     for others, changes in ((examples(1), {}), (examples(), {"hidden": 5}), (examples(), {"seed": 4})):
-        with pytest.raises(nm.InputError, match="the training that was begun had other meshes or options; begin anew"):
+        with pytest.raises(
+            nm.InputError,
+            match="the state: is of a training with other meshes or options; give the same again, or another --state",
+        ):
             nm.train(others, dataclasses.replace(OPTIONS, **changes), descriptor=DESCRIPTOR, state=state)
 
 

@@ -6,7 +6,7 @@ import io
 import json
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -162,7 +162,7 @@ def read_training(path: str | Path) -> TrainingState:
         If it cannot be read or is none.
     """
     try:
-        return training_from_arrays(_read(Path(path)))
+        return replace(training_from_arrays(_read(Path(path))), name=str(path))
     except InputError as error:
         raise _about(path, "a training that was begun", error) from None
 
@@ -175,15 +175,15 @@ def write_training(state: TrainingState, path: str | Path) -> None:
     OutputError
         If it cannot be written.
     """
-    _write(Path(path), training_to_arrays(state), overwrite=True)
+    _write(Path(path), training_to_arrays(state), overwrite=True, last=False)
 
 
 def _about(path: str | Path, what: str, error: InputError) -> InputError:
     return InputError(f"{path}: cannot be used as {what}: {error}")
 
 
-def _write(target: Path, arrays: Mapping[str, NDArray[Any]], overwrite: bool) -> None:
-    with written_beside([target], overwrite) as (temporary,), named(target, temporary):
+def _write(target: Path, arrays: Mapping[str, NDArray[Any]], overwrite: bool, last: bool = True) -> None:
+    with written_beside([target], overwrite, last=last) as (temporary,), named(target, temporary):
         temporary.write_bytes(_packed(arrays))
 
 

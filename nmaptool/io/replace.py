@@ -64,7 +64,7 @@ def _exists(path: Path) -> OutputError:
 
 
 @contextlib.contextmanager
-def written_beside(targets: list[Path], overwrite: bool) -> Iterator[list[Path]]:
+def written_beside(targets: list[Path], overwrite: bool, *, last: bool = True) -> Iterator[list[Path]]:
     """Paths beside ``targets`` to write to; renamed to them together when the block ends well, removed otherwise.
 
     Parameters
@@ -72,6 +72,8 @@ def written_beside(targets: list[Path], overwrite: bool) -> Iterator[list[Path]]
     targets : list of Path
     overwrite : bool
         Whether targets that exist are replaced.
+    last : bool
+        Whether a command is done with them; False for what is only kept on the way.
 
     Raises
     ------
@@ -93,7 +95,7 @@ def written_beside(targets: list[Path], overwrite: bool) -> Iterator[list[Path]]
                 finally:
                     for path in kept:
                         path.unlink(missing_ok=True)
-                files_are_done(True)
+                files_are_done(last)
         finally:
             for path in beside:
                 path.unlink(missing_ok=True)

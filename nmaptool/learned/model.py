@@ -110,6 +110,8 @@ class TrainingState:
         Of the stage at hand, those that are finished.
     losses : tuple of float
         Of all finished networks.
+    name : str
+        What to call it in messages: a file name.
     """
 
     fingerprint: str
@@ -117,3 +119,4 @@ class TrainingState:
     centers: Float32 | None = None
     networks: tuple[Network, ...] = ()
     losses: tuple[float, ...] = ()
+    name: str = "the state"

@@ -123,7 +123,9 @@ def train(
     name = fingerprint(examples, options, descriptor)
     state = state or TrainingState(name)
     if state.fingerprint != name:
-        raise InputError("the training that was begun had other meshes or options; begin anew, or give the same again")
+        raise InputError(
+            f"{state.name}: is of a training with other meshes or options; give the same again, or another --state"
+        )
     normals = [example.mesh.geometry.normals for example in examples]
     angles = [_mean_angle(examples, normals)]
     for number in range(options.stages):
