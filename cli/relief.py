@@ -68,7 +68,8 @@ class ReliefOutputs:
     Parameters
     ----------
     output:
-        Repeatable. By ending: .exr .tif .npy heights in mm; .png 16-bit heights; .stl .ply .obj .glb surface in mm.
+        Repeatable. By ending: .exr .tif .npy heights in mm; .png 16-bit heights; .stl .ply .obj surface in mm, .glb in
+        metres.
     preview:
         Picture of the relief under two raking lights, .png.
     report:

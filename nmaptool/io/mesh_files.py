@@ -95,4 +95,4 @@ def write_mesh(
                 if target is files.report:
                     temporary.write_text(json.dumps(values, indent=2) + "\n")
                 else:
-                    meshes.write_mesh(temporary, mesh, glb_in_metres=True)
+                    meshes.write_mesh(temporary, mesh)

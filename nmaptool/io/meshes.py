@@ -1,4 +1,4 @@
-"""Meshes through trimesh, in millimetres."""
+"""Meshes through trimesh, in millimetres; GLB in metres."""
 
 from __future__ import annotations
 
@@ -14,15 +14,13 @@ from nmaptool.mesh import Mesh
 ENDINGS = (".stl", ".ply", ".obj", ".glb")
 
 
-def write_mesh(path: Path, mesh: Mesh, glb_in_metres: bool = False) -> None:
-    """Write triangles: binary STL and PLY, OBJ, or GLB, all with coordinates in mm.
+def write_mesh(path: Path, mesh: Mesh) -> None:
+    """Write triangles: binary STL and PLY, OBJ, with coordinates in mm; or GLB in metres, as its specification says.
 
     Parameters
     ----------
     path : Path
     mesh : Mesh
-    glb_in_metres : bool
-        GLB with coordinates in metres, as its specification says.
 
     Raises
     ------
@@ -36,7 +34,7 @@ def write_mesh(path: Path, mesh: Mesh, glb_in_metres: bool = False) -> None:
         raise UsageError(f"{path}: meshes are written as {', '.join(ENDINGS)}")
     import trimesh
 
-    in_metres = glb_in_metres and kind == ".glb"
+    in_metres = kind == ".glb"
     vertices = mesh.vertices_mm / 1000 if in_metres else mesh.vertices_mm
     shape = trimesh.Trimesh(vertices, mesh.faces, process=False, metadata={"units": "m" if in_metres else "mm"})
     # OBJ has a fixed number of decimals, which must do for a mesh of any size

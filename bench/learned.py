@@ -1,0 +1,76 @@
+"""The learned filter beside the surface filter, as ratios in one run: ``python -m bench.learned [--mesh FILE]``."""
+
+from __future__ import annotations
+
+import argparse
+
+import nmaptool as nm
+from bench.bake_stages import best, load
+from bench.reach import line
+from bench.table import Surroundings, table, write_section
+from nmaptool.cleaning import clean_mesh
+from nmaptool.decompose.descriptor import Describer
+from nmaptool.mesh import Mesh
+from nmaptool.verbs.decompose import decompose_clean
+
+SIZES = (20_000, 75_000, 300_000)
+SURFACE = "surface filter, sigma_s 3, 5 passes"
+DESCRIBE = "15 filtered normals a face"
+LEARNED = "learned filter, 3 stages"
+_MOST_SECONDS, _LARGE = 60.0, 250_000
+_MOST_TIMES = 15.0
+
+
+def measure(mesh: Mesh, repeat: int) -> dict[str, float]:
+    """Seconds of each."""
+    learned = nm.FilterOptions(filter="learned")
+
+    def describe() -> None:
+        Describer(mesh, nm.DescriptorOptions())()
+
+    return {
+        SURFACE: best(lambda: decompose_clean(mesh, nm.FilterOptions()), repeat),
+        DESCRIBE: best(describe, repeat),
+        LEARNED: best(lambda: decompose_clean(mesh, learned), repeat),
+    }
+
+
+def main() -> None:
+    """Measure, print and, with --write, keep."""
+    parser = argparse.ArgumentParser(prog="python -m bench.learned", description=__doc__)
+    parser.add_argument("--mesh", action="append", help="a mesh file instead of the spheres; repeatable")
+    parser.add_argument("--repeat", type=int, default=2, help="runs of each, the best counts (default 2)")
+    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
+    options = parser.parse_args()
+    surroundings = Surroundings("bench.learned")
+    decompose_clean(clean_mesh(load("2000"))[0], nm.FilterOptions(filter="learned"))  # loads what the first one loads
+    meshes = [clean_mesh(load(source))[0] for source in options.mesh or map(str, SIZES)]
+    measured = [measure(mesh, options.repeat) for mesh in meshes]
+    rows = []
+    for name in measured[0]:
+        cells = [
+            cell for seconds in measured for cell in (f"{seconds[name]:.2f}", f"{seconds[name] / seconds[SURFACE]:.1f}")
+        ]
+        rows.append([name, *cells])
+    header = ["", *(cell for mesh in meshes for cell in (f"{len(mesh.faces) / 1000:,.0f}k faces s", "x"))]
+    goals = []
+    for mesh, seconds in zip(meshes, measured, strict=True):
+        faces = f"{len(mesh.faces)} faces"
+        goals.append(
+            line(f"{DESCRIBE}, {faces}, beside one filter", seconds[DESCRIBE] / seconds[SURFACE], _MOST_TIMES, "x")
+        )
+        if len(mesh.faces) >= _LARGE:
+            goals.append(line(f"{LEARNED}, {faces}", seconds[LEARNED], _MOST_SECONDS, "s"))
+    body = [
+        surroundings.describe(),
+        f"Seconds are the best of {options.repeat}, set-up included; `x` is that over the surface filter's.",
+        table(header, rows),
+        *goals,
+    ]
+    print("\n\n".join(body))
+    if options.write:
+        write_section("learned", "\n\n".join(body))
+
+
+if __name__ == "__main__":
+    main()
