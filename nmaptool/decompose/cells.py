@@ -35,7 +35,10 @@ def patches(centroids: Float64, neighbors: tuple[Labels, Labels], side: float) -
     side : float
         Of the cubes, in units of the centroids.
     """
-    place = np.floor((centroids - centroids.min(axis=0)) / side).astype(np.int64)
+    # cubes lie alike on both sides of the middle: a mirrored surface has mirrored patches
+    middle = (centroids.min(axis=0) + centroids.max(axis=0)) / 2
+    place = np.floor((centroids - middle) / side + 0.5).astype(np.int64)
+    place -= place.min(axis=0)
     key = (place[:, 0] << 42) + (place[:, 1] << 21) + place[:, 2]
     one, other = neighbors
     together = key[one] == key[other]

@@ -20,7 +20,7 @@ from nmaptool.decompose.rolling import Gather, summands
 from nmaptool.mesh import FaceGeometry, Mesh, sum_by
 
 RADIUS = 2.5  # sigma_s
-_PATCH = 0.5  # sigma_s
+_PATCH = 0.48  # sigma_s
 _COARSEST, _COARSER = 4.0, 1.3  # sigma_r, and how much coarser at a time
 _WEIGHTS_AT_ONCE = 100_000
 _ROUNDING = 1e-9  # of the longest side
