@@ -69,7 +69,7 @@ MORE = (
     Entry("sheet grain", "ornament", bent((26, 20), (58, 44), 0.5), (2, 0.2, 4), grain(5, (1, 0.1, 0)), 0.4),
     Entry("sheet honeycomb", "ornament", bent((22, 20), (56, 48), 0.6, "one"), (4, 0.7, 4), laid(honeycomb, 9), 0.7),
     Entry(
-        "sheet chevrons long", "ornament", bent((24, 22), (86, 28), 1.2, "other"), (1.5, 0.7, 4), laid(chevrons, 4), 0.5
+        "sheet chevrons long", "ornament", bent((24, 22), (86, 28), 1.2, "other"), (1.5, 0.4, 4), laid(chevrons, 4), 0.3
     ),
     Entry("sheet eggs faint", "ornament", bent((22, 22), (48, 48), 0.4), (8, 0.7, 4), laid(eggs, 2.5), 0.15),
     Entry("sheet waves broad", "ornament", dish(CIRCLE, 0.41, 1.2), (8, 0.2, 6), noise(18), 0.35),
@@ -81,10 +81,10 @@ MORE = (
         "heap cells",
         "organic",
         lambda rng: cubes(blob(rng, 4, 5), (-17, -15, -13), (17, 15, 13), 0.82, 1),
-        (3, 0.5, 4),
+        (3, 0.4, 4),
         cells(6, 0.25),
         0.6,
-        noise=0.1,
+        noise=0.08,
     ),
     # creases
     Entry(
@@ -93,7 +93,7 @@ MORE = (
         lambda rng: box((18, 9, 12), 0.64, diagonal="one"),
         (8, 0.5, 6),
         grooves(6, (1, 0.3, 0.6)),
-        0.8,
+        1.1,
     ),
     Entry("cube noise", "creased", lambda rng: box((15, 15, 15), 0.76), (12, 0.2, 4), noise(7), 0.35),
     Entry(
@@ -136,9 +136,9 @@ MORE = (
         "cog ripples",
         "creased",
         lambda rng: prism(gear(7, 11, 8), 4, 0.66, rng),
-        (4, 0.35, 6),
+        (4, 0.2, 4),
         ripples(5, (0, 0, 2)),
-        0.4,
+        0.2,
     ),
     Entry(
         "post grain",
@@ -149,7 +149,7 @@ MORE = (
         0.4,
     ),
     # coarse, and the same once finer
-    Entry("small ball studs", "ornament", oval(900, (10, 9, 8)), (4, 0.7, 6), studs(5), 0.7, finer=(8, 0.7, 6)),
+    Entry("small ball studs", "ornament", oval(800, (10, 9, 8)), (4, 0.7, 4), studs(5), 0.7, finer=(8, 0.7, 4)),
     Entry(
         "small wedge grooves",
         "creased",
