@@ -12,6 +12,7 @@ import nmaptool as nm
 sys.path.insert(0, str(Path(__file__).parents[1] / "samples" / "training"))
 
 from catalogue import TRAINING
+from catalogue_more import MORE
 from held_out import HELD_OUT
 from meshes import made
 from surface import Surface, angle_deg, neighbours, smooth_step
@@ -22,8 +23,9 @@ sys.path.pop(0)
 QUICK = (
     *("box bricks", "letter fractal", "crystal chased", "small box bosses", "mask pores", "pebble fractal"),
     *("cloth woven", "gear", "steps", "cross scales", "crystal"),
+    *("pyramid stones", "ring honeycomb", "bars"),
 )
-ENTRIES = {entry.name: entry for entry in (*TRAINING, *HELD_OUT)}
+ENTRIES = {entry.name: entry for entry in (*TRAINING, *MORE, *HELD_OUT)}
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +51,13 @@ def original(mesh):
 
 
 def test_there_are_enough_of_every_kind():
-    names = [entry.name for entry in (*TRAINING, *HELD_OUT)]
+    names = [entry.name for entry in (*TRAINING, *MORE, *HELD_OUT)]
     finer = sum(entry.finer is not None for entry in TRAINING)
     assert len(TRAINING) + finer >= 28
     assert finer >= 2
+    assert len(MORE) >= 45
+    assert sum(entry.finer is not None for entry in MORE) >= 3
+    assert sum(entry.group == "plain" for entry in MORE) >= 6
     assert len(HELD_OUT) >= 8
     assert len(set(names)) == len(names)
     assert {entry.group for entry in TRAINING} == {"creased", "organic", "ornament", "plain"}
@@ -63,7 +68,7 @@ def test_there_are_enough_of_every_kind():
 
 def test_meshes_are_sound(quick):
     for mesh in quick.values():
-        assert 4000 <= len(mesh.faces) <= 25_000, mesh.name
+        assert 3000 <= len(mesh.faces) <= 25_000, mesh.name
         given = nm.Mesh(mesh.vertices, mesh.faces)
         _, kept, findings = nm.clean_mesh(given)
         assert len(kept) == len(mesh.faces)

@@ -111,8 +111,9 @@ def made(entry: Entry, seed: int) -> list[TrainingMesh]:
 def training_meshes(seed: int) -> list[TrainingMesh]:
     """Meshes to learn from, the same for the same seed."""
     from catalogue import TRAINING
+    from catalogue_more import MORE
 
-    return [mesh for entry in TRAINING for mesh in made(entry, seed)]
+    return [mesh for entry in (*TRAINING, *MORE) for mesh in made(entry, seed)]
 
 
 def held_out_meshes(seed: int) -> list[TrainingMesh]:
