@@ -41,8 +41,8 @@ def same(one, other):
     return one.digest == other.digest
 
 
-def network(hidden=3, mixed=5, seed=0):
+def network(hidden=3, mixed=5, seed=0, more=4):
     """A network of random weights."""
     rng = np.random.default_rng(seed)
-    shapes = (hidden, 3 * mixed), (hidden,), (mixed, hidden), (mixed,)
+    shapes = (hidden, 3 * mixed + more), (hidden,), (mixed, hidden), (mixed,)
     return Network(*(rng.normal(size=shape).astype(np.float32) for shape in shapes))

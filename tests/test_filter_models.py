@@ -30,8 +30,8 @@ def test_a_filter_comes_back_as_it_was(file, tmp_path):
 
 
 def test_the_digest_tells_filters_apart():
-    stage = Stage(np.zeros((1, 15), np.float32), (network(),))
-    other = Stage(np.zeros((1, 15), np.float32), (network(seed=1),))
+    stage = Stage(np.zeros((1, 19), np.float32), (network(),))
+    other = Stage(np.zeros((1, 19), np.float32), (network(seed=1),))
     one = FilterModel(DESCRIPTOR, (stage,), {"name": "a"})
     assert same(one, FilterModel(DESCRIPTOR, (stage,), {"name": "b"}))
     assert not same(one, FilterModel(DESCRIPTOR, (other,)))
@@ -95,8 +95,8 @@ def deflated_zeros(path):
         (lambda p: npz(p, without("stage1_centers")), "it has no array 'stage1_centers'"),
         (lambda p: npz(p, without("stage0_network1_w2")), "it has no array 'stage0_network1_w2'"),
         (
-            lambda p: npz(p, without("stage0_centers") | {"stage0_centers": np.zeros((2, 14), np.float32)}),
-            "a network takes 15 inputs, expected 14",
+            lambda p: npz(p, without("stage0_centers") | {"stage0_centers": np.zeros((2, 18), np.float32)}),
+            "a network takes 19 inputs, expected 18",
         ),
     ],
 )

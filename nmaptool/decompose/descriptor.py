@@ -6,7 +6,7 @@ import numpy as np
 
 from nmaptool.arrays import Float32, Float64
 from nmaptool.bands import each_of
-from nmaptool.decompose.rolling import Gather, roll
+from nmaptool.decompose.rolling import Gather, mean_normals
 from nmaptool.decompose.surface import Roughness, Surroundings
 from nmaptool.mesh import Mesh
 from nmaptool.options import DescriptorOptions
@@ -44,12 +44,13 @@ class Describer:
 
         Returns
         -------
-        (M, K, 3) float32
-            Unit normals: all ranges of the first width, all of the second, and so on.
+        (M, K, 4) float32
+            Unit normals, and how much the normals around the face agree, 0 to 1: all ranges of the first width, all of
+            the second, and so on.
         """
         options = self.options
         widths, ranges = range(len(options.sigma_s)), range(len(options.sigma_r))
-        out = np.empty((len(self._normals), options.size, 3), np.float32)
+        out = np.empty((len(self._normals), options.size, 4), np.float32)
         # the first pass without a guide is the same for all ranges
         blurred = None if guide is not None else each_of(widths, lambda width: self._gather(width, 0)(None))
         passes = options.passes if guide is None else 1
@@ -59,13 +60,13 @@ class Describer:
             nonlocal done
             width, place = task
             gather = self._gather(width, place)
-
-            def sums(led_by: Float64 | None) -> Float64:
-                if led_by is not None:
-                    return gather(led_by)
-                return gather(guide) if blurred is None else blurred[width]
-
-            out[:, width * len(ranges) + place] = roll(self._normals, sums, passes)
+            sums = gather(guide) if blurred is None else blurred[width]
+            for step in range(passes):
+                found, agreement = mean_normals(self._normals, sums)
+                if step < passes - 1:
+                    sums = gather(found)
+            here = out[:, width * len(ranges) + place]
+            here[:, :3], here[:, 3] = found, agreement
             done += 1
             if progress is not None:
                 progress("describing", done / options.size)

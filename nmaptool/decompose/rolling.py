@@ -14,6 +14,8 @@ from nmaptool.progress import Progress
 
 # a sum shorter than this share of its weight has no direction: the normals around a face cancel out
 _AGREEMENT = 0.4
+# of a face's own area, in mean areas: sums that are worked out roughly may come to less than nothing
+_LEAST_WEIGHT = 1e-12
 # normals are kept as multiples of this, so that base and residual add up to the original in every bit
 _STEP = 2.0**-40
 
@@ -72,13 +74,22 @@ def roll(normals: Float64, gather: Gather, iterations: int, progress: Progress |
     for step in range(iterations):
         if progress is not None:
             progress("filtering", step / iterations)
-        sums = gather(guide)
-        length = np.sqrt(np.einsum("ij,ij->i", sums[:, :3], sums[:, :3]))
-        lost = ~(length > _AGREEMENT * sums[:, 3])
-        guide = sums[:, :3] / np.where(lost, 1, length)[:, None]
-        guide[lost] = normals[lost]
+        guide, _ = mean_normals(normals, gather(guide))
     assert guide is not None  # at least one pass
     return guide
+
+
+def mean_normals(normals: Float64, sums: Float64) -> tuple[Float64, Float64]:
+    """(M, 3) float64 unit vectors of sums (M, 4), and (M,) how much the normals in each agree.
+
+    Agreement is the length of the sum over its weight: 1 where all are alike, 0 where they cancel out. Where it is
+    small the original normal stays.
+    """
+    length = np.sqrt(np.einsum("ij,ij->i", sums[:, :3], sums[:, :3]))
+    lost = ~(length > _AGREEMENT * sums[:, 3])
+    found = sums[:, :3] / np.where(lost, 1, length)[:, None]
+    found[lost] = normals[lost]
+    return found, (length / np.maximum(sums[:, 3], _LEAST_WEIGHT)).clip(0, 1)
 
 
 def summands(normals: Float64, areas: Float64) -> Float64:

@@ -12,7 +12,7 @@ from nmaptool.learned.fitting import kind_of
 from nmaptool.learned.model import FilterModel, Stage
 from nmaptool.progress import Progress
 
-# guide (M, 3) float64 or None -> (M, K, 3) float32 filtered normals
+# guide (M, 3) float64 or None -> (M, K, 4) float32 filtered normals and their agreement
 Describe = Callable[[Float64 | None, Progress | None], Float32]
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from nmaptool.arrays import Float32, Float64
-from nmaptool.learned.network import Lesson, Network, count_parameters, split_parameters
+from nmaptool.learned.network import Lesson, Network, Shape, split_parameters
 
 _CLUSTER_STEPS = 40
 # inputs that vary by less are as good as constant
@@ -43,6 +43,7 @@ def fit_network(
     inputs: Float32,
     targets: Float32,
     *,
+    mixed: int,
     hidden: int,
     steps: int,
     weight_decay: float,
@@ -56,6 +57,8 @@ def fit_network(
     inputs : (N, D) float32
     targets : (N, 3) float32
         Unit normals in the frames of the inputs.
+    mixed : int
+        Normals that the inputs begin with.
     hidden, steps : int
     weight_decay : float
     rng : numpy.random.Generator
@@ -74,10 +77,10 @@ def fit_network(
     mean = inputs.mean(axis=0, dtype=np.float64)
     spread = np.maximum(inputs.std(axis=0, dtype=np.float64), _LEAST_SPREAD)
     lesson = Lesson(inputs, targets, mean, spread)
-    width = inputs.shape[1]
-    start = np.zeros(count_parameters(width, hidden))
-    w1, _, w2, _ = split_parameters(start, width, hidden)
-    w1[:] = rng.normal(0, 1 / np.sqrt(width), w1.shape)
+    shape = Shape(inputs.shape[1], hidden, mixed)
+    start = np.zeros(shape.weights)
+    w1, _, w2, _ = split_parameters(start, shape)
+    w1[:] = rng.normal(0, 1 / np.sqrt(shape.inputs), w1.shape)
     w2[:] = rng.normal(0, 0.1 / np.sqrt(hidden), w2.shape)
     count = 0
 
@@ -90,13 +93,13 @@ def fit_network(
     found = minimize(
         lesson.loss,
         start,
-        args=(hidden, weight_decay),
+        args=(shape, weight_decay),
         jac=True,
         method="L-BFGS-B",
         callback=tell,
         options={"maxiter": steps, "maxcor": 20, "ftol": 1e-9, "gtol": 1e-7},
     )
-    w1, b1, w2, b2 = split_parameters(found.x, width, hidden)
+    w1, b1, w2, b2 = split_parameters(found.x, shape)
     inner = w1 / spread  # the scaling of the inputs goes into the weights
     parts = (inner, b1 - inner @ mean, w2, b2)
     return Network(*(np.ascontiguousarray(part, np.float32) for part in parts)), float(found.fun)

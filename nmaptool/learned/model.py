@@ -18,8 +18,8 @@ from nmaptool.options import DescriptorOptions
 
 
 def input_width(descriptor: DescriptorOptions) -> int:
-    """Numbers that a network sees of a face: its own normal and its filtered ones."""
-    return 3 * (1 + descriptor.size)
+    """Numbers that a network sees of a face: its own normal, its filtered ones, and their agreements."""
+    return 3 + 4 * descriptor.size
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +83,9 @@ class FilterModel:
         for stage in self.stages:
             if stage.centers.shape[1] != width:
                 raise InputError(f"a stage takes {stage.centers.shape[1]} inputs, but its descriptor gives {width}")
+            for network in stage.networks:
+                if len(network.b2) != 1 + self.descriptor.size:
+                    raise InputError(f"a network mixes {len(network.b2)} normals, expected {1 + self.descriptor.size}")
 
     @property
     def digest(self) -> str:

@@ -8,6 +8,7 @@ instead were further off, on meshes that they had learned from and on others (do
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,11 +23,12 @@ _NO_DIRECTION = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """n = unit(sum_k s_k n_k), s = softmax(W2 tanh(W1 x + b1) + b2), x = the components of n_1 ... n_K.
+    """n = unit(sum_k s_k n_k), s = softmax(W2 tanh(W1 x + b1) + b2); x begins with the components of n_1 ... n_K.
 
     Parameters
     ----------
-    w1 : (H, 3 K) float32
+    w1 : (H, D) float32
+        D at least 3 K.
     b1 : (H,) float32
     w2 : (K, H) float32
     b2 : (K,) float32
@@ -44,8 +46,8 @@ class Network:
 
     def __post_init__(self) -> None:
         hidden, inputs = self.w1.shape if self.w1.ndim == 2 else (0, 0)
-        mixed = inputs // 3
-        shapes = {"w1": (hidden, 3 * mixed), "b1": (hidden,), "w2": (mixed, hidden), "b2": (mixed,)}
+        mixed = len(self.b2)
+        shapes = {"w1": (hidden, max(inputs, 3 * mixed)), "b1": (hidden,), "w2": (mixed, hidden), "b2": (mixed,)}
         for name, shape in shapes.items():
             array = getattr(self, name)
             if array.shape != shape or 0 in shape or array.dtype != np.float32:
@@ -55,13 +57,18 @@ class Network:
             object.__setattr__(self, name, read_only(array))
 
     def __call__(self, inputs: Float32) -> Float32:
-        """(M, 3) float32 unit normals of (M, 3 K) float32 components."""
+        """(M, 3) float32 unit normals of (M, D) float32 inputs."""
         out = np.empty((len(inputs), 3), np.float32)
         for first in range(0, len(inputs), _AT_ONCE):
             x = inputs[first : first + _AT_ONCE]
             shares = _softmax(np.tanh(x @ self.w1.T + self.b1) @ self.w2.T + self.b2)
-            out[first : first + _AT_ONCE] = _mean(shares, x.reshape(len(x), -1, 3))[0]
+            out[first : first + _AT_ONCE] = _mean(shares, _normals(x, shares.shape[1]))[0]
         return out
+
+
+def _normals(inputs: Float32, mixed: int) -> Float32:
+    """(M, K, 3) float32: the normals that inputs begin with."""
+    return inputs[:, : 3 * mixed].reshape(len(inputs), mixed, 3)
 
 
 def _softmax(values: Float32) -> Float32:
@@ -78,14 +85,22 @@ def _mean(shares: Float32, normals: Float32) -> tuple[Float32, Float32]:
     return mean / length, length
 
 
-def count_parameters(inputs: int, hidden: int) -> int:
-    """Weights of one network."""
-    return hidden * (inputs + 1) + (hidden + 1) * (inputs // 3)
+class Shape(NamedTuple):
+    """Sizes of a network: its inputs, hidden units, and normals that are mixed."""
+
+    inputs: int
+    hidden: int
+    mixed: int
+
+    @property
+    def weights(self) -> int:
+        """How many there are."""
+        return self.hidden * (self.inputs + 1) + (self.hidden + 1) * self.mixed
 
 
-def split_parameters(flat: Float64, inputs: int, hidden: int) -> tuple[Float64, Float64, Float64, Float64]:
+def split_parameters(flat: Float64, shape: Shape) -> tuple[Float64, Float64, Float64, Float64]:
     """W1, b1, W2, b2 as views of one vector."""
-    mixed = inputs // 3
+    inputs, hidden, mixed = shape
     w1, b1, w2, b2 = np.split(flat, np.cumsum([hidden * inputs, hidden, mixed * hidden]))
     return w1.reshape(hidden, inputs), b1, w2.reshape(mixed, hidden), b2
 
@@ -96,11 +111,11 @@ class Lesson:
 
     Parameters
     ----------
-    inputs : (N, 3 K) float32
-        Components of the normals to be mixed.
+    inputs : (N, D) float32
+        Beginning with the components of the normals to be mixed.
     targets : (N, 3) float32
         Unit normals.
-    mean, spread : (3 K,) float64
+    mean, spread : (D,) float64
         What is taken off the inputs, and what they are divided by, before they reach the hidden layer.
     """
 
@@ -109,25 +124,24 @@ class Lesson:
     mean: Float64
     spread: Float64
 
-    def loss(self, flat: Float64, hidden: int, weight_decay: float) -> tuple[float, Float64]:
+    def loss(self, flat: Float64, shape: Shape, weight_decay: float) -> tuple[float, Float64]:
         """Mean squared distance of the *normalised* means from the targets, plus the decay; and its gradient.
 
         Parameters
         ----------
         flat : (P,) float64
             Weights, see `split_parameters`.
-        hidden : int
+        shape : Shape
         weight_decay : float
             Times the sum of squares of W1 and W2.
         """
-        width = self.inputs.shape[1]
-        w1, b1, w2, b2 = (part.astype(np.float32) for part in split_parameters(flat, width, hidden))
+        w1, b1, w2, b2 = (part.astype(np.float32) for part in split_parameters(flat, shape))
         off, scale = self.mean.astype(np.float32), (1 / self.spread).astype(np.float32)
         total, slope = 0.0, np.zeros_like(flat)
-        d1, db1, d2, db2 = split_parameters(slope, width, hidden)
+        d1, db1, d2, db2 = split_parameters(slope, shape)
         for first in range(0, len(self.inputs), _AT_ONCE):
             x, target = self.inputs[first : first + _AT_ONCE], self.targets[first : first + _AT_ONCE]
-            normals = x.reshape(len(x), -1, 3)
+            normals = _normals(x, shape.mixed)
             scaled = (x - off) * scale
             middle = np.tanh(scaled @ w1.T + b1)
             shares = _softmax(middle @ w2.T + b2)

@@ -74,7 +74,7 @@ class TrainOptions:
     hidden: int = 32
     steps: int = 150
     samples: int = 160_000
-    weight_decay: float = 1e-4
+    weight_decay: float = 3e-5
     seed: int = 1
 
     def __post_init__(self) -> None:

@@ -214,6 +214,7 @@ class _Work:
             network, loss = fit_network(
                 inputs[kinds == kind],
                 targets[kinds == kind],
+                mixed=1 + self.descriptor.size,
                 hidden=options.hidden,
                 steps=options.steps,
                 weight_decay=options.weight_decay,
