@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,8 @@ from nmaptool_cli.session import FILTER, OUTPUTS, READING, RUN, STREAM, RunOptio
 if TYPE_CHECKING:
     import nmaptool as nm
 
+# share of the work that the targets are, in the progress bar
+_TARGETS = 0.1
 _Words = Annotated[tuple[str, ...], Parameter(show_default=False)]
 _Numbers = Annotated[tuple[float, ...], Parameter(show_default=False)]
 _Counts = Annotated[tuple[int, ...], Parameter(show_default=False)]
@@ -122,19 +125,34 @@ def train(
     filters = targets.of_each(len(meshes))
     import nmaptool as nm
 
+    seconds = {}
     with session.progress() as progress:
+        tell = progress or (lambda word, share: None)
+        begun = time.perf_counter()
         examples = []
-        for name, target in zip(meshes, filters, strict=True):
+        for place, (name, target) in enumerate(zip(meshes, filters, strict=True)):
+            tell("targets", _TARGETS * place / len(meshes))
             mesh = nm.read_mesh(name, unit=reading.unit, max_faces=reading.max_faces)
-            examples.append(nm.training_example(mesh, target, progress=progress))
+            examples.append(nm.training_example(mesh, target))
+        seconds["targets"] = time.perf_counter() - begun
         state = files.begun()
-        model = nm.train(examples, options, state=state, keep=files.keep, progress=progress)
+        model = nm.train(
+            examples,
+            options,
+            state=state,
+            keep=files.keep,
+            progress=lambda word, share: tell(word, _TARGETS + (1 - _TARGETS) * share),
+        )
+        seconds["training"] = time.perf_counter() - begun - seconds["targets"]
     account = {"version": nm.__version__, "filter": model.digest, "options": plain_values(options), **model.account}
+    account["seconds"] = {stage: round(value, 4) for stage, value in seconds.items()}
     account["outputs"] = [str(path) for path in files.targets]
     files.write(model, account)
     if state is not None:
         session.say(f"  went on from {state.name}, where {len(state.losses)} networks were finished")
     _tell(session, examples, model)
+    session.detail(f"  losses {' '.join(f'{loss:.2e}' for loss in model.account['losses'])}")
+    session.detail(f"  seconds {', '.join(f'{stage} {value:.2f}' for stage, value in seconds.items())}")
     for path in files.targets:
         session.say(f"  wrote {path}")
     if run.json or to_stdout:

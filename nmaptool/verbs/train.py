@@ -57,9 +57,7 @@ class TrainingExample:
             raise InputError(f"{self.mesh.name}: targets must be finite and of unit length")
 
 
-def training_example(
-    mesh: Mesh, filter: FilterOptions | None = None, *, progress: Progress | None = None
-) -> TrainingExample:
+def training_example(mesh: Mesh, filter: FilterOptions | None = None) -> TrainingExample:
     """A mesh with the base normals of the GMM-based filter (paper, Sec. 3.2: the targets of training).
 
     Parameters
@@ -68,7 +66,6 @@ def training_example(
         Any; it is cleaned first.
     filter : FilterOptions, optional
         The parameters that suit this mesh. Default: those of ``FilterOptions(filter="grnf")``.
-    progress : callable, optional
 
     Raises
     ------
@@ -77,7 +74,7 @@ def training_example(
     """
     options = filter or FilterOptions(filter="grnf")
     clean, _, _ = clean_mesh(mesh)
-    base = decompose_clean(clean, options, progress).base
+    base = decompose_clean(clean, options).base
     return TrainingExample(clean, base, {"name": mesh.name, **plain_values(options)})
 
 
