@@ -95,8 +95,8 @@ def deflated_zeros(path):
         (lambda p: npz(p, without("stage1_centers")), "it has no array 'stage1_centers'"),
         (lambda p: npz(p, without("stage0_network1_w2")), "it has no array 'stage0_network1_w2'"),
         (
-            lambda p: npz(p, without("stage0_centers") | {"stage0_centers": np.zeros((2, 18), np.float32)}),
-            "a network takes 19 inputs, expected 18",
+            lambda p: npz(p, without("stage0_centers") | {"stage0_centers": np.zeros((2, 20), np.float32)}),
+            "a network takes 19 inputs, but kinds are told by 20",
         ),
     ],
 )

@@ -254,16 +254,16 @@ def test_models_that_do_not_fit_together():
     centers = np.zeros((2, 19), np.float32)
     with pytest.raises(nm.InputError, match="1 networks for 2 kinds of neighbourhood"):
         Stage(centers, (good,))
-    with pytest.raises(nm.InputError, match=r"centers are float64 \(2, 19\), expected finite float32 \(K, D\)"):
+    with pytest.raises(nm.InputError, match=r"centers are float64 \(2, 19\), expected finite float32 \(K, C\)"):
         Stage(centers.astype(float), (good, good))
-    with pytest.raises(nm.InputError, match="a network takes 19 inputs, expected 12"):
-        Stage(centers[:, :12].copy(), (good, good))
+    with pytest.raises(nm.InputError, match="a network takes 19 inputs, but kinds are told by 21"):
+        Stage(np.zeros((2, 21), np.float32), (good, good))
     with pytest.raises(nm.InputError, match="a learned filter needs at least one stage"):
         FilterModel(DESCRIPTOR, ())
     mixes = network(mixed=4, more=7)
     with pytest.raises(nm.InputError, match="a network mixes 4 normals, expected 5"):
         FilterModel(DESCRIPTOR, (Stage(centers, (mixes, mixes)),))
-    with pytest.raises(nm.InputError, match="a stage takes 19 inputs, but its descriptor gives 63"):
+    with pytest.raises(nm.InputError, match="a network takes 19 inputs, but its descriptor gives 63"):
         FilterModel(nm.DescriptorOptions(), (Stage(centers, (good, good)),))
 
 

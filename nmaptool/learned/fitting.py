@@ -34,7 +34,8 @@ def find_kinds(inputs: Float32, count: int, rng: np.random.Generator) -> Float32
 
 
 def kind_of(inputs: Float32, centers: Float32) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """(M,) number of the nearest centre."""
+    """(M,) number of the nearest centre, told by as many of the inputs as a centre has."""
+    inputs = inputs[:, : centers.shape[1]]
     far = np.einsum("kd,kd->k", centers, centers) - 2 * (inputs @ centers.T)
     return np.asarray(far.argmin(axis=1))
 

@@ -28,8 +28,8 @@ class Stage:
 
     Parameters
     ----------
-    centers : (K, D) float32
-        Of the kinds, among the networks' inputs.
+    centers : (K, C) float32
+        Of the kinds, among the first C of the networks' inputs.
     networks : tuple of Network
         One for each kind.
 
@@ -44,12 +44,14 @@ class Stage:
 
     def __post_init__(self) -> None:
         if self.centers.ndim != 2 or self.centers.dtype != np.float32 or not np.isfinite(self.centers).all():
-            raise InputError(f"centers are {self.centers.dtype} {self.centers.shape}, expected finite float32 (K, D)")
+            raise InputError(f"centers are {self.centers.dtype} {self.centers.shape}, expected finite float32 (K, C)")
         if len(self.networks) != len(self.centers) or not self.networks:
             raise InputError(f"{len(self.networks)} networks for {len(self.centers)} kinds of neighbourhood")
         for network in self.networks:
-            if network.w1.shape[1] != self.centers.shape[1]:
-                raise InputError(f"a network takes {network.w1.shape[1]} inputs, expected {self.centers.shape[1]}")
+            if network.w1.shape[1] < self.centers.shape[1]:
+                raise InputError(
+                    f"a network takes {network.w1.shape[1]} inputs, but kinds are told by {self.centers.shape[1]}"
+                )
         object.__setattr__(self, "centers", read_only(self.centers))
 
 
@@ -80,12 +82,11 @@ class FilterModel:
         if not self.stages:
             raise InputError("a learned filter needs at least one stage")
         width = input_width(self.descriptor)
-        for stage in self.stages:
-            if stage.centers.shape[1] != width:
-                raise InputError(f"a stage takes {stage.centers.shape[1]} inputs, but its descriptor gives {width}")
-            for network in stage.networks:
-                if len(network.b2) != 1 + self.descriptor.size:
-                    raise InputError(f"a network mixes {len(network.b2)} normals, expected {1 + self.descriptor.size}")
+        for network in (network for stage in self.stages for network in stage.networks):
+            if network.w1.shape[1] != width:
+                raise InputError(f"a network takes {network.w1.shape[1]} inputs, but its descriptor gives {width}")
+            if len(network.b2) != 1 + self.descriptor.size:
+                raise InputError(f"a network mixes {len(network.b2)} normals, expected {1 + self.descriptor.size}")
 
     @property
     def digest(self) -> str:

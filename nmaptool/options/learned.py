@@ -72,7 +72,7 @@ class TrainOptions:
     stages: int = 3
     clusters: int = 4
     hidden: int = 32
-    steps: int = 150
+    steps: int = 100
     samples: int = 160_000
     weight_decay: float = 3e-5
     seed: int = 1

@@ -200,7 +200,9 @@ class _Work:
         inputs, targets = self._drawn(described)
         centers = state.centers
         if centers is None:
-            centers = find_kinds(inputs, options.clusters, np.random.default_rng([options.seed, self.number, 1]))
+            # told by the normals alone
+            normals = np.ascontiguousarray(inputs[:, : 3 * (1 + self.descriptor.size)])
+            centers = find_kinds(normals, options.clusters, np.random.default_rng([options.seed, self.number, 1]))
         kinds = kind_of(inputs, centers)
         for kind in range(len(state.networks), options.clusters):
             begun = 0.4 + 0.6 * kind / options.clusters
