@@ -2,6 +2,7 @@
 # make test   every check and test
 # make check  the checks without the tests
 # make bench  speed and memory, as ratios in one run
+# make filter the filter that ships, learned anew
 #
 # Each sets up what it needs first: a virtual environment in .venv, and the system packages for it where it may.
 
@@ -9,7 +10,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
 
-.PHONY: demo test check bench samples setup clean
+.PHONY: demo test check bench filter samples setup clean
 
 setup: $(STAMP)
 
@@ -23,6 +24,9 @@ demo: $(STAMP)
 samples: $(STAMP)
 	$(BIN)/python samples/make_samples.py samples
 	$(BIN)/python samples/make_meshes.py samples
+
+filter: $(STAMP)
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python samples/train_filter.py
 
 check: $(STAMP)
 	$(BIN)/ruff check .
@@ -41,6 +45,7 @@ bench: $(STAMP)
 	$(BIN)/python -m bench.relief
 	$(BIN)/python -m bench.bake
 	$(BIN)/python -m bench.reconstruct
+	$(BIN)/python -m bench.learned
 	$(BIN)/python -m bench.compose
 
 clean:

@@ -17,6 +17,7 @@ import numpy as np
 import nmaptool as nm
 from nmaptool.arrays import Float64
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "samples"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "samples" / "training"))
 from meshes import TrainingMesh, held_out_meshes
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 import nmaptool as nm
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "samples"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "samples" / "training"))
 from meshes import held_out_meshes
 

@@ -12,6 +12,11 @@ for mesh in portrait vase rings; do
         -o "$gallery/$mesh.stl" --preview "$gallery/$mesh.png" --report "$gallery/$mesh.json" --overwrite
 done
 
+echo "== the same without any parameter: a filter learned from many meshes"
+nmap bake "$samples/vase.ply" -o "$gallery/vase_learned" --shading smooth --filter learned --overwrite
+nmap relief "$gallery/vase_learned/base.exr" --height 4mm \
+    -o "$gallery/vase_learned.stl" --preview "$gallery/vase_learned.png" --overwrite
+
 echo "== the structure alone: the base map"
 nmap relief "$gallery/portrait/base.exr" --height 4mm \
     -o "$gallery/portrait_base.stl" --preview "$gallery/portrait_base.png" --overwrite

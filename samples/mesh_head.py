@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from mesh_parts import Array
+from soft_solids import Point, ball, carve, join, rod
 
-Point = Sequence[float]
 EYE = np.array([8.0, 1.2, 16.0])
 BUN = np.array([0.0, -1.0, -32.0])
 HAIR_CENTRE = np.array([0.0, 10.0, -5.0])
@@ -20,33 +20,6 @@ ROLL = np.array(
     dtype=float,
 )
 HAIRLINE = np.array([(-30, -17), (-20, -13), (-9, -6), (-5, -1), (2, 6), (12, 12), (20, 16), (30, 18)], dtype=float)
-
-
-def join(a: Array, b: Array, soft: float) -> Array:
-    """Both, with a fillet ``soft`` mm wide."""
-    blend = (soft - np.abs(a - b)).clip(0, None)
-    return np.minimum(a, b) - blend * blend / (4 * soft)
-
-
-def carve(a: Array, b: Array, soft: float) -> Array:
-    """``a`` without ``b``."""
-    return -join(-a, b, soft)
-
-
-def ball(p: Array, centre: Point, radii: Point | float) -> Array:
-    """A sphere or an ellipsoid."""
-    r = np.broadcast_to(np.asarray(radii, dtype=float), (3,))
-    q = (p - np.asarray(centre, dtype=float)) / r
-    size = np.sqrt((q * q).sum(axis=1)) + 1e-9
-    return size * (size - 1) / (np.sqrt(((q / r) ** 2).sum(axis=1)) + 1e-9)
-
-
-def rod(p: Array, a: Point, b: Point, start: float, end: float) -> Array:
-    """A round rod from a to b that tapers."""
-    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
-    t = ((p - a) @ (b - a) / ((b - a) @ (b - a))).clip(0, 1)
-    off = p - a - t[:, None] * (b - a)
-    return np.sqrt((off * off).sum(axis=1)) - start - (end - start) * t
 
 
 def rods(p: Array, points: Sequence[Point] | Array, radii: Sequence[float]) -> Array:

@@ -9,6 +9,7 @@ import pytest
 
 import nmaptool as nm
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "samples"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "samples" / "training"))
 
 from catalogue import TRAINING
@@ -17,7 +18,7 @@ from held_out import HELD_OUT
 from meshes import made
 from surface import Surface, angle_deg, neighbours, smooth_step
 
-sys.path.pop(0)
+del sys.path[:2]
 
 # a few of each, so that the test stays quick; all of them are looked at by choose_parameters
 QUICK = (

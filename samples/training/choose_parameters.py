@@ -7,8 +7,11 @@ faces at creases count double.
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import numpy as np
+
+sys.path.append(str(Path(__file__).parents[1]))
 from meshes import TrainingMesh, held_out_meshes, training_meshes
 from numpy.typing import NDArray
 from surface import Array, Surface, angle_deg

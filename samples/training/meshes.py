@@ -1,6 +1,6 @@
 """Meshes to train and to judge a learned mesh filter with, each with the parameters that suit it.
 
-    sys.path.insert(0, "samples/training")
+    sys.path[:0] = ["samples", "samples/training"]
     from meshes import held_out_meshes, training_meshes
 
 A mesh is a base form, an ornament raised on it, and for some the noise of a scanner. Since the form is known without

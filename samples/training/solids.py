@@ -6,37 +6,10 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
+from soft_solids import Point, ball, carve, join, rod
 from surface import Array
 
-Point = Sequence[float]
 Rng = np.random.Generator
-
-
-def join(a: Array, b: Array, soft: float) -> Array:
-    """Both, with a fillet."""
-    blend = (soft - np.abs(a - b)).clip(0, None)
-    return np.minimum(a, b) - blend * blend / (4 * soft)
-
-
-def carve(a: Array, b: Array, soft: float) -> Array:
-    """``a`` without ``b``, with a rounded rim."""
-    return -join(-a, b, soft)
-
-
-def ball(p: Array, centre: Point, radii: Point | float) -> Array:
-    """A sphere or an ellipsoid."""
-    r = np.broadcast_to(np.asarray(radii, dtype=float), (3,))
-    q = (p - np.asarray(centre, dtype=float)) / r
-    size = np.sqrt((q * q).sum(axis=1)) + 1e-9
-    return size * (size - 1) / (np.sqrt(((q / r) ** 2).sum(axis=1)) + 1e-9)
-
-
-def rod(p: Array, a: Point, b: Point, start: float, end: float) -> Array:
-    """A round rod from a to b that tapers."""
-    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
-    t = ((p - a) @ (b - a) / ((b - a) @ (b - a))).clip(0, 1)
-    off = p - a - t[:, None] * (b - a)
-    return np.sqrt((off * off).sum(axis=1)) - start - (end - start) * t
 
 
 def grown(p: Array, rods: Sequence[tuple[Point, Point, float, float]], soft: float) -> Array:
