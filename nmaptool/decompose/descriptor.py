@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from nmaptool.arrays import Float32, Float64
@@ -54,10 +56,9 @@ class Describer:
         # the first pass without a guide is the same for all ranges
         blurred = None if guide is not None else each_of(widths, lambda width: self._gather(width, 0)(None))
         passes = options.passes if guide is None else 1
-        done = 0
+        done = itertools.count(1)  # threads count together
 
         def describe(task: tuple[int, int]) -> None:
-            nonlocal done
             width, place = task
             gather = self._gather(width, place)
             sums = gather(guide) if blurred is None else blurred[width]
@@ -67,9 +68,8 @@ class Describer:
                     sums = gather(found)
             here = out[:, width * len(ranges) + place]
             here[:, :3], here[:, 3] = found, agreement
-            done += 1
             if progress is not None:
-                progress("describing", done / options.size)
+                progress("describing", next(done) / options.size)
 
         # the narrow ones are the most work: first, so that no thread is left with one at the end
         each_of([(width, place) for width in widths for place in ranges], describe)
