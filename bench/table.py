@@ -17,7 +17,8 @@ RESULTS = Path(__file__).with_name("results.md")
 _PACKAGES = ("numpy", "scipy", "pyamg")
 _TITLE = (
     "# Speed and memory, measured\n\nMade by `python -m bench.solver --write`, and likewise by `bench.crossover`, "
-    "`bench.kernels`, `bench.session`,\n`bench.relief`, `bench.bake`, `bench.compose`, `bench.reconstruct` and `bench.learned`."
+    "`bench.kernels`, `bench.session`,\n`bench.relief`, `bench.bake`, `bench.compose`, `bench.reconstruct` and "
+    "`bench.learned`."
 )
 
 
