@@ -6,13 +6,14 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from nmaptool.errors import UsageError
 from nmaptool.options import FilterOptions, MeshReadOptions, TrainOptions
 from nmaptool.options.account import plain_values
+from nmaptool_cli.each import spread
 from nmaptool_cli.session import FILTER, OUTPUTS, READING, RUN, STREAM, RunOptions, Session, refuse_inputs, size_of
 
 if TYPE_CHECKING:
@@ -47,23 +48,13 @@ class TargetFilter:
     def of_each(self, count: int) -> list[FilterOptions]:
         """The filter of each of ``count`` meshes."""
         default = FilterOptions(filter="grnf")
-        sizes = _spread("sigma-s", [size_of(size) for size in self.sigma_s] or [default.sigma_s], count)
-        ranges = _spread("sigma-r", self.sigma_r or [default.sigma_r], count)
-        passes = _spread("iterations", self.iterations or [default.iterations], count)
+        sizes = spread("sigma-s", [size_of(size) for size in self.sigma_s] or [default.sigma_s], count, "mesh meshes")
+        ranges = spread("sigma-r", self.sigma_r or [default.sigma_r], count, "mesh meshes")
+        passes = spread("iterations", self.iterations or [default.iterations], count, "mesh meshes")
         return [
             FilterOptions(filter="grnf", sigma_s=s, sigma_r=r, iterations=k)
             for s, r, k in zip(sizes, ranges, passes, strict=True)
         ]
-
-
-def _spread(flag: str, given: Sequence[Any], count: int) -> Sequence[Any]:
-    if len(given) == 1:
-        return [given[0]] * count
-    if len(given) != count:
-        raise UsageError(
-            f"--{flag}: is given {len(given)} times for {count} meshes; give it once, or once for each mesh"
-        )
-    return given
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float32, Mask
+from nmaptool.arrays import Float32, Float64, Mask
 from nmaptool.bands import each_band
 
 FLAT = (0.0, 0.0, 1.0)
@@ -139,8 +139,13 @@ def mean_abs_curls(layers: Mapping[str, Float32], mask: Mask) -> dict[str, float
     return {name: mean_abs_curl(normals, mask) for name, normals in layers.items()}
 
 
-def mean_angle_deg(first: Float32, second: Float32) -> float:
-    """Mean angle between (N, 3) unit vectors, in degrees; accurate for small angles."""
+def angles_deg(first: NDArray[np.floating], second: NDArray[np.floating]) -> Float64:
+    """(N,) float64: degrees between (N, 3) unit vectors; accurate for small angles."""
     step = first.astype(np.float64) - second
     chord = np.sqrt(np.einsum("ij,ij->i", step, step))
-    return float(np.degrees(2 * np.arcsin((chord / 2).clip(0, 1))).mean())
+    return np.asarray(np.degrees(2 * np.arcsin((chord / 2).clip(0, 1))))
+
+
+def mean_angle_deg(first: NDArray[np.floating], second: NDArray[np.floating]) -> float:
+    """Mean of `angles_deg`."""
+    return float(angles_deg(first, second).mean())

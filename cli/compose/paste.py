@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,6 +14,7 @@ from nmaptool.options import LayerOptions, ReadOptions, WriteOptions
 from nmaptool.options.account import plain_values
 from nmaptool.units import Length
 from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, read_map, say_composition, say_map
+from nmaptool_cli.each import spread
 from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files
 
 # repeatable flags, whose defaults are those of LayerOptions
@@ -75,22 +75,14 @@ class Placing:
         each: list[dict[str, Any]] = [{} for _ in range(count)]
         for field in dataclasses.fields(self):
             given = getattr(self, field.name)
-            values = [given] * count if isinstance(given, bool) else _spread(field.name, given, count)
+            flag = field.name.replace("_", "-")
+            values = (
+                [given] * count if isinstance(given, bool) else spread(flag, given or [None], count, "layer layers")
+            )
             for layer, value in zip(each, values, strict=True):
                 if value is not None:
                     layer[field.name] = value
         return each
-
-
-def _spread(name: str, given: Sequence[Any], count: int) -> Sequence[Any]:
-    if len(given) in (0, 1):
-        return (given[0] if given else None,) * count
-    if len(given) != count:
-        flag = name.replace("_", "-")
-        raise UsageError(
-            f"--{flag}: is given {len(given)} times for {count} layers; give it once, or once for each layer"
-        )
-    return given
 
 
 def paste(

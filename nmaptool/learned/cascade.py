@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from nmaptool.arrays import Float32, Float64
-from nmaptool.learned.canonical import canonical_frames, in_frames
+from nmaptool.learned.canonical import framed
 from nmaptool.learned.fitting import kind_of
 from nmaptool.learned.model import FilterModel, Stage
 from nmaptool.progress import Progress
@@ -65,6 +65,5 @@ def refine(model: FilterModel, normals: Float64, describe: Describe, progress: P
 
         # the first stage begins as rolling guidance does; the others are led by what the one before found
         descriptors = describe(normals if number else None, tell)
-        frames = canonical_frames(descriptors)
-        normals = apply_stage(stage, frames, in_frames(normals, descriptors, frames))
+        normals = apply_stage(stage, *framed(normals, descriptors))
     return normals

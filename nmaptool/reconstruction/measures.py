@@ -1,4 +1,4 @@
-"""What became of a mesh: how far its normals are from their targets, and how much it holds."""
+"""What became of a mesh: how much it holds."""
 
 from __future__ import annotations
 
@@ -6,12 +6,6 @@ import numpy as np
 
 from nmaptool.arrays import Float64
 from nmaptool.mesh import Faces, cross
-
-
-def angles_deg(first: Float64, second: Float64) -> Float64:
-    """(M,) float64: degrees between unit vectors (M, 3); exact for small angles, too."""
-    chord = np.sqrt(np.einsum("ij,ij->i", first - second, first - second))
-    return np.asarray(np.degrees(2 * np.arcsin((chord / 2).clip(0, 1))))
 
 
 def volume_between(before: Float64, after: Float64, faces: Faces) -> float:

@@ -24,8 +24,8 @@ from nmaptool.options import BakeOptions, CompareOptions, FilterOptions, Reconst
 from nmaptool.options.bake import VIEWS
 from nmaptool.progress import Progress
 from nmaptool.reconstructed import Reconstruction
-from nmaptool.reconstruction.measures import angles_deg
 from nmaptool.surface_distance import hausdorff
+from nmaptool.vectors import angles_deg
 from nmaptool.verbs.compare_sweep import CURVES, POISSON_ONCE, as_shown, sweep, verdicts_of
 from nmaptool.verbs.decompose import decompose_clean
 from nmaptool.verbs.reconstruct import reconstruct

@@ -13,9 +13,10 @@ from nmaptool.mesh import Mesh
 from nmaptool.options import ReconstructOptions
 from nmaptool.progress import Progress
 from nmaptool.reconstructed import Reconstruction, ReconstructReport
-from nmaptool.reconstruction.measures import angles_deg, volume, volume_between
+from nmaptool.reconstruction.measures import volume, volume_between
 from nmaptool.reconstruction.rebuild import Rebuilt, rebuild
 from nmaptool.reconstruction.shaping import normals_of, shapes_of
+from nmaptool.vectors import angles_deg
 
 # float32 normals are this close to unit length with room to spare
 _OFF_LENGTH = 1e-3

@@ -16,7 +16,7 @@ from nmaptool.arrays import Float32, Float64
 from nmaptool.cleaning import clean_mesh
 from nmaptool.decompose.descriptor import Describer
 from nmaptool.errors import InputError
-from nmaptool.learned.canonical import canonical_frames, in_frames
+from nmaptool.learned.canonical import framed
 from nmaptool.learned.cascade import apply_stage
 from nmaptool.learned.fitting import find_kinds, fit_network, kind_of
 from nmaptool.learned.model import FilterModel, Stage, TrainingState
@@ -24,6 +24,7 @@ from nmaptool.mesh import Mesh
 from nmaptool.options import DescriptorOptions, FilterOptions, TrainOptions
 from nmaptool.options.account import plain_values
 from nmaptool.progress import Progress
+from nmaptool.vectors import mean_angle_deg
 from nmaptool.verbs.decompose import decompose_clean
 
 # fewer faces than weights teach a network nothing
@@ -153,11 +154,8 @@ def fingerprint(examples: Sequence[TrainingExample], options: TrainOptions, desc
 
 def _mean_angle(examples: Sequence[TrainingExample], normals: Sequence[Float64]) -> float:
     """Degrees between normals and targets, each mesh counting alike."""
-    means = []
-    for example, found in zip(examples, normals, strict=True):
-        agree = np.einsum("ij,ij->i", found, example.targets).clip(-1, 1)
-        means.append(float(np.degrees(np.arccos(agree)).mean()))
-    return float(np.mean(means))
+    each = (mean_angle_deg(found, example.targets) for example, found in zip(examples, normals, strict=True))
+    return float(np.mean(list(each)))
 
 
 class _Work:
@@ -185,8 +183,7 @@ class _Work:
         for place, (example, field_) in enumerate(zip(self.examples, normals, strict=True)):
             self.tell("describing", 0.4 * place / len(self.examples))
             descriptors = Describer(example.mesh, self.descriptor)(field_ if self.number else None)
-            frames = canonical_frames(descriptors)
-            out.append((frames, in_frames(field_, descriptors, frames)))
+            out.append(framed(field_, descriptors))
         return out
 
     def fit(
