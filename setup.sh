@@ -32,7 +32,7 @@ echo "installing nmaptool into $venv"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 
 # drawing meshes needs the libraries of OpenGL (and pyglet one of X), but no graphics card or display
-draws='from nmaptool.capture import gl
+draws='from nmaptool.render import gl
 with gl.drawing():
     pass'
 if ! "$venv/bin/python" -c "$draws" 2>/dev/null; then

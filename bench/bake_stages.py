@@ -16,15 +16,15 @@ import numpy as np
 import pyrender  # noqa: F401
 import scipy.sparse.csgraph  # noqa: F401
 
-from nmaptool.capture import gl, numpy_raster
-from nmaptool.capture.camera import frame_camera
-from nmaptool.capture.sight import Draw, finer
-from nmaptool.cleaning import clean_mesh
-from nmaptool.io.mesh_reader import read_mesh
-from nmaptool.mesh import Mesh
+from nmaptool.baking.bake import bake
+from nmaptool.filters.decompose import decompose_clean
+from nmaptool.io.meshes.reader import read_mesh
+from nmaptool.meshes.clean import clean_mesh
 from nmaptool.options import BakeOptions, FilterOptions
-from nmaptool.verbs.bake import bake
-from nmaptool.verbs.decompose import decompose_clean
+from nmaptool.render import gl, numpy_raster
+from nmaptool.render.camera import frame_camera
+from nmaptool.render.face_buffer import Draw, finer
+from nmaptool.types.mesh import Mesh
 
 _LARGEST_FOR_NUMPY = 400_000
 RING = FilterOptions(neighborhood="ring", sigma_s=8.0)

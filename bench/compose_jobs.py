@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import nmaptool as nm
-from nmaptool.arrays import Float32, Mask
-from nmaptool.blending import blend as blend_vectors
-from nmaptool.vectors import unit
+from nmaptool.composition.blend_modes import blend as blend_vectors
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.vectors import unit
 
 _PEAK = 1 if sys.platform == "darwin" else 1024
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from bench.masks import statue
 from bench.table import Surroundings, table, write_section
-from nmaptool.arrays import Float32
-from nmaptool.grid import corner_sum
+from nmaptool.core.arrays import Float32
+from nmaptool.core.grid import corner_sum
 from nmaptool.solver import QuadSystem
 from nmaptool.solver.multigrid.finest import Finest
 from nmaptool.solver.multigrid.level import inner, new_field

@@ -8,10 +8,10 @@ import nmaptool as nm
 from bench.bake_stages import best, load
 from bench.reach import line
 from bench.table import Surroundings, table, write_section
-from nmaptool.cleaning import clean_mesh
-from nmaptool.decompose.descriptor import Describer
-from nmaptool.mesh import Mesh
-from nmaptool.verbs.decompose import decompose_clean
+from nmaptool.filters.decompose import decompose_clean
+from nmaptool.filters.descriptor import Describer
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.types.mesh import Mesh
 
 SIZES = (20_000, 75_000, 300_000)
 SURFACE = "surface filter, sigma_s 3, 5 passes"

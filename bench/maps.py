@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import nmaptool as nm
-from nmaptool.arrays import Float32, Float64, Mask
-from nmaptool.vectors import FLAT, unit
+from nmaptool.core.arrays import Float32, Float64, Mask
+from nmaptool.core.vectors import FLAT, unit
 
 _MOTIF_SEED = 11
 _DOMES, _HOLES = 30, 12

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.maps import outline
-from nmaptool.arrays import Float32
+from nmaptool.core.arrays import Float32
 
 Picture = NDArray[np.uint8]
 Polyline = NDArray[np.int32]  # (N, 1, 2) columns and rows, as OpenCV takes them

@@ -8,11 +8,11 @@ import nmaptool as nm
 from bench.bake_stages import RING, best, load
 from bench.reach import line
 from bench.table import Surroundings, table, write_section
-from nmaptool.arrays import Float64
-from nmaptool.cleaning import clean_mesh
-from nmaptool.mesh import Mesh
-from nmaptool.verbs.decompose import decompose_clean
-from nmaptool.verbs.smooth import mixed
+from nmaptool.core.arrays import Float64
+from nmaptool.filters.decompose import decompose_clean
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.reconstruction.smooth import mixed
+from nmaptool.types.mesh import Mesh
 
 SIZES = (20_000, 75_000, 300_000)
 SCHEMES = (("gsfg-gradient", 20), ("gsfg-shape", 20), ("gsfg", 20), ("poisson", 1), ("poisson", 20))

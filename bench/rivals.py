@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy import fft, sparse
 
-from nmaptool.arrays import Float64, Mask
+from nmaptool.core.arrays import Float64, Mask
 from nmaptool.solver import QuadSystem, prepare
 from nmaptool.solver.amg import assemble
 from nmaptool.solver.islands import Islands

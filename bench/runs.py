@@ -103,7 +103,7 @@ def _read(line: str) -> Outcome:
 
 def _carry_out(job: Job, problem: Problem, spend: float) -> Outcome:
     from bench.rivals import maker
-    from nmaptool.errors import LimitError, UsageError
+    from nmaptool.core.errors import LimitError, UsageError
 
     try:
         # once in small, so that no measured set-up pays for what is loaded or started with the first one
@@ -134,7 +134,7 @@ def _better(one: Outcome, other: Outcome) -> Outcome:
 
 def _once(job: Job, problem: Problem) -> Outcome:
     from bench.rivals import maker
-    from nmaptool.errors import ConvergenceError
+    from nmaptool.core.errors import ConvergenceError
 
     system = dataclasses.replace(problem.system)  # a new one keeps nothing that an earlier solver left in its caches
     answers: list[Answer | None] = []

@@ -8,8 +8,8 @@ import numpy as np
 
 from bench.maps import surface
 from bench.masks import FAMILIES, WEIGHTS, statue
-from nmaptool.arrays import Float32, Float64, Mask
-from nmaptool.grid import corner_sum, touching
+from nmaptool.core.arrays import Float32, Float64, Mask
+from nmaptool.core.grid import corner_sum, touching
 from nmaptool.solver import QuadSystem, slope_load
 
 _ROWS_AT_ONCE = 256

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool.options import BakeOptions, FilterOptions, MeshReadOptions
 from nmaptool_cli.learned import LearnedFilter
 from nmaptool_cli.session import CAMERA, FILTER, OUTPUTS, READING, RUN, STREAM, RunOptions, Session
@@ -84,7 +84,7 @@ def bake(
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.layer_files import LayerFiles
+    from nmaptool.io.output.layers import LayerFiles
 
     session = Session(run)
     output, report, to_stdout = destination(outputs)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool.options import CompareOptions, FilterOptions, MeshReadOptions, ReconstructOptions
 from nmaptool_cli.learned import LearnedFilter
 from nmaptool_cli.session import (
@@ -70,7 +70,7 @@ def compare(
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.comparison_files import ComparisonFiles
+    from nmaptool.io.output.comparison import ComparisonFiles
 
     session = Session(run)
     to_stdout = str(outputs.report) == STREAM

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 
 _Value = TypeVar("_Value")
 

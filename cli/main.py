@@ -12,7 +12,7 @@ from typing import Any
 from cyclopts import App, Parameter
 
 from nmaptool._version import __version__
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool_cli.compose import HELP as COMPOSE_HELP
 from nmaptool_cli.interrupt import interruptible
 from nmaptool_cli.session import STREAM, guarded

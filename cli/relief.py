@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from nmaptool.errors import InputError, UsageError
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.units import memory_text
 from nmaptool.options import ReadOptions, ReliefOptions
-from nmaptool.units import memory_text
 from nmaptool_cli.session import (
     INPUTS,
     OUTPUTS,
@@ -124,7 +124,7 @@ def relief(
     map:
         Original or base normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
     """
-    from nmaptool.io.outputs import ReliefFiles
+    from nmaptool.io.output.relief import ReliefFiles
 
     session = Session(run)
     to_stdout = str(outputs.report) == STREAM

@@ -16,11 +16,11 @@ from typing import Annotated, Any, BinaryIO
 from cyclopts import Group, Parameter
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
-from nmaptool.errors import InputError, NmaptoolError, OutputError, UsageError, reason_of
+from nmaptool.core.errors import InputError, NmaptoolError, OutputError, UsageError, reason_of
+from nmaptool.core.progress import Progress
+from nmaptool.core.units import Length, length
 from nmaptool.io.unfinished import are_files_done, files_are_done, temporary_folder
 from nmaptool.options import FilterOptions
-from nmaptool.progress import Progress
-from nmaptool.units import Length, length
 
 EXIT_USAGE = 2
 EXIT_LIMIT = 4
@@ -189,7 +189,7 @@ def refuse_inputs(targets: Iterable[Path], inputs: Iterable[str | None]) -> None
 
 def _is_same(path: Path, name: str) -> bool:
     """Whether an input, such as ``maps.exr:detail``, is in that file."""
-    from nmaptool.io.normal_maps import split_layer
+    from nmaptool.io.pictures.normal_maps import split_layer
 
     try:
         return path.samefile(split_layer(name)[0])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool.options import FilterOptions, MeshReadOptions, ReconstructOptions, SmoothOptions
 from nmaptool_cli.learned import LearnedFilter
 from nmaptool_cli.session import (
@@ -71,7 +71,7 @@ def smooth(
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.mesh_files import MeshFiles
+    from nmaptool.io.output.meshes import MeshFiles
 
     session = Session(run)
     to_stdout = str(outputs.report) == STREAM

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool.options import FilterOptions, MeshReadOptions, TrainOptions
-from nmaptool.options.account import plain_values
+from nmaptool.options.plain_values import plain_values
 from nmaptool_cli.each import spread
 from nmaptool_cli.session import FILTER, OUTPUTS, READING, RUN, STREAM, RunOptions, Session, refuse_inputs, size_of
 
@@ -100,7 +100,7 @@ def train(
     meshes:
         One or more: OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.filter_models import TrainingFiles
+    from nmaptool.io.output.filter_models import TrainingFiles
 
     session = Session(run)
     if not meshes:

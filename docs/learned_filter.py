@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import nmaptool as nm
-from nmaptool.arrays import Float64
+from nmaptool.core.arrays import Float64
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "samples"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "samples" / "training"))

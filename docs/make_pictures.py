@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import nmaptool as nm
-from nmaptool.vectors import mean_angle_deg
+from nmaptool.core.vectors import mean_angle_deg
 
 ROOT = Path(__file__).parents[1]
 SAMPLES = ROOT / "samples"

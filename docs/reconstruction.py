@@ -50,7 +50,7 @@ def curves(name: str, comparison: nm.Comparison) -> list[str]:
 
 def geometry(name: str, mesh: nm.Mesh) -> str:
     """What ``nmap bake --geometry updated`` changes in the base map of the front view."""
-    from nmaptool.vectors import mean_angle_deg
+    from nmaptool.core.vectors import mean_angle_deg
 
     original, updated = (nm.bake(mesh, nm.BakeOptions(geometry=g)) for g in ("original", "updated"))
     both = (original.coverage == 1) & (updated.coverage == 1)

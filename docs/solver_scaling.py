@@ -21,7 +21,7 @@ from bench.patience import Patience  # noqa: E402
 from bench.runs import Job, Outcome, measure  # noqa: E402
 from bench.systems import Case  # noqa: E402
 from bench.table import cpu_model  # noqa: E402
-from nmaptool.machine import available_bytes  # noqa: E402
+from nmaptool.core.memory import available_bytes  # noqa: E402
 
 DATA = Path(__file__).with_name("solver_scaling.json")
 PICTURE = ROOT / "docs" / "pictures" / "solver_scaling.png"

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import nmaptool as nm
-from nmaptool.codec import encode_codes
-from nmaptool.io.image_writer import write_image
-from nmaptool.vectors import unit
+from nmaptool.core.vectors import unit
+from nmaptool.io.pictures.writer import write_image
+from nmaptool.maps.codec import encode_codes
 
 Array = NDArray[np.float64]
 Surface = Callable[[Array, Array], Array]

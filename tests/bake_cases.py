@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from mesh_files import obj
 
-from nmaptool.mesh import Mesh
+from nmaptool.types.mesh import Mesh
 
 # x, y from -10 to 10, z from 0 to 2.5; seen from the front all of it is seen
 SIDE = 20.0

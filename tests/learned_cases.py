@@ -6,7 +6,7 @@ import numpy as np
 from mesh_cases import sheet
 
 import nmaptool as nm
-from nmaptool.learned.network import Network
+from nmaptool.filters.learned.network import Network
 
 DESCRIPTOR = nm.DescriptorOptions(sigma_s=(1.5, 3.0), sigma_r=(0.3, 0.8), passes=2)
 OPTIONS = nm.TrainOptions(stages=2, clusters=2, hidden=4, steps=15, samples=1200)

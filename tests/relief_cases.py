@@ -3,8 +3,8 @@
 import numpy as np
 
 import nmaptool as nm
-from nmaptool.grid import height_slopes, touching
-from nmaptool.vectors import unit
+from nmaptool.core.grid import height_slopes, touching
+from nmaptool.core.vectors import unit
 
 
 def normal_map(p, q, foreground=None, name="map"):

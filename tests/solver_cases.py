@@ -3,7 +3,7 @@
 import numpy as np
 
 from bench import masks
-from nmaptool.grid import corner_sum
+from nmaptool.core.grid import corner_sum
 from nmaptool.solver import QuadSystem
 
 

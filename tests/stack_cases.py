@@ -3,7 +3,7 @@
 import numpy as np
 
 import nmaptool as nm
-from nmaptool.vectors import unit
+from nmaptool.core.vectors import unit
 
 
 def waves(rows, cols, frequency, pitch=None, disc=False, name="map"):

@@ -7,10 +7,10 @@ import pytest
 from mesh_cases import angles, divided, joined, sheet, sphere
 
 import nmaptool as nm
-from nmaptool.cleaning import clean_mesh
-from nmaptool.detail import encode_detail
-from nmaptool.mesh import face_geometry
-from nmaptool.vectors import mean_abs_curl, slopes, unit
+from nmaptool.core.vectors import mean_abs_curl, slopes, unit
+from nmaptool.maps.detail import encode_detail
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.types.mesh import face_geometry
 
 NUMPY = {"renderer": "numpy", "size": "120x100"}
 

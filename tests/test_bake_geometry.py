@@ -6,7 +6,7 @@ from bake_cases import plate_mesh
 from mesh_cases import angles, sphere
 
 import nmaptool as nm
-from nmaptool.vectors import unit
+from nmaptool.core.vectors import unit
 
 
 def knob():

@@ -11,8 +11,8 @@ import warnings
 import numpy as np
 import pytest
 
-from nmaptool import bands
-from nmaptool.bands import each_band, each_of
+from nmaptool.core import parallel as bands
+from nmaptool.core.parallel import each_band, each_of
 
 
 @pytest.fixture
@@ -122,7 +122,7 @@ def test_a_forked_process_makes_its_own_threads():
 
 PROGRAM = """
 import os, signal, sys, threading, time
-from nmaptool import bands
+from nmaptool.core import parallel as bands
 bands.cores = lambda: 4
 bands.each_of(range(4), lambda _: time.sleep(0.01))
 if sys.argv[1] == "end":

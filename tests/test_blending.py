@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from compose_cases import FLAT, angles_deg, from_slopes, random_normals
 
-from nmaptool.blending import MODES, blend
-from nmaptool.detail import encode_detail
-from nmaptool.vectors import slopes
+from nmaptool.composition.blend_modes import MODES, blend
+from nmaptool.core.vectors import slopes
+from nmaptool.maps.detail import encode_detail
 
 A, B = random_normals(seed=1), random_normals(seed=2)
 

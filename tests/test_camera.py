@@ -7,8 +7,8 @@ import pytest
 from mesh_cases import sheet, sphere
 
 import nmaptool as nm
-from nmaptool.capture.camera import frame_camera, view_rotation
 from nmaptool.options.bake import VIEWS
+from nmaptool.render.camera import frame_camera, view_rotation
 
 BOX = nm.Mesh(
     np.array([[x, y, z] for x in (0.0, 2) for y in (0.0, 3) for z in (0.0, 5)]),

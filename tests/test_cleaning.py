@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from mesh_files import FACES, VERTICES, volume
 
-from nmaptool.cleaning import MeshFindings, clean_mesh
-from nmaptool.errors import InputError
-from nmaptool.mesh import Mesh, face_geometry, mean_edge_length
+from nmaptool.core.errors import InputError
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.types.mesh import Mesh, face_geometry, mean_edge_length
+from nmaptool.types.mesh_findings import MeshFindings
 
 V = VERTICES.astype(np.float64)
 

@@ -10,8 +10,8 @@ import pytest
 from bake_cases import QUICK, quickly, write_plate
 from mesh_files import FACES, VERTICES, obj, ply
 
-from nmaptool.capture import gl
-from nmaptool.errors import OutputError
+from nmaptool.core.errors import OutputError
+from nmaptool.render import gl
 
 USAGE, INPUT, LIMIT, OUTPUT, RENDERER, INTERRUPTED = 2, 3, 4, 5, 6, 130
 
@@ -226,10 +226,10 @@ def test_no_renderer_in_truth(place, tree, fails):
 
 
 PLACES = [
-    "nmaptool.verbs.bake.decompose_clean",
-    "nmaptool.verbs.bake.look",
-    "nmaptool.io.layer_files.contact_sheet",
-    "nmaptool.io.layer_files.mixture_plot",
+    "nmaptool.baking.bake.decompose_clean",
+    "nmaptool.baking.bake.look",
+    "nmaptool.io.output.layers.contact_sheet",
+    "nmaptool.io.output.layers.mixture_plot",
 ]
 
 
@@ -244,7 +244,7 @@ def test_ctrl_c_anywhere(refused, place, monkeypatch, where, out):
 @pytest.mark.parametrize("out", ["m", "full", "m.exr"])
 @pytest.mark.parametrize("late", [False, True])
 def test_a_full_disk(refused, place, monkeypatch, out, late):
-    from nmaptool.io import layer_files
+    from nmaptool.io.output import layers as layer_files
 
     begun = []
     write = layer_files.write_pictures

@@ -11,8 +11,9 @@ import pytest
 from compose_cases import as_map, bump_map, flat_map, random_normals
 
 import nmaptool as nm
-from nmaptool.io.image_writer import write_pictures
-from nmaptool.io.normal_maps import normal_picture
+from nmaptool.core.vectors import mean_abs_curl
+from nmaptool.io.pictures.normal_maps import normal_picture
+from nmaptool.io.pictures.writer import write_pictures
 
 NMAP = "import sys; from nmaptool_cli.main import main; sys.exit(main(sys.argv[1:]))"
 
@@ -100,9 +101,9 @@ def test_the_report_says_what_was_read_done_and_written(made, place):
     assert (second["box_px"], second["mode"], second["name"]) == ([20, 5, 20, 20], "rnm", "motif.exr")
     base = nm.read_normal_map("base.exr")
     everywhere = np.ones((30, 40), bool)
-    assert report["curl_before"] == nm.vectors.mean_abs_curl(base.normals, everywhere)
+    assert report["curl_before"] == mean_abs_curl(base.normals, everywhere)
     after = nm.read_normal_map("out.exr").normals
-    assert report["curl_after"] == nm.vectors.mean_abs_curl(after, everywhere) > report["curl_before"]
+    assert report["curl_after"] == mean_abs_curl(after, everywhere) > report["curl_before"]
     assert report["reading"]["green"] == "auto"
 
 
@@ -209,7 +210,7 @@ def test_what_is_pasted_is_what_the_library_pastes(made):
         "pd",
     )
     result = made("paste", "plate.png", "motif.exr", "motif.exr", *words, "--width", "40mm")
-    motif, mask = nm.read_normal_map("motif.exr"), nm.io.normal_maps.read_grey("top.png")
+    motif, mask = nm.read_normal_map("motif.exr"), nm.read_grey("top.png")
     how = ({"at": "-2px,12px"}, {"at": "30mm,50%", "mode": "pd"})
     layers = [nm.Layer(motif, nm.LayerOptions(rotate=-30, **each), mask) for each in how]
     expected = nm.paste(nm.read_normal_map("plate.png"), layers, width=nm.length("40mm")).normal_map

@@ -11,7 +11,7 @@ import pytest
 from compose_cases import as_map, bump_map, flat_map, random_normals
 
 import nmaptool as nm
-from nmaptool.errors import OutputError
+from nmaptool.core.errors import OutputError
 
 USAGE, INPUT, LIMIT, OUTPUT, BUG, INTERRUPTED = 2, 3, 4, 5, 70, 130
 
@@ -231,7 +231,7 @@ def fail_with(error):
     return fail
 
 
-@pytest.mark.parametrize("where", ["nmaptool.io.map_files.curl_picture", "nmaptool.vectors.curl"])
+@pytest.mark.parametrize("where", ["nmaptool.io.output.maps.curl_picture", "nmaptool.core.vectors.curl"])
 @pytest.mark.parametrize("start", [BLEND, PASTE, TRANSFORM])
 @pytest.mark.parametrize("out", ["out.exr", "old.exr", "-"])
 def test_ctrl_c_anywhere(refused, place, monkeypatch, where, start, out):
@@ -245,7 +245,7 @@ def test_ctrl_c_anywhere(refused, place, monkeypatch, where, start, out):
 )
 @pytest.mark.parametrize("count", [1, 2])
 def test_a_full_disk(refused, place, monkeypatch, out, said, count):
-    from nmaptool.io import map_files
+    from nmaptool.io.output import maps as map_files
 
     begun = []
     write = map_files.write_pictures

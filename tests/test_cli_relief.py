@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import nmaptool as nm
-from nmaptool.grid import height_slopes
+from nmaptool.core.grid import height_slopes
 
 
 def rolled(side=96):

@@ -9,7 +9,7 @@ from bake_cases import plate, write_plate
 from mesh_files import FACES, VERTICES, obj
 
 import nmaptool as nm
-from nmaptool.errors import OutputError
+from nmaptool.core.errors import OutputError
 
 USAGE, INPUT, OUTPUT = 2, 3, 5
 QUICK = ("--size", "60x50", "--renderer", "numpy")
@@ -135,7 +135,7 @@ def test_a_full_disk_leaves_nothing(refused, place, monkeypatch):
         path.write_text("half")
         raise OutputError(f"{path}: cannot be written (No space left on device)")
 
-    monkeypatch.setattr("nmaptool.io.meshes.write_mesh", full)
+    monkeypatch.setattr("nmaptool.io.meshes.writer.write_mesh", full)
     pattern = r"^nmap: error: m\.stl: cannot be written \(No space left on device\)"
     refused(OUTPUT, pattern, "smooth", "plate.obj", "-o", "m.stl", "-q")
 
@@ -145,7 +145,7 @@ def test_ctrl_c_leaves_nothing(refused, place, monkeypatch, where):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(f"nmaptool.verbs.smooth.{where}", interrupted)
+    monkeypatch.setattr(f"nmaptool.reconstruction.smooth.{where}", interrupted)
     refused(130, "interrupted; nothing was written", "smooth", "plate.obj", "-o", "m.stl", "-q")
 
 

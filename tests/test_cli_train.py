@@ -55,7 +55,7 @@ def test_the_command_is_the_function(run, meshes, trained):
 
 
 def test_an_interrupted_training_goes_on(run, meshes, trained, tree, tmp_path, monkeypatch):
-    from nmaptool.io.filter_models import TrainingFiles
+    from nmaptool.io.output.filter_models import TrainingFiles
 
     keep, kept = TrainingFiles.keep, []
 

@@ -7,11 +7,11 @@ import pytest
 from mesh_cases import sphere
 
 import nmaptool as nm
-from nmaptool.comparison_figure import comparison_figure
-from nmaptool.errors import OutputError, UsageError
-from nmaptool.reconstruction.verdict import front, judged, reached
-from nmaptool.surface_distance import hausdorff
-from nmaptool.verbs.compare_sweep import CURVES, verdicts_of
+from nmaptool.core.errors import OutputError, UsageError
+from nmaptool.evaluate.sweep import CURVES, verdicts_of
+from nmaptool.evaluate.verdict import front, judged, reached
+from nmaptool.figures.comparison import comparison_figure
+from nmaptool.meshes.distances import hausdorff
 
 DRAWN = nm.CompareOptions(size="80x70", renderer="numpy")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import nmaptool as nm
-from nmaptool.components import derive_z, unfold_octahedral
+from nmaptool.maps.two_channel import derive_z, unfold_octahedral
 
 PAIRS = [("R", "G"), ("X", "Y"), ("N.X", "N.Y"), ("red", "green")]
 

@@ -6,7 +6,7 @@ from compose_cases import angles_deg, as_map, from_slopes
 from scipy import ndimage
 
 import nmaptool as nm
-from nmaptool.grid import height_slopes
+from nmaptool.core.grid import height_slopes
 
 CAMERA = {"size": "240x240", "pitch": nm.length("1mm"), "renderer": "numpy", "shading": "smooth"}
 

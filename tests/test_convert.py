@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import nmaptool as nm
-from nmaptool.vectors import unit
+from nmaptool.core.vectors import unit
 
 OWN_KINDS = [(".png", "16"), (".tif", "16"), (".tif", "float"), (".exr", "float"), (".exr", "half")]
 

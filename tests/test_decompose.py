@@ -5,11 +5,11 @@ import pytest
 from mesh_cases import angles, divided, joined, sheet, sphere
 
 import nmaptool as nm
-from nmaptool.cleaning import clean_mesh
-from nmaptool.decompose.cells import face_neighbors
-from nmaptool.decompose.ring import gather_ring
-from nmaptool.decompose.surface import RADIUS, gather_surface
-from nmaptool.mesh import cross, face_geometry, mean_edge_length
+from nmaptool.filters.cells import face_neighbors
+from nmaptool.filters.ring import gather_ring
+from nmaptool.filters.surface import RADIUS, gather_surface
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.types.mesh import cross, face_geometry, mean_edge_length
 
 
 def directions(vectors):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import nmaptool as nm
-from nmaptool.decompose.image import roll_image
-from nmaptool.vectors import unit
+from nmaptool.core.vectors import unit
+from nmaptool.filters.image import roll_image
 
 FLAT = np.float32([0, 0, 1])
 

@@ -9,8 +9,8 @@ import pytest
 from learned_cases import DESCRIPTOR, network, same, small_filter
 
 import nmaptool as nm
-from nmaptool.learned.arrays import filter_to_arrays
-from nmaptool.learned.model import FilterModel, Stage
+from nmaptool.filters.learned.arrays import filter_to_arrays
+from nmaptool.filters.learned.model import FilterModel, Stage
 
 
 @pytest.fixture
@@ -148,7 +148,7 @@ def test_a_training_is_no_filter_and_a_filter_no_training(file, tmp_path):
 def test_the_shipped_filter_is_small_and_says_how_it_was_made():
     from importlib.resources import files
 
-    data = files("nmaptool.learned").joinpath("filter.npz").read_bytes()
+    data = files("nmaptool.filters.learned").joinpath("filter.npz").read_bytes()
     assert len(data) < 2_000_000
     account = nm.shipped_filter().account
     assert len(account["meshes"]) >= 23

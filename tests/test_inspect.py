@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import nmaptool as nm
-from nmaptool.verbs.findings import RULES
+from nmaptool.maps.inspection_rules import RULES
 
 SRGB = [(b"sRGB", b"\0"), (b"gAMA", b"\0\0\xb1\x8f")]
 

@@ -22,12 +22,12 @@ main.run()
 """
 AT = {
     "reading": """
-        from nmaptool.io import images
+        from nmaptool.io.pictures import reader as images
         read = images.read_image
         images.read_image = lambda *a, **k: (stop(), read(*a, **k))[1]
         """,
     "setup": """
-        from nmaptool.verbs import relief_session
+        from nmaptool.reliefs import session as relief_session
         prepare = relief_session.prepare
         relief_session.prepare = lambda *a, **k: (stop(), prepare(*a, **k))[1]
         """,
@@ -39,12 +39,12 @@ AT = {
         session.Session.progress = lambda self: contextlib.nullcontext(progress)
         """,
     "writing": """
-        from nmaptool.io import outputs
+        from nmaptool.io.output import relief as outputs
         write = outputs.heights.write_height
         outputs.heights.write_height = lambda *a, **k: (write(*a, **k), stop())[0]
         """,
     "preview": """
-        from nmaptool.io import outputs
+        from nmaptool.io.output import relief as outputs
         outputs.preview = lambda height: stop()
         """,
 }
@@ -56,8 +56,8 @@ DEAF = """
             hashlib.pbkdf2_hmac("sha256", b"", b"", 1_000_000_000)
         """
 DEAF_AT = {
-    "reading": "from nmaptool.io import images\nimages.read_image = deaf",
-    "writing": """from nmaptool.io import outputs
+    "reading": "from nmaptool.io.pictures import reader as images\nimages.read_image = deaf",
+    "writing": """from nmaptool.io.output import relief as outputs
 write = outputs.heights.write_height
 outputs.heights.write_height = lambda *a, **k: (write(*a, **k), deaf())[0]""",
 }
@@ -106,7 +106,7 @@ def test_ctrl_c_leaves_no_new_folder(clean_map, tmp_path, tree):
     patch = (
         DEAF
         + """
-        from nmaptool.io import layer_files
+        from nmaptool.io.output import layers as layer_files
         layer_files.write_pictures = deaf
         """
     )

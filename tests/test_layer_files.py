@@ -11,9 +11,9 @@ from bake_cases import plate_mesh
 from mesh_files import FACES, VERTICES
 
 import nmaptool as nm
-from nmaptool.errors import LimitError, OutputError, UsageError
-from nmaptool.io import layer_files
-from nmaptool.mesh import Mesh
+from nmaptool.core.errors import LimitError, OutputError, UsageError
+from nmaptool.io.output import layers as layer_files
+from nmaptool.types.mesh import Mesh
 
 MAPS = ("original", "base", "detail")
 QUICK = {"size": "60x50", "renderer": "numpy"}

@@ -8,14 +8,14 @@ from learned_cases import DESCRIPTOR, OPTIONS, examples, hilly, network, same, s
 from mesh_cases import angles, divided, joined, sheet, sphere
 
 import nmaptool as nm
-from nmaptool.cleaning import clean_mesh
-from nmaptool.decompose.descriptor import Describer
-from nmaptool.decompose.rolling import roll
-from nmaptool.decompose.surface import gather_surface
-from nmaptool.learned.canonical import canonical_frames, in_frames
-from nmaptool.learned.fitting import find_kinds, fit_network, kind_of
-from nmaptool.learned.model import FilterModel, Stage
-from nmaptool.learned.network import Lesson, Network, Shape
+from nmaptool.filters.descriptor import Describer
+from nmaptool.filters.learned.canonical import canonical_frames, in_frames
+from nmaptool.filters.learned.fitting import find_kinds, fit_network, kind_of
+from nmaptool.filters.learned.model import FilterModel, Stage
+from nmaptool.filters.learned.network import Lesson, Network, Shape
+from nmaptool.filters.rolling import roll
+from nmaptool.filters.surface import gather_surface
+from nmaptool.meshes.clean import clean_mesh
 
 RNG = np.random.default_rng(3)
 TURN = np.linalg.qr(RNG.normal(size=(3, 3)))[0]

@@ -8,11 +8,11 @@ import pytest
 from solver_cases import blobs, free_system
 
 import nmaptool as nm
-from nmaptool import machine
-from nmaptool.errors import LimitError, UsageError
+from nmaptool.core import memory as machine
+from nmaptool.core.errors import LimitError, UsageError
+from nmaptool.core.units import memory, memory_text
 from nmaptool.solver import memory as planning
 from nmaptool.solver import prepare, slope_load
-from nmaptool.units import memory, memory_text
 
 
 def test_sizes_as_text():

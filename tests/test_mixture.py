@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from nmaptool.decompose.mixture import crossing, fit_mixture
-from nmaptool.layer_set import Gaussian
-from nmaptool.mixture_plot import mixture_plot
+from nmaptool.figures.mixture import mixture_plot
+from nmaptool.filters.mixture import crossing, fit_mixture
+from nmaptool.types.mixture import Gaussian
 
 
 def drawn(*parts, seed=0):

@@ -6,11 +6,11 @@ from solver_cases import free_system, mask_of
 
 import nmaptool as nm
 from bench import masks
-from nmaptool.errors import ConvergenceError
-from nmaptool.grid import corner_sum, touching
+from nmaptool.core.errors import ConvergenceError
+from nmaptool.core.grid import corner_sum, touching
+from nmaptool.core.vectors import unit
 from nmaptool.solver import QuadSystem, prepare, slope_load
 from nmaptool.solver.multigrid import hierarchy as building
-from nmaptool.vectors import unit
 
 FAMILIES = ("statue", "holes", "islands", "gaps", "comb", "bridge", "hair", "checkerboard")
 THIN = ("tree", "lines", "spiral", "maze", "noise")

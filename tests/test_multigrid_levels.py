@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 from solver_cases import free_system, mask_of
 
-from nmaptool.grid import corner_sum
+from nmaptool.core.grid import corner_sum
 from nmaptool.solver import QuadSystem
 from nmaptool.solver.amg import assemble as assemble_system
 from nmaptool.solver.multigrid.coarsest import assemble

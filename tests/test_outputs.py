@@ -10,10 +10,10 @@ import pytest
 import trimesh
 
 import nmaptool as nm
-from nmaptool.errors import InputError, OutputError, UsageError
-from nmaptool.grid import corner_mean, height_slopes, touching
-from nmaptool.shading import lambert
-from nmaptool.vectors import unit
+from nmaptool.core.errors import InputError, OutputError, UsageError
+from nmaptool.core.grid import corner_mean, height_slopes, touching
+from nmaptool.core.vectors import unit
+from nmaptool.figures.preview import lambert
 
 ROWS, COLS = 40, 56
 MESHES = [".stl", ".ply", ".obj", ".glb"]
@@ -186,7 +186,7 @@ def test_a_file_that_appears_meanwhile_is_not_replaced(carved, tmp_path, monkeyp
         path.write_text("another program's")
         return written(height)
 
-    monkeypatch.setattr("nmaptool.io.outputs.surface_mesh", late)
+    monkeypatch.setattr("nmaptool.io.output.relief.surface_mesh", late)
     with pytest.raises(OutputError, match="exists already"):
         nm.write_relief(carved, path)
     assert path.read_text() == "another program's"
@@ -209,7 +209,7 @@ def test_heights_come_back_as_a_curved_background(tmp_path, ending):
     row, col = np.mgrid[0 : ROWS + 1, 0 : COLS + 1]
     z = 0.1 * col + 0.05 * row  # straight, so that corners follow exactly from centres
     height = nm.Height(z, np.ones((ROWS, COLS), bool), nm.Frame(ROWS, COLS, 0.5))
-    from nmaptool.io.heights import write_height
+    from nmaptool.io.pictures.heights import write_height
 
     write_height(tmp_path / f"h{ending}", height, {})
     back = nm.read_height(tmp_path / f"h{ending}", pitch_mm=0.5)

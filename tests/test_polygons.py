@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from nmaptool.io.mesh_reader import read_mesh
+from nmaptool.io.meshes.reader import read_mesh
 
 ELL = np.array([(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)], float)
 DART = np.array([(0, 0), (2, 0), (2, 2), (1, 0.5), (0, 2)])

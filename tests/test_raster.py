@@ -9,8 +9,8 @@ import pytest
 from mesh_cases import joined, sheet, sphere
 
 import nmaptool as nm
-from nmaptool.capture import gl, numpy_raster
-from nmaptool.capture.camera import frame_camera
+from nmaptool.render import gl, numpy_raster
+from nmaptool.render.camera import frame_camera
 
 ROWS, COLS = 90, 110
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import nmaptool as nm
-from nmaptool.io.heights import write_height
+from nmaptool.io.pictures.heights import write_height
 
 RGB = ("R", "G", "B")
 CUT = r"file (is cut short or damaged|cannot be read).*export or download it again"

@@ -7,8 +7,8 @@ import mesh_files as files
 import pytest
 from mesh_files import VERTICES, tree
 
-from nmaptool.errors import InputError
-from nmaptool.io.mesh_reader import read_mesh
+from nmaptool.core.errors import InputError
+from nmaptool.io.meshes.reader import read_mesh
 
 DAMAGED = r"(GLB|glTF) file is damaged or cut short; export it again$"
 OTHERS = r"keeps its data in other files, which are not opened; export it as one GLB file$"

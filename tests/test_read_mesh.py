@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from mesh_files import FACES, LIST, VERTICES, XYZ, ply_header, tree, volume
 
-from nmaptool.cleaning import clean_mesh
-from nmaptool.errors import UsageError
-from nmaptool.io.mesh_reader import read_mesh
-from nmaptool.io.meshes import write_mesh
-from nmaptool.mesh import Mesh
+from nmaptool.core.errors import UsageError
+from nmaptool.io.meshes.reader import read_mesh
+from nmaptool.io.meshes.writer import write_mesh
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.types.mesh import Mesh
 
 
 @pytest.fixture
@@ -277,7 +277,7 @@ def test_the_library_stays_as_it_was(read):
 
 
 def test_importing_the_reader_is_light():
-    script = "import sys, nmaptool.io.mesh_reader; print('trimesh' in sys.modules, 'scipy' in sys.modules)"
+    script = "import sys, nmaptool.io.meshes.reader; print('trimesh' in sys.modules, 'scipy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", "False"]
 

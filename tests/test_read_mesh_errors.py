@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from mesh_files import FACES, LIST, VERTICES, XYZ, ply_header, tree
 
-from nmaptool.errors import InputError, LimitError
-from nmaptool.io import mesh_reader
-from nmaptool.io.mesh_reader import read_mesh
+from nmaptool.core.errors import InputError, LimitError
+from nmaptool.io.meshes import reader as mesh_reader
+from nmaptool.io.meshes.reader import read_mesh
 
 DAMAGED = r"file is damaged or cut short; export it again$"
 NO_FACES = r"and no faces; a surface is needed: make a mesh of the points first$"

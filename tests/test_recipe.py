@@ -6,7 +6,7 @@ import pytest
 from stack_cases import SCENE
 
 import nmaptool as nm
-from nmaptool.units import Offset
+from nmaptool.core.units import Offset
 
 NASTY = (
     "ä漢😀",

@@ -9,9 +9,9 @@ import pytest
 from stack_cases import waves
 
 import nmaptool as nm
-from nmaptool.recipe import READ_KEYS
-from nmaptool.recipe_parsing import GROUP_KEYS, LAYER_KEYS
-from nmaptool.units import Length, Offset
+from nmaptool.composition.recipe_parsing import GROUP_KEYS, LAYER_KEYS
+from nmaptool.core.units import Length, Offset
+from nmaptool.types.recipe import READ_KEYS
 
 TEXT = (Path(__file__).parents[1] / "docs" / "recipes.md").read_text(encoding="utf-8")
 BESIDE = {"hidden": "`false`"}  # keys that are no option of a layer

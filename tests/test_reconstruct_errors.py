@@ -5,7 +5,7 @@ import pytest
 from mesh_cases import sphere
 
 import nmaptool as nm
-from nmaptool.errors import ConvergenceError, InputError, LimitError, UsageError
+from nmaptool.core.errors import ConvergenceError, InputError, LimitError, UsageError
 from nmaptool.reconstruction import stitching
 
 

@@ -7,10 +7,10 @@ import pytest
 from relief_cases import dome, foreground_heights, normal_map, solve
 
 import nmaptool as nm
-from nmaptool.errors import InputError
-from nmaptool.formulation.domain import lay_out
-from nmaptool.formulation.targets import Weights, aim
-from nmaptool.grid import height_slopes, touching
+from nmaptool.core.errors import InputError
+from nmaptool.core.grid import height_slopes, touching
+from nmaptool.reliefs.domain import lay_out
+from nmaptool.reliefs.targets import Weights, aim
 from nmaptool.solver import QuadSystem, prepare
 
 

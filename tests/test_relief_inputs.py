@@ -7,10 +7,10 @@ import pytest
 from relief_cases import dome, normal_map, rolling, solve
 
 import nmaptool as nm
-from nmaptool.errors import InputError, UsageError
-from nmaptool.formulation.domain import lay_out
-from nmaptool.formulation.targets import Weights, aim
-from nmaptool.grid import corner_sum, height_slopes, touching
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.grid import corner_sum, height_slopes, touching
+from nmaptool.reliefs.domain import lay_out
+from nmaptool.reliefs.targets import Weights, aim
 
 
 def test_eq4_is_eq6_in_other_units():

@@ -9,8 +9,8 @@ import pytest
 from relief_cases import dome, normal_map, rolling
 
 import nmaptool as nm
-from nmaptool.errors import ConvergenceError, InputError, LimitError, UsageError
-from nmaptool.grid import height_slopes
+from nmaptool.core.errors import ConvergenceError, InputError, LimitError, UsageError
+from nmaptool.core.grid import height_slopes
 from nmaptool.solver import Solver
 
 SIDE = 64

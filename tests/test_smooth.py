@@ -7,8 +7,8 @@ import pytest
 from mesh_cases import angles, sheet, sphere
 
 import nmaptool as nm
-from nmaptool.decompose.rolling import Decomposition
-from nmaptool.verbs.smooth import mixed
+from nmaptool.filters.rolling import Decomposition
+from nmaptool.reconstruction.smooth import mixed
 
 
 def knobbly(steps=40, size=0.03):

@@ -5,7 +5,7 @@ import pytest
 from compose_cases import as_map, bump_map, flat_map, random_normals
 
 import nmaptool as nm
-from nmaptool.detail import encode_detail
+from nmaptool.maps.detail import encode_detail
 
 ROWS, COLS = 40, 50
 

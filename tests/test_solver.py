@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from solver_cases import blobs, dense, free_system, random_system
 
-from nmaptool.errors import ConvergenceError, InputError, UsageError
-from nmaptool.grid import corner_mean, corner_sum, height_slopes
+from nmaptool.core.errors import ConvergenceError, InputError, UsageError
+from nmaptool.core.grid import corner_mean, corner_sum, height_slopes
 from nmaptool.solver import QuadSystem, choose, energy, prepare, slope_load
 from nmaptool.solver.amg import assemble
 

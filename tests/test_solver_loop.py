@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from solver_cases import blobs, dense_answer, free_system, random_system
 
-from nmaptool.errors import ConvergenceError, InputError
-from nmaptool.grid import corner_sum, height_slopes
+from nmaptool.core.errors import ConvergenceError, InputError
+from nmaptool.core.grid import corner_sum, height_slopes
 from nmaptool.solver import QuadSystem, Solver, prepare, slope_load
 from nmaptool.solver.islands import Islands
 

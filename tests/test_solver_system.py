@@ -5,8 +5,8 @@ import pytest
 from scipy import ndimage
 from solver_cases import blobs, free_system, random_system
 
-from nmaptool.errors import InputError
-from nmaptool.grid import corner_mean, corner_sum
+from nmaptool.core.errors import InputError
+from nmaptool.core.grid import corner_mean, corner_sum
 from nmaptool.solver import QuadSystem, prepare, slope_load
 from nmaptool.solver import operator as operators
 from nmaptool.solver.islands import Islands

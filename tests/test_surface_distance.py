@@ -6,7 +6,7 @@ import trimesh
 from mesh_cases import sheet, sphere
 
 import nmaptool as nm
-from nmaptool.surface_distance import hausdorff, to_triangles
+from nmaptool.meshes.distances import hausdorff, to_triangles
 
 
 def test_points_to_triangles():

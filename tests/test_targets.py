@@ -5,11 +5,11 @@ import pytest
 from relief_cases import dome, normal_map, rolling
 from scipy import ndimage
 
-from nmaptool.formulation.domain import lay_out
-from nmaptool.formulation.targets import Weights, aim, lean
-from nmaptool.grid import corner_sum, grown, height_slopes
+from nmaptool.core.grid import corner_sum, grown, height_slopes
+from nmaptool.core.vectors import slopes
+from nmaptool.reliefs.domain import lay_out
+from nmaptool.reliefs.targets import Weights, aim, lean
 from nmaptool.solver import slope_load
-from nmaptool.vectors import slopes
 
 
 def randoms(rows, cols, seed=0):

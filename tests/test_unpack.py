@@ -9,7 +9,7 @@ import pytest
 from workspace_cases import bumpy, packed
 
 import nmaptool as nm
-from nmaptool.io.unpacked import safe_names
+from nmaptool.io.output.unpacked import safe_names
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import pytest
 from mesh_cases import joined, sphere
 
 import nmaptool as nm
-from nmaptool.cleaning import clean_mesh
+from nmaptool.meshes.clean import clean_mesh
 
 
 def flipped(mesh, which):

@@ -8,7 +8,7 @@ import pytest
 from workspace_cases import bumpy, codes_found, codes_of, packed, recolored, turned_freely
 
 import nmaptool as nm
-from nmaptool.vectors import unit
+from nmaptool.core.vectors import unit
 
 
 def message(workspace, code):

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 import nmaptool as nm
-from nmaptool.vectors import unit
+from nmaptool.core.vectors import unit
 
 
 def bumpy(rows=160, cols=180, seed=0, name="bumpy.png"):

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
 from nmaptool_cli.session import OUTPUTS, READING, RUN, RunOptions, Session, input_files, said_name
@@ -44,9 +44,9 @@ def convert(
     outputs = dataclasses.replace(outputs, output=outputs.output if out is None else out)
     writer = MapWriter(session, outputs, writing, run, (map,))
     import nmaptool as nm
-    from nmaptool.conversion import convert_image
-    from nmaptool.io.conversion import conversion_recipe, kept_attributes
-    from nmaptool.io.normal_maps import bits_of
+    from nmaptool.composition.conversion import convert_image
+    from nmaptool.io.pictures.convert import conversion_recipe, kept_attributes
+    from nmaptool.io.pictures.normal_maps import bits_of
     from nmaptool_cli.wording import describe_conversion
 
     with input_files(map) as (source,):

@@ -9,9 +9,9 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Length, length
 from nmaptool.options import DepthOptions, ReadOptions, WriteOptions
-from nmaptool.units import Length, length
 from nmaptool_cli.compose.outputs import MapOutputs, MapWriter
 from nmaptool_cli.session import COMPOSING, INPUTS, OUTPUTS, RUN, RunOptions, Session, input_files, said_name
 
@@ -68,8 +68,8 @@ def depth(
     session = Session(run)
     writer = MapWriter(session, outputs, writing, run, (image, mask), jumps=jumps_out)
     import nmaptool as nm
-    from nmaptool.io.map_files import jumps_picture
-    from nmaptool.options.account import plain_values
+    from nmaptool.io.output.maps import jumps_picture
+    from nmaptool.options.plain_values import plain_values
     from nmaptool_cli.wording import describe_depth
 
     with input_files(image, mask) as (source, mask_file), session.progress() as progress:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from nmaptool.errors import OutputError, UsageError
+from nmaptool.core.errors import OutputError, UsageError
 from nmaptool.io.unfinished import temporary_folder
 from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool_cli.session import (
@@ -27,8 +27,8 @@ from nmaptool_cli.session import (
 
 if TYPE_CHECKING:
     import nmaptool as nm
-    from nmaptool.io.image_writer import Picture
-    from nmaptool.io.map_files import MapFiles
+    from nmaptool.io.output.maps import MapFiles
+    from nmaptool.io.pictures.writer import Picture
 
 _STREAMED = "map.exr"
 
@@ -79,7 +79,7 @@ class MapWriter:
         inputs: tuple[str | None, ...],
         **pictures: Path | None,
     ) -> None:
-        from nmaptool.io.map_files import MapFiles
+        from nmaptool.io.output.maps import MapFiles
 
         if outputs.output is None:
             raise UsageError("nothing to write: say where, such as -o map.exr")
@@ -129,7 +129,7 @@ class MapWriter:
         attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write everything."""
-        from nmaptool.io.map_files import write_map_files
+        from nmaptool.io.output.maps import write_map_files
 
         self._account = {**account, "outputs": self.named_targets}
         with self._placed_files() as files:
@@ -146,7 +146,7 @@ class MapWriter:
         attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write a composition, with its picture of where layers lie."""
-        from nmaptool.io.map_files import composition_recipe, placed_picture
+        from nmaptool.io.output.maps import composition_recipe, placed_picture
 
         everything = {**account, **composition.report.to_dict()}
         recipe = composition_recipe(composition) if recipe is None else recipe

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Offset
 from nmaptool.options import LayerOptions, PackOptions, ReadOptions
-from nmaptool.units import Offset
 from nmaptool_cli.compose.outputs import read_map, say_map
 from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files, refuse_inputs
 
@@ -109,7 +109,7 @@ def pack(
         Normal maps, bottom to top; FILE.exr:layer names a layer. Or one recipe, such as scene.toml.
     """
     from nmaptool.io.replace import check_target
-    from nmaptool.io.workspaces import check_workspace_target
+    from nmaptool.io.workspaces.files import check_workspace_target
 
     session = Session(run)
     target = output.output
@@ -146,7 +146,7 @@ def _read(
 ) -> tuple[list[nm.NormalMap], tuple[nm.PackedMap, ...], nm.Frame]:
     """The maps, how they lie, and their canvas."""
     import nmaptool as nm
-    from nmaptool.verbs.pack import common_frame
+    from nmaptool.workspace.pack import common_frame
 
     masks = [None if name == "none" else name for name in layering.mask] or [None] * len(maps)
     with input_files(*maps, *masks) as sources:

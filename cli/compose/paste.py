@@ -9,10 +9,10 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Length
 from nmaptool.options import LayerOptions, ReadOptions, WriteOptions
-from nmaptool.options.account import plain_values
-from nmaptool.units import Length
+from nmaptool.options.plain_values import plain_values
 from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, read_map, say_composition, say_map
 from nmaptool_cli.each import spread
 from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files

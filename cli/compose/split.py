@@ -31,7 +31,7 @@ def split(
     map:
         Normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
     """
-    from nmaptool.io.layer_files import LayerFiles
+    from nmaptool.io.output.layers import LayerFiles
 
     session = Session(run)
     output, report, to_stdout = destination(outputs)

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from nmaptool.errors import NmaptoolError
+from nmaptool.core.errors import NmaptoolError
+from nmaptool.core.units import Length
 from nmaptool.options import CanvasOptions, ReadOptions, WriteOptions
-from nmaptool.units import Length
 from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
 from nmaptool_cli.session import COMPOSING, INPUTS, OUTPUTS, READING, RUN, STREAM, RunOptions, Session, input_files
 
 if TYPE_CHECKING:
     import nmaptool as nm
-    from nmaptool.progress import Progress
+    from nmaptool.core.progress import Progress
 
 
 def stack(

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool_cli.session import OUTPUTS, READING, RUN, STREAM, RunOptions, Session
 
 
@@ -56,7 +56,7 @@ def unpack(
     max_megapixels:
         Of the canvas, and of all layers together; larger files are refused before any memory is taken.
     """
-    from nmaptool.io.unpacked import UnpackedFiles
+    from nmaptool.io.output.unpacked import UnpackedFiles
 
     session = Session(run)
     if workspace == STREAM:

@@ -11,9 +11,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float32, Mask
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.grid import places
 from nmaptool.depth.tiles import Tile, along, for_tiles
-from nmaptool.grid import places
 
 # steps of descent on the pixels, and on every coarser grid
 _ITERATIONS, _COARSE_ITERATIONS = 12, 32

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from nmaptool.arrays import Float32, Mask
+from nmaptool.core.arrays import Float32, Mask
 
 # the smallest patch, as pixels and as a share of the picture, and the least share of all patches together
 _PATCH_PIXELS, _PATCH_SHARE, _LEAST_SHARE = 16, 2e-4, 0.02

@@ -13,7 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float32, Mask
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.grid import places
 from nmaptool.depth.mixed import unmixed
 from nmaptool.depth.steps import (
     JumpRule,
@@ -26,7 +27,6 @@ from nmaptool.depth.steps import (
     steps_at,
 )
 from nmaptool.depth.tiles import Tile, along, for_tiles
-from nmaptool.grid import places
 
 _HALO = 6
 _SIDE = 192  # many tiles hold no jump

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float32, Mask
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.grid import places
 from nmaptool.depth.steps import JumpRule, Places, jump_heights, moved, some_steps, steps_at
-from nmaptool.grid import places
 
 # a mixed pixel's step against the slope behind it: where it is plain, and where outlines are known to be smoothed
 _PLAIN, _SMOOTHED = 3.0, 1.5

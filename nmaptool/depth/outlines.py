@@ -13,12 +13,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float32, Mask
-from nmaptool.bands import each_of
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.grid import places
+from nmaptool.core.parallel import each_of
+from nmaptool.core.vectors import unit
 from nmaptool.depth.tiles import along
 from nmaptool.depth.window import DOWN, RIGHT, WINDOW_X, WINDOW_Y, around, reached
-from nmaptool.grid import places
-from nmaptool.vectors import unit
 
 # pixels at once, which stay in the processor's cache
 _CHUNK = 1024

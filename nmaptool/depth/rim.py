@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float32
-from nmaptool.grid import places
+from nmaptool.core.arrays import Float32
+from nmaptool.core.grid import places
 
 # of the jump's height, by distance from it in px: half mixed, then ringing
 _SPOILT = (0.6, 0.06, 0.03, 0.015)

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nmaptool.arrays import Float32
+from nmaptool.core.arrays import Float32
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.units import Length
 from nmaptool.depth.values import GreyValues, empty_depths
-from nmaptool.errors import InputError, UsageError
-from nmaptool.model import RasterImage
 from nmaptool.options import DepthOptions
 from nmaptool.options.depth import NARROWEST_FOV, WIDEST_FOV
-from nmaptool.units import Length
+from nmaptool.types.picture import RasterImage
 
 DEFAULT_SHARE = Length(10.0, "%")
 _SAMPLE = 1 << 17

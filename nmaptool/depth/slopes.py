@@ -5,11 +5,11 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from nmaptool.arrays import Float32, Mask
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.grid import places
+from nmaptool.core.vectors import inner_vertices, mean_abs_curl
 from nmaptool.depth.fit import linked_slope
 from nmaptool.depth.tiles import Tile, along, for_tiles
-from nmaptool.grid import places
-from nmaptool.vectors import inner_vertices, mean_abs_curl
 
 _HALO = 4
 _CENTRAL = np.array([-0.5, 0, 0.5], np.float32)
@@ -132,7 +132,7 @@ def jump_sizes(heights: Float32, known: Mask, across: Mask, down: Mask) -> Float
 
 
 def mean_curl(normals: Float32, mask: Mask) -> float:
-    """`nmaptool.vectors.mean_abs_curl` in tiles."""
+    """`nmaptool.core.vectors.mean_abs_curl` in tiles."""
     sums: list[tuple[float, int]] = []
 
     def work(tile: Tile) -> None:

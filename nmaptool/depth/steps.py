@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float32, Mask
+from nmaptool.core.arrays import Float32, Mask
 from nmaptool.depth.tiles import along
 
 # a step is a jump where it exceeds both slopes beside it so many times, or the flatter one and the steeper one; the

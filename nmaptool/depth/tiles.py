@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 
-from nmaptool.bands import each_of
+from nmaptool.core.parallel import each_of
 
 _SIDE = 384
 _MOST_THREADS = 4

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool import codec
-from nmaptool.arrays import Float32, Mask
-from nmaptool.errors import InputError
-from nmaptool.model import RasterImage
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.errors import InputError
+from nmaptool.maps import codec
+from nmaptool.types.picture import RasterImage
 
 # a grey picture's channels differ by noise only: in 8-bit codes, on average and for all but a few pixels
 _GREY_MEAN, _GREY_MOST, _GREY_FEW = 4.0, 16.0, 1e-3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Mask
+from nmaptool.core.arrays import Mask
 
 REACH = 6
 # links of a pixel in the low bits of its state

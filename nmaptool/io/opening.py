@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from nmaptool.errors import InputError, reason_of
+from nmaptool.core.errors import InputError, reason_of
 
 
 def read_head(path: Path, count: int, wanted: str, for_streams: str) -> tuple[bytes, int]:

@@ -8,7 +8,7 @@ import secrets
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from nmaptool.errors import OutputError, UsageError, reason_of
+from nmaptool.core.errors import OutputError, UsageError, reason_of
 from nmaptool.io.unfinished import all_or_none, files_are_done, unfinished
 
 

@@ -9,7 +9,7 @@ import threading
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from nmaptool.errors import OutputError, reason_of
+from nmaptool.core.errors import OutputError, reason_of
 
 _files: set[Path] = set()
 _folders: list[Path] = []  # those within others after them

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from nmaptool.errors import LimitError, UsageError
+from nmaptool.core.errors import LimitError, UsageError
+from nmaptool.core.units import Length, length
 from nmaptool.options.checks import parse_size, require_absolute, require_choices, require_number
-from nmaptool.units import Length, length
 
 Up = Literal["y", "z"]
 Shading = Literal["flat", "smooth"]

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 import re
 
-from nmaptool.errors import UsageError
-from nmaptool.units import Length
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Length
 
 LARGEST_WEIGHT = 1e6
 _SIZE = re.compile(r"\s*(\d{1,7})\s*[x,×]\s*(\d{1,7})\s*", re.IGNORECASE)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nmaptool.errors import LimitError, UsageError
+from nmaptool.core.errors import LimitError, UsageError
 from nmaptool.options.bake import VIEWS, Renderer, Up
 from nmaptool.options.checks import parse_size, require_choices
 

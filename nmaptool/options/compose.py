@@ -8,15 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from nmaptool.errors import UsageError
-from nmaptool.options.checks import (
-    parse_size,
-    require_absolute,
-    require_at_least_zero,
-    require_choices,
-    require_number,
-)
-from nmaptool.units import Length, Offset, length, offset, offsets
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Length, Offset, length, offset, offsets
+from nmaptool.options.checks import parse_size, require_absolute, require_at_least_zero, require_choices, require_number
 
 BlendMode = Literal["rnm", "pd", "whiteout", "udn", "linear", "overlay"]
 LayerMode = Literal["over", "rnm", "pd", "whiteout", "udn", "linear", "overlay"]

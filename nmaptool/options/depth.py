@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Length, length
 from nmaptool.options.checks import require_absolute, require_choices, require_number
-from nmaptool.units import Length, length
 
 DepthBackground = Literal["auto", "flat", "none"]
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Literal
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Length, length
 from nmaptool.options.checks import require_choices, require_number
-from nmaptool.units import Length, length
 
 Filter = Literal["rnf", "grnf", "learned"]
 Neighborhood = Literal["surface", "ring"]

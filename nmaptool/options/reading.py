@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool.options.checks import require_choices
 
 Green = Literal["auto", "up", "down"]

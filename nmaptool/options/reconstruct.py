@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool.options.checks import require_choices, require_number
 
 Scheme = Literal["gsfg-gradient", "gsfg-shape", "gsfg", "poisson"]

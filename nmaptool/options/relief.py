@@ -9,9 +9,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Length, length, memory
 from nmaptool.options.checks import LARGEST_WEIGHT, require_absolute, require_at_least_zero, require_choices
-from nmaptool.units import Length, length, memory
 
 BackgroundMode = Literal["plane", "free", "cut", "surface"]
 Energy = Literal["eq6", "eq4"]

@@ -9,10 +9,10 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Length, Offset, length, offsets
 from nmaptool.options.checks import parse_size, require_absolute, require_choices, require_number
 from nmaptool.options.compose import parse_scale
-from nmaptool.units import Length, Offset, length, offsets
 
 NewGround = Literal["auto", "clear", "flat"]
 _LARGEST_NUMBER = 1e6

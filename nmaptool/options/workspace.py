@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 
 
 @dataclass(frozen=True)

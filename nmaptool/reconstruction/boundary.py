@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nmaptool.arrays import Mask
-from nmaptool.mesh import Faces, directed_edges, edge_keys
+from nmaptool.core.arrays import Mask
+from nmaptool.types.mesh import Faces, directed_edges, edge_keys
 
 
 def boundary_vertices(faces: Faces, count: int) -> Mask:

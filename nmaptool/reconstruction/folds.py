@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from nmaptool.arrays import Float64, Mask
-from nmaptool.mesh import Faces
+from nmaptool.core.arrays import Float64, Mask
 from nmaptool.reconstruction.stitching import assembled, direct
+from nmaptool.types.mesh import Faces
 
 # a part of the mesh that is folded as a whole has nothing around it to lie between
 _TIE = 1e-3

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nmaptool.arrays import Float64
-from nmaptool.mesh import Faces, cross
+from nmaptool.core.arrays import Float64
+from nmaptool.types.mesh import Faces, cross
 
 
 def volume_between(before: Float64, after: Float64, faces: Faces) -> float:

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nmaptool.arrays import Float64, Mask
-from nmaptool.mesh import Mesh
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.progress import Progress
 from nmaptool.options import ReconstructOptions
-from nmaptool.progress import Progress
 from nmaptool.reconstruction.boundary import boundary_vertices
 from nmaptool.reconstruction.folds import relaxed
 from nmaptool.reconstruction.shaping import normals_of, opposed, rotated, shapes_of, wanted
 from nmaptool.reconstruction.stitching import Average, ShapeStitch, Stitch, gradient_stiffness
+from nmaptool.types.mesh import Mesh
 
 # of the closeness: how much vertices of a folded face are worth as a guide
 _FOLDED = 1e-3

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64, Mask
-from nmaptool.mesh import Faces, cross
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.types.mesh import Faces, cross
 
 # beyond this cosine the least rotation between two normals has no axis to speak of
 _OPPOSED = -0.99

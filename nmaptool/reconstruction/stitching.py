@@ -9,10 +9,10 @@ from typing import Any, Protocol
 import numpy as np
 from scipy import sparse
 
-from nmaptool.amg_hierarchy import hierarchy_of
-from nmaptool.arrays import Float64, Mask
-from nmaptool.errors import ConvergenceError
-from nmaptool.mesh import Faces
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.errors import ConvergenceError
+from nmaptool.solver.amg_hierarchy import hierarchy_of
+from nmaptool.types.mesh import Faces
 
 # up to so many unknowns a sparse LU is set up as quickly as a hierarchy
 _DIRECT = 20_000

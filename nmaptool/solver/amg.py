@@ -7,9 +7,9 @@ import warnings
 import numpy as np
 from scipy import sparse
 
-from nmaptool.amg_hierarchy import hierarchy_of
-from nmaptool.arrays import Float64, Mask
-from nmaptool.grid import corner_sum
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.grid import corner_sum
+from nmaptool.solver.amg_hierarchy import hierarchy_of
 from nmaptool.solver.islands import Islands
 from nmaptool.solver.method import Report
 from nmaptool.solver.system import QuadSystem

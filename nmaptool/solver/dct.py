@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from nmaptool.arrays import Float32, Float64
-from nmaptool.bands import cores, each_band
+from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.parallel import cores, each_band
 from nmaptool.solver.method import Report
 from nmaptool.solver.operator import rows_at_once
 from nmaptool.solver.system import QuadSystem

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64, Mask
-from nmaptool.grid import touching
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.grid import touching
 from nmaptool.solver.runs import Runs
 from nmaptool.solver.system import QuadSystem, See
 

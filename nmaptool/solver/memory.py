@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from nmaptool.errors import LimitError
-from nmaptool.machine import available_bytes
-from nmaptool.units import memory_text
+from nmaptool.core.errors import LimitError
+from nmaptool.core.memory import available_bytes
+from nmaptool.core.units import memory_text
 
 # Measured at the peak of set-up and solve, beyond weight, beta, held and the right-hand side: bytes a vertex, and bytes
 # a vertex to be solved for. Heights in float64, the residual in the method's precision, the map of unknowns and the

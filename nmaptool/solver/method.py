@@ -8,7 +8,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64
+from nmaptool.core.arrays import Float64
 
 Report = Callable[[float], None]
 

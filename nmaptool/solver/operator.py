@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64, Mask
-from nmaptool.bands import each_band
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.parallel import each_band
 
 # NumPy lets other threads run during pieces of this size without much waiting for its lock
 ELEMENTS_AT_ONCE = 1 << 16

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nmaptool.errors import UsageError
+from nmaptool.core.errors import UsageError
 from nmaptool.solver.islands import Islands
 from nmaptool.solver.memory import kind_of, plan
 from nmaptool.solver.method import DirectMethod, Method

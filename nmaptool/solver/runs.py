@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64
-from nmaptool.bands import each_band
+from nmaptool.core.arrays import Float64
+from nmaptool.core.parallel import each_band
 from nmaptool.solver.operator import rows_at_once
 
 Labels = NDArray[np.signedinteger[Any] | np.bool_]

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64, Mask
-from nmaptool.errors import ConvergenceError, InputError
-from nmaptool.progress import Progress
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.errors import ConvergenceError, InputError
+from nmaptool.core.progress import Progress
 from nmaptool.solver.islands import Islands
 from nmaptool.solver.memory import kind_of, plan
 from nmaptool.solver.method import DirectMethod, Method, Report

@@ -19,10 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64, Mask
-from nmaptool.bands import each_band
-from nmaptool.errors import InputError
-from nmaptool.grid import corner_mean, touching
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.errors import InputError
+from nmaptool.core.grid import corner_mean, touching
+from nmaptool.core.parallel import each_band
 from nmaptool.solver.operator import Operator, Weights, rows_at_once
 
 # given a band of rows and (rows * (W+1),) float64 of them

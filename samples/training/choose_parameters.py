@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from surface import Array, Surface, angle_deg
 
 import nmaptool as nm
-from nmaptool.decompose.rolling import roll, separate
-from nmaptool.decompose.surface import gather_surface
+from nmaptool.filters.rolling import roll, separate
+from nmaptool.filters.surface import gather_surface
 
 SIZES = (1.5, 2, 3, 4, 5, 6, 8, 10, 12)
 COARSE = (1.5, 3, 5, 8, 12)

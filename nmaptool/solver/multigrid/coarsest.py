@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from scipy import sparse
 
-from nmaptool.amg_hierarchy import hierarchy_of
-from nmaptool.arrays import Float64
+from nmaptool.core.arrays import Float64
+from nmaptool.solver.amg_hierarchy import hierarchy_of
 from nmaptool.solver.multigrid.level import Stencil, inner
 from nmaptool.solver.multigrid.values import Values
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import DTypeLike
 
-from nmaptool.bands import each_band, each_of
+from nmaptool.core.parallel import each_band, each_of
 from nmaptool.solver.multigrid.level import Shape, band_size, inner, margin, new_field
 from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
 from nmaptool.solver.multigrid.values import Values

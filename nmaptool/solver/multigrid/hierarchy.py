@@ -7,7 +7,7 @@ import copy
 import numpy as np
 from numpy.typing import DTypeLike
 
-from nmaptool.bands import each_band
+from nmaptool.core.parallel import each_band
 from nmaptool.solver.multigrid.coarsest import assemble, coarse_solver
 from nmaptool.solver.multigrid.finest import Finest
 from nmaptool.solver.multigrid.galerkin import coarse_couplings, coarse_ties

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import DTypeLike
 
-from nmaptool.bands import each_band
+from nmaptool.core.parallel import each_band
 from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, Split, sorted_rows
 from nmaptool.solver.multigrid.strays import Strays
 from nmaptool.solver.multigrid.values import Values, add_product

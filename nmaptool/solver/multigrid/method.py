@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.arrays import Float64
+from nmaptool.core.arrays import Float64
 from nmaptool.solver.method import Report
 from nmaptool.solver.multigrid.finest import inner_product
 from nmaptool.solver.multigrid.hierarchy import Hierarchy

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nmaptool.bands import each_band
+from nmaptool.core.parallel import each_band
 from nmaptool.solver.multigrid.level import Shape, inner, margin, rows_at_once
 from nmaptool.solver.multigrid.strays import StrayTransfer
 from nmaptool.solver.multigrid.values import Values, add_product

@@ -1,0 +1,1 @@
+"""Meshes to original, base and detail normal maps."""

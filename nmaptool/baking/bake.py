@@ -1,0 +1,249 @@
+"""A mesh to original, base and detail normal maps."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.progress import Progress
+from nmaptool.core.units import Length
+from nmaptool.core.vectors import mean_abs_curls, mean_angle_deg
+from nmaptool.filters.decompose import decompose_clean, long_edges, model_of, sigma_s_of
+from nmaptool.filters.learned.model import FilterModel
+from nmaptool.filters.rolling import Decomposition
+from nmaptool.maps.detail import encode_detail
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.options import BakeOptions, FilterOptions
+from nmaptool.options.plain_values import filter_values, plain_values
+from nmaptool.reconstruction.reconstruct import reconstruct
+from nmaptool.render.camera import Camera, frame_camera
+from nmaptool.render.corners import corner_normals
+from nmaptool.render.face_buffer import Sight, look
+from nmaptool.render.rendering import rendering
+from nmaptool.types.layer_set import LayerReport, LayerSet
+from nmaptool.types.mesh import Mesh
+from nmaptool.types.mesh_findings import MeshFindings
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.picture import Frame
+
+# sizes in mm beyond which a mesh's units are hardly millimetres
+_SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
+
+
+def bake(
+    mesh: Mesh,
+    options: BakeOptions | None = None,
+    filter: FilterOptions | None = None,
+    *,
+    model: FilterModel | None = None,
+    progress: Progress | None = None,
+) -> LayerSet:
+    """Draw a mesh as original, base and detail normal maps (paper, Sec. 3 and 4.2.1).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any; what cannot be used is dropped and reported.
+    options : BakeOptions, optional
+        Of one view.
+    filter : FilterOptions, optional
+    model : FilterModel, optional
+        For the filter ``learned``. Default: the one that comes with the package.
+    progress : callable, optional
+        Called with a word and the share done.
+
+    Returns
+    -------
+    LayerSet
+        Base and detail are drawn on the original geometry (paper, Fig. 10), or with ``geometry="updated"`` all layers
+        on a mesh rebuilt to the base normals, seen by the same camera.
+
+    Raises
+    ------
+    UsageError
+        If options do not fit each other, or name several views: then use `bake_views`.
+    InputError
+        If no face of the mesh can be used or none is seen.
+    RendererError
+        If no OpenGL context can be had.
+    """
+    options = options or BakeOptions()
+    if len(options.views) > 1:
+        raise UsageError(f"--view {options.view}: is several views; use bake_views, which gives a set for each")
+    return bake_views(mesh, options, filter, model=model, progress=progress)[0]
+
+
+def bake_views(
+    mesh: Mesh,
+    options: BakeOptions | None = None,
+    filter: FilterOptions | None = None,
+    *,
+    model: FilterModel | None = None,
+    progress: Progress | None = None,
+) -> tuple[LayerSet, ...]:
+    """`bake` for each view of ``options.view``, in order; the mesh is filtered once."""
+    options = options or BakeOptions()
+    tell = progress or (lambda word, share: None)
+    asked = filter or FilterOptions()
+    work = _Work(options, asked, model_of(asked, model))
+    with work.timed("clean"):
+        clean, source_faces, findings = clean_mesh(mesh)
+        cameras = [frame_camera(clean, options, *direction) for direction in options.directions]
+        clean = _sized(clean, cameras, work)
+    made = []
+    # the renderer first: where nothing can be drawn, nobody waits for the filter
+    with rendering(options.renderer) as renderer:
+        draw, platform = renderer
+        with work.timed("filter"):
+            split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share), work.model)
+            shown, split = _updated(clean, split) if options.geometry == "updated" else (clean, split)
+            fields = _fields(shown, split, options)
+        for number, (view, camera) in enumerate(zip(options.views, cameras, strict=True)):
+            tell("drawing", 0.7 + 0.3 * number / len(cameras))
+            with work.timed("draw"):
+                sight = look(shown, camera, draw, options.supersample)
+            with work.timed("layers"):
+                drawn = _Drawn(clean, source_faces, findings, view, sight, platform)
+                made.append(_layer_set(work, drawn, split, fields))
+    seconds = {key: round(value, 4) for key, value in work.seconds.items()}
+    return tuple(dataclasses.replace(s, report=dataclasses.replace(s.report, seconds=seconds)) for s in made)
+
+
+@dataclass
+class _Work:
+    """What is asked for, and the time it takes."""
+
+    options: BakeOptions
+    filter: FilterOptions
+    model: FilterModel | None
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @contextlib.contextmanager
+    def timed(self, stage: str) -> Iterator[None]:
+        start = time.perf_counter()
+        yield
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """A drawing of a clean mesh, and what it came from."""
+
+    mesh: Mesh
+    source_faces: NDArray[np.int64]
+    findings: MeshFindings
+    view: str
+    sight: Sight
+    platform: str
+
+
+def _sized(mesh: Mesh, cameras: list[Camera], work: _Work) -> Mesh:
+    """The mesh in the millimetres that the picture's width gives it, so that lengths in mm mean those."""
+    width = work.options.width
+    if width is None:
+        return mesh
+    sizes = [width.to_mm(1.0, 1) / camera.cols / camera.unit_per_px for camera in cameras]
+    sigma_s = work.filter.sigma_s
+    if isinstance(sigma_s, Length) and sigma_s.is_absolute and not np.allclose(sizes, sizes[0], rtol=1e-6):
+        raise UsageError(
+            f"--sigma-s {sigma_s}: these views have different scales at --width {width}; give it in %, or one view"
+        )
+    return dataclasses.replace(mesh, mm_per_unit=sizes[0], unit_from="given")
+
+
+def _updated(mesh: Mesh, split: Decomposition) -> tuple[Mesh, Decomposition]:
+    """The mesh rebuilt to its base normals, and the split whose base is what came of them (paper, Fig. 10)."""
+    rebuilt = reconstruct(mesh, split.base).mesh
+    base = rebuilt.geometry.normals
+    return rebuilt, dataclasses.replace(split, base=base, residual=split.normals - base)
+
+
+def _fields(mesh: Mesh, split: Decomposition, options: BakeOptions) -> tuple[Float64, Float64]:
+    """Original and base directions, one a face or one a corner."""
+    if options.shading == "flat":
+        return split.normals, split.base
+    return corner_normals(mesh, split.normals, options.crease), corner_normals(mesh, split.base, options.crease)
+
+
+def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[Float64, Float64]) -> LayerSet:
+    options, sight, camera = work.options, drawn.sight, drawn.sight.camera
+    original, coverage = sight.normal_layer(fields[0])
+    if not coverage.any():
+        raise InputError(
+            f"{drawn.mesh.name}: nothing of it is seen in the {drawn.view} view; choose another --view, --pitch or "
+            "--target"
+        )
+    base, _ = sight.normal_layer(fields[1])
+    seen = coverage > 0
+    detail = encode_detail(original, base, options.detail_encoding)
+    pitch_mm, pitch_from = camera.unit_per_px * drawn.mesh.mm_per_unit, drawn.mesh.unit_from
+    if options.pitch is not None:
+        pitch_from = "given"
+    if options.width is not None:
+        pitch_mm, pitch_from = options.width.to_mm(1.0, 1) / camera.cols, "given"
+    frame = Frame(camera.rows, camera.cols, pitch_mm)
+    pixel_faces = sight.pixel_faces()
+    report = LayerReport(
+        options=plain_values(options) | filter_values(work.filter),
+        mixture=split.mixture,
+        detail_share=_share(split, drawn.mesh),
+        detail_angle_deg=mean_angle_deg(original[seen], base[seen]),
+        view=drawn.view,
+        pitch_from=pitch_from,
+        findings=drawn.findings,
+        faces=len(drawn.mesh.faces),
+        mean_edge=drawn.mesh.mean_edge,
+        sigma_s_px=0.0 if work.model else sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
+        model=work.model.digest if work.model else "",
+        renderer=drawn.platform,
+        camera=_account(camera),
+        curl=mean_abs_curls({"original": original, "base": base, "detail": detail}, seen),
+        warnings=_warnings(drawn, work, coverage),
+    )
+    maps = {
+        name: NormalMap(normals, coverage, frame, name=f"{drawn.mesh.name}: {name}")
+        for name, normals in (("original", original), ("base", base), ("detail", detail))
+    }
+    source = np.where(pixel_faces >= 0, drawn.source_faces[pixel_faces], -1).astype(np.int32)
+    depth_mm = sight.depth(pixel_faces) * np.float32(pitch_mm / camera.unit_per_px)
+    return LayerSet(**maps, report=report, depth_mm=depth_mm, faces=source)
+
+
+def _account(camera: Camera) -> dict[str, Any]:
+    return {
+        "rotation": camera.rotation.tolist(),
+        "center": camera.center.tolist(),
+        "unit_per_px": camera.unit_per_px,
+        "distance": camera.distance,
+    }
+
+
+def _share(split: Decomposition, mesh: Mesh) -> float:
+    areas = mesh.geometry.areas
+    return float(areas[split.is_detail].sum() / areas.sum())
+
+
+def _warnings(drawn: _Drawn, work: _Work, coverage: Float32) -> tuple[str, ...]:
+    f, options, mesh = drawn.findings, work.options, drawn.mesh
+    counted = (
+        (f.degenerate_faces, "faces have no area and were dropped"),
+        (f.nonfinite_faces, "faces have a vertex that is NaN or infinite and were dropped"),
+    )
+    found = [f"{count} {words}" for count, words in counted if count]
+    longest = float(np.ptp(mesh.vertices, axis=0).max())
+    size_mm = longest * mesh.mm_per_unit
+    if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
+        found.append(f"is {size_mm:.3g} mm large if its units are mm; say --width 100mm, or its --unit")
+    found += long_edges(mesh, work.filter)
+    if float((coverage > 0).mean()) < 0.001:
+        found.append("less than a thousandth of the picture sees the mesh")
+    return tuple(found)

@@ -1,1 +1,0 @@
-"""From a mesh to what each pixel of a camera sees of it."""

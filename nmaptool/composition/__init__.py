@@ -1,0 +1,1 @@
+"""Normal maps edited as vectors: blending, placing, transforming, converting, recipes."""

@@ -1,0 +1,118 @@
+"""A detail map blended with a base map."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+
+import numpy as np
+
+from nmaptool.composition.blend_modes import blend as blend_vectors
+from nmaptool.composition.edges import detail_weight
+from nmaptool.composition.placement import Piece, is_uneven, map_piece
+from nmaptool.core.arrays import Float32
+from nmaptool.core.errors import InputError
+from nmaptool.core.vectors import mean_abs_curl
+from nmaptool.options import BlendOptions
+from nmaptool.options.plain_values import plain_values
+from nmaptool.types.composition import ComposeReport, Composition
+from nmaptool.types.layers import check_mask
+from nmaptool.types.normal_map import NormalMap
+
+
+def blend(
+    base: NormalMap,
+    detail: NormalMap,
+    options: BlendOptions | None = None,
+    *,
+    mask: Float32 | None = None,
+    mask_name: str = "",
+) -> Composition:
+    """Blend a detail map with a base map of the same size.
+
+    Parameters
+    ----------
+    base, detail : NormalMap
+        The detail counts as much as it covers the base; the result is covered where the base is.
+    options : BlendOptions, optional
+    mask : (H, W) float32 in [0, 1], optional
+        Multiplies the strength.
+    mask_name : str
+        What to call the mask in messages, such as its file.
+
+    Returns
+    -------
+    Composition
+        A flat detail and strength 0 leave the base as it is, in every bit (modes linear and overlay: strength 0 only).
+
+    Raises
+    ------
+    InputError
+        If the sizes differ and ``options.fit`` is False, or the mask does not fit.
+    """
+    options = options or BlendOptions()
+    start = time.perf_counter()
+    warnings = _doubts(base, detail)
+    detail = _of_one_size(base, detail, options.fit)
+    strength: np.ndarray | float = options.strength
+    if mask is not None:
+        check_mask(mask, detail.name, base.frame.shape, mask_name)
+    if mask is not None or (detail.coverage < 1).any():
+        masked = detail.coverage if mask is None else detail.coverage * mask
+        strength = detail_weight(masked, detail.coverage, base.coverage) * np.float32(options.strength)
+    if not (detail.coverage * base.coverage).any():
+        warnings += (f"{detail.name}: covers nothing of {base.name}",)
+    normals = blend_vectors(base.normals, detail.normals, options.mode, strength)
+    normals = _flat_outside(normals, base)
+    result = dataclasses.replace(base, normals=normals, name=f"{base.name} with {detail.name}")
+    shown = np.broadcast_to(np.asarray(strength, np.float32) > 0, base.frame.shape)
+    defined = base.coverage >= 0.5
+    layer = {"name": detail.name, "mode": options.mode, "strength": options.strength, "share": float(shown.mean())}
+    report = ComposeReport(
+        command="blend",
+        options=plain_values(options),
+        layers=(layer,),
+        curl_before=mean_abs_curl(base.normals, defined),
+        curl_after=mean_abs_curl(normals, defined),
+        seconds={"blend": round(time.perf_counter() - start, 4)},
+        warnings=warnings,
+    )
+    placed = np.broadcast_to(np.asarray(strength, np.float32).clip(0, 1), base.frame.shape) * base.coverage
+    return Composition(result, placed, report)
+
+
+def _flat_outside(normals: Float32, base: NormalMap) -> Float32:
+    """The base's own normals where it covers nothing."""
+    nothing = base.coverage <= 0
+    if nothing.any():
+        normals[nothing] = base.normals[nothing]
+    return normals
+
+
+def _doubts(base: NormalMap, detail: NormalMap) -> tuple[str, ...]:
+    """What may not be meant: heights kept under a stretched detail."""
+    across, down = (a / b for a, b in zip(detail.frame.shape[::-1], base.frame.shape[::-1], strict=True))
+    if not is_uneven((across, down)):
+        return ()
+    said = (
+        f"{detail.name}: is stretched unevenly, so its heights stay and its slopes change by {across:.3g} across and "
+        f"{down:.3g} down; --strength makes up for it"
+    )
+    return (said,)
+
+
+def _of_one_size(base: NormalMap, detail: NormalMap, fit: bool) -> NormalMap:
+    """The detail, stretched to the base's size where that is asked for."""
+    if detail.frame.shape == base.frame.shape:
+        return detail
+    if not fit:
+        raise InputError(
+            f"{detail.name} is {detail.frame}, but {base.name} is {base.frame}; stretch it with --fit, or place it "
+            "with nmap compose paste"
+        )
+    rows, cols = base.frame.shape
+    matrix = np.array([[cols / detail.frame.cols, 0.0, 0.0], [0.0, rows / detail.frame.rows, 0.0]])
+    piece = map_piece(
+        Piece(detail.normals, detail.coverage, detail.foreground), matrix, (0, 0, cols, rows), name=detail.name
+    )
+    return NormalMap(piece.normals, piece.coverage, base.frame, piece.foreground, detail.name, detail.decoding)

@@ -1,0 +1,211 @@
+"""Layers composed on one canvas; a paste is a stack whose lowest layer is the background."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TypeGuard
+
+from nmaptool.composition.compositor import Canvas, canvas_of, clear_canvas, compose_onto
+from nmaptool.composition.placement import is_uneven
+from nmaptool.core.errors import InputError, LimitError, UsageError
+from nmaptool.core.progress import Progress
+from nmaptool.core.units import Length
+from nmaptool.core.vectors import mean_abs_curl
+from nmaptool.options import CanvasOptions, LayerOptions
+from nmaptool.options.compose import ANCHORS
+from nmaptool.options.plain_values import plain_values
+from nmaptool.types.composition import ComposeReport, Composition
+from nmaptool.types.layers import Layer, LayerGroup
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.picture import Frame
+
+# pitches that differ by more are no rounding
+_SAME_PITCH = 0.01
+_SAME_PLACE_PX = 1e-3
+
+
+def compose(
+    layers: Sequence[Layer | LayerGroup],
+    canvas: CanvasOptions | None = None,
+    *,
+    max_megapixels: float = 270.0,
+    progress: Progress | None = None,
+) -> Composition:
+    """Compose layers, from the lowest to the topmost.
+
+    Parameters
+    ----------
+    layers : sequence of Layer or LayerGroup
+        Where the lowest is a plain layer of the canvas's size, "over" and unmoved, it is the ground of the others.
+    canvas : CanvasOptions, optional
+    max_megapixels : float
+        Refuse a larger canvas.
+    progress : callable, optional
+        Called with a word and the share done.
+
+    Returns
+    -------
+    Composition
+
+    Raises
+    ------
+    InputError
+        If there is no layer, or one lies off the canvas, covers nothing or lies on nothing.
+    UsageError
+        If a length is in mm and the size of a pixel is not known.
+    LimitError
+        If the canvas is larger than ``max_megapixels``.
+    """
+    if not layers:
+        raise InputError("nothing to compose: give at least one layer")
+    canvas = canvas or CanvasOptions()
+    frame = canvas_frame(layers, canvas)
+    if frame.rows * frame.cols > max_megapixels * 1e6:
+        raise LimitError(
+            f"a canvas of {frame} is {frame.rows * frame.cols / 1e6:.0f} megapixels, more than the limit of "
+            f"{max_megapixels:g}; make it smaller or raise --max-megapixels"
+        )
+    first = layers[0]
+    if is_ground(first, frame, canvas):
+        return _composed("stack", canvas_of(first.normal_map, frame), layers[1:], canvas, progress)
+    return _composed("stack", clear_canvas(frame, canvas.ground), layers, canvas, progress, lowest=True)
+
+
+def paste(
+    background: NormalMap,
+    layers: Sequence[Layer | LayerGroup],
+    *,
+    width: Length | None = None,
+    progress: Progress | None = None,
+) -> Composition:
+    """Paste layers on a background, from the lowest to the topmost.
+
+    Parameters
+    ----------
+    background : NormalMap
+        The result has its size and, where nothing covers it, its normals in every bit.
+    layers : sequence of Layer or LayerGroup
+        A layer brings its motif along, not a flat background around it.
+    width : Length, optional
+        Width of the whole picture; gives mm a meaning. Default: the background's own pitch.
+    progress : callable, optional
+
+    Returns
+    -------
+    Composition
+
+    Raises
+    ------
+    InputError
+        If a layer lies off the canvas, covers nothing or lies on nothing.
+    UsageError
+        If a length is in mm and the size of a pixel is not known.
+    """
+    canvas = CanvasOptions(width=width)
+    frame = _with_pitch(background.frame, canvas)
+    return _composed("paste", canvas_of(background, frame), layers, canvas, progress)
+
+
+def _composed(
+    command: str,
+    canvas: Canvas,
+    layers: Sequence[Layer | LayerGroup],
+    options: CanvasOptions,
+    progress: Progress | None,
+    lowest: bool = False,
+) -> Composition:
+    start = time.perf_counter()
+    begun = bool(canvas.coverage.any()) and not lowest
+    before = mean_abs_curl(canvas.normals, canvas.coverage >= 0.5) if begun else None
+    done = 0
+
+    def tell(name: str) -> None:
+        nonlocal done
+        if progress is not None:
+            progress("composing", done / _count(layers))
+        done += 1
+
+    compose_onto(canvas, layers, lowest=lowest, progress=tell)
+    result = NormalMap(canvas.normals, canvas.coverage, canvas.frame, canvas.foreground, name=command)
+    report = ComposeReport(
+        command=command,
+        options=plain_values(options),
+        layers=tuple(canvas.accounts),
+        curl_before=before,
+        curl_after=mean_abs_curl(result.normals, result.coverage >= 0.5),
+        seconds={"compose": round(time.perf_counter() - start, 4)},
+        warnings=tuple(_doubts(layers, canvas.frame)),
+    )
+    return Composition(result, canvas.placed, report)
+
+
+def _count(layers: Sequence[Layer | LayerGroup]) -> int:
+    return sum(1 + _count(each.layers) if isinstance(each, LayerGroup) else 1 for each in layers)
+
+
+def _first_map(layers: Sequence[Layer | LayerGroup]) -> NormalMap:
+    first = layers[0]
+    return _first_map(first.layers) if isinstance(first, LayerGroup) else first.normal_map
+
+
+def canvas_frame(layers: Sequence[Layer | LayerGroup], canvas: CanvasOptions) -> Frame:
+    """The canvas's size and pitch: what the options say, else the lowest layer's."""
+    lowest = _first_map(layers).frame
+    if canvas.cols_rows is None:
+        return _with_pitch(lowest, canvas)
+    cols, rows = canvas.cols_rows
+    return _with_pitch(Frame(rows, cols, lowest.pitch_mm), canvas)
+
+
+def _with_pitch(frame: Frame, canvas: CanvasOptions) -> Frame:
+    if canvas.width is None:
+        return frame
+    return replace(frame, pitch_mm=canvas.width.to_mm(1.0, 1) / frame.cols)
+
+
+def is_ground(layer: Layer | LayerGroup, frame: Frame, canvas: CanvasOptions) -> TypeGuard[Layer]:
+    """Whether a lowest layer is the canvas itself: laid as it is, however its place is put into words."""
+    if isinstance(layer, LayerGroup) or canvas.ground != "clear":
+        return False
+    o = layer.options
+    if layer.mask is not None or layer.normal_map.frame.shape != frame.shape:
+        return False
+    # the way a layer is turned and scaled about has no say where it is neither
+    plain = replace(o, name="", at=None, anchor="center", scale="1", clip="auto", height_factor=None)
+    if plain != LayerOptions() or o.factors != (1.0, 1.0) or o.height_factor not in (None, 1.0):
+        return False
+    sides = (frame.cols, frame.rows)
+    try:
+        place = [d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, sides, strict=True)]
+    except UsageError:  # mm without a pitch: said where the layer is placed
+        return False
+    return all(
+        abs(at - part * side) < _SAME_PLACE_PX for at, part, side in zip(place, ANCHORS[o.anchor], sides, strict=True)
+    )
+
+
+def _doubts(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
+    """What may not be meant: pixels of another size taken pixel for pixel, heights kept under a stretched picture."""
+    doubts: list[str] = []
+    for layer in layers:
+        if isinstance(layer, LayerGroup):
+            doubts += _doubts(layer.layers, frame)
+            continue
+        own, o = layer.normal_map.frame.pitch_mm, layer.options
+        if own is not None and frame.pitch_mm is not None and o.scale == "1":
+            factor = own / frame.pitch_mm
+            if abs(factor - 1) > _SAME_PITCH:
+                doubts.append(
+                    f"{layer.name}: its pixels are {own:.4g} mm, the canvas's {frame.pitch_mm:.4g} mm; to keep its "
+                    f"size in mm, give it the scale {factor:.4g}"
+                )
+        factors = o.factors
+        if not isinstance(factors, Length) and o.height_factor is None and is_uneven(factors):
+            even = (factors[0] * factors[1]) ** 0.5
+            doubts.append(
+                f"{layer.name}: is stretched, so its heights stay and its slopes change by {1 / factors[0]:.3g} across "
+                f"and {1 / factors[1]:.3g} down; the height factor {even:.3g} keeps them on the whole"
+            )
+    return doubts

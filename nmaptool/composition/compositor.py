@@ -1,0 +1,234 @@
+"""The order, coverage and groups of layers on one canvas."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from nmaptool.composition.blend_modes import blend
+from nmaptool.composition.edges import detail_weight, feathered
+from nmaptool.composition.placement import (
+    Piece,
+    bounds,
+    is_exact,
+    linear_part,
+    map_piece,
+    scale_factors,
+    with_fixed_point,
+)
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.vectors import FLAT, unit
+from nmaptool.options.compose import ANCHORS
+from nmaptool.types.layers import Layer, LayerGroup, check_mask
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.picture import Frame
+
+
+@dataclass(eq=False)
+class Canvas:
+    """What lies on a canvas so far; changed by `lay` alone.
+
+    Attributes
+    ----------
+    frame : Frame
+    normals, coverage, foreground
+        As in `nmaptool.NormalMap`.
+    placed : (H, W) float32
+        Coverage of what was laid on, without the lowest.
+    accounts : list of dict
+        What became of each layer.
+    """
+
+    frame: Frame
+    normals: Float32
+    coverage: Float32
+    foreground: Mask
+    placed: Float32
+    accounts: list[dict[str, Any]]
+
+
+def clear_canvas(frame: Frame, ground: str) -> Canvas:
+    """A canvas with nothing on it: transparent, or a flat plate."""
+    normals = np.empty((*frame.shape, 3), np.float32)
+    normals[...] = FLAT
+    coverage = np.full(frame.shape, 1 if ground == "flat" else 0, np.float32)
+    return Canvas(frame, normals, coverage, np.zeros(frame.shape, bool), np.zeros(frame.shape, np.float32), [])
+
+
+def canvas_of(base: NormalMap, frame: Frame) -> Canvas:
+    """A canvas with a map of its size on it, as it is."""
+    copies = (base.normals.copy(), base.coverage.copy(), base.foreground.copy())
+    return Canvas(frame, *copies, np.zeros(frame.shape, np.float32), [])
+
+
+def compose_onto(
+    canvas: Canvas,
+    layers: Sequence[Layer | LayerGroup],
+    *,
+    in_group: bool = False,
+    lowest: bool = False,
+    progress: Callable[[str], None] = lambda name: None,
+) -> Canvas:
+    """Lay layers on a canvas, which is changed, from the lowest to the topmost.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    layers : sequence of Layer or LayerGroup
+    in_group : bool
+        Details inside a group are not clipped, since the group is.
+    lowest : bool
+        The first of the layers is the ground of the others.
+    progress : callable
+        Told the name of each layer.
+
+    Raises
+    ------
+    InputError
+        If a layer lies off the canvas, covers nothing or lies on nothing.
+    UsageError
+        If a length is in mm and the canvas's pitch is not known.
+    """
+    for number, layer in enumerate(layers):
+        progress(layer.name)
+        if isinstance(layer, LayerGroup):
+            inner = compose_onto(clear_canvas(canvas.frame, "clear"), layer.layers, in_group=True, progress=progress)
+            own = shown = inner.coverage
+            if layer.mask is not None:
+                check_mask(layer.mask, layer.name, canvas.frame.shape, layer.mask_name)
+                shown = own * layer.mask
+            piece = Piece(inner.normals, shown, inner.foreground)
+            within = {"layers": inner.accounts}
+        else:
+            (piece, own), within = place(layer, canvas.frame), {}
+        o = layer.options
+        clip = o.clip == "yes" or (o.clip == "auto" and o.mode != "over" and not in_group)
+        share = _lay(canvas, piece, own, layer, clip, counts=number > 0 or not lowest)
+        rows, cols = piece.coverage.shape
+        box = [piece.left, piece.top, cols, rows]
+        account = {"name": layer.name, "mode": o.mode, "strength": o.strength, "box_px": box, "share": share}
+        canvas.accounts.append({**account, **within})
+    return canvas
+
+
+def motif_coverage(normal_map: NormalMap) -> Float32:
+    """(H, W) coverage without a background that is a defined, flat part of the map: what a layer brings along."""
+    beside = (normal_map.coverage == 1) & ~normal_map.foreground
+    return np.where(beside, np.float32(0), normal_map.coverage)
+
+
+def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
+    """A layer on its place: moved, turned, masked, feathered, cut to the canvas.
+
+    Returns
+    -------
+    piece : Piece
+    own : (h, w) float32
+        Its coverage without mask and feather, which modes other than "over" ask for.
+
+    Raises
+    ------
+    InputError
+        If it lies off the canvas.
+    UsageError
+        If a length is in mm and the canvas's pitch is not known.
+    """
+    source, o = layer.normal_map, layer.options
+    coverage = motif_coverage(source)
+    rows, cols = source.frame.shape
+    linear = linear_part(scale_factors(o.factors, frame, cols), o.flip_h, o.flip_v, o.rotate)
+    share_across, share_down = ANCHORS[o.anchor]
+    try:
+        across, down = (
+            d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, (frame.cols, frame.rows), strict=True)
+        )
+        longer = float(np.max(np.linalg.norm(linear, axis=0) * (cols, rows)))  # as it lies on the canvas
+        feather = 0.0 if o.feather is None else o.feather.to_px(frame.pitch_mm, round(longer))
+    except UsageError as error:
+        raise UsageError(f"{layer.name}: {error}") from None
+    matrix = with_fixed_point(linear, (share_across * cols, share_down * rows), (across, down))
+    left, top, right, bottom = bounds(matrix, cols, rows)
+    if left >= frame.cols or top >= frame.rows or right <= 0 or bottom <= 0:
+        raise InputError(
+            f"{layer.name}: lies fully off the canvas of {frame} px: from {left},{top} to {right},{bottom} px; "
+            "place it with --at"
+        )
+    # a soft edge looks beyond the canvas: what goes on there has no edge
+    beyond = int(np.ceil(feather)) + 1 if feather else 0
+    rim = 0 if is_exact(linear) else 1  # interpolation reaches half a pixel farther
+    left, top = max(left - rim, -beyond), max(top - rim, -beyond)
+    right, bottom = min(right + rim, frame.cols + beyond), min(bottom + rim, frame.rows + beyond)
+    window = (left, top, right - left, bottom - top)
+
+    def mapped(shown: Float32) -> Piece:
+        return map_piece(Piece(source.normals, shown, source.foreground), matrix, window, o.height_factor, layer.name)
+
+    piece = mapped(coverage if layer.mask is None else coverage * layer.mask)
+    own = piece if layer.mask is None or o.mode == "over" else mapped(coverage)
+    if feather:
+        piece = replace(piece, coverage=feathered(piece.coverage, feather))
+    return _cut(piece, frame), _cut(own, frame).coverage
+
+
+def _cut(piece: Piece, frame: Frame) -> Piece:
+    """The part of a piece on the canvas."""
+    y0, x0 = max(0, -piece.top), max(0, -piece.left)
+    rows, cols = piece.coverage.shape
+    part = np.s_[y0 : min(rows, frame.rows - piece.top), x0 : min(cols, frame.cols - piece.left)]
+    return Piece(piece.normals[part], piece.coverage[part], piece.foreground[part], piece.left + x0, piece.top + y0)
+
+
+def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, clip: bool, *, counts: bool) -> float:
+    """Lay a piece on the canvas, which is changed; the share of the canvas that it covers."""
+    name, mode, strength = layer.name, layer.options.mode, layer.options.strength
+    rows, cols = piece.coverage.shape
+    window = np.s_[piece.top : piece.top + rows, piece.left : piece.left + cols]
+    below, above = canvas.coverage[window], piece.coverage
+    if not above.any():
+        raise InputError(
+            f"{name}: covers nothing where it lies; look at its mask, its alpha, its place and its scale; a flat "
+            "background is not brought along"
+        )
+    if clip and not (above * below).any():
+        raise InputError(f'{name}: lies on nothing: mode "{mode}" changes what is below; use mode "over", or clip "no"')
+    if strength == 0:
+        return 0.0
+    if mode == "over":
+        shown = above * np.float32(strength)
+        if clip:
+            shown = shown * below
+        outcome = below if clip else below + shown * (1 - below)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            share = np.where(outcome > 0, shown / outcome, 0).astype(np.float32).clip(0, 1)
+        canvas.normals[window] = mixed(canvas.normals[window], piece.normals, share)
+        motif = np.where(share >= 0.5, piece.foreground, canvas.foreground[window])
+    else:
+        # what is not clipped widens the surface by what reaches beyond it
+        weight = detail_weight(above, own if clip else above, below)
+        canvas.normals[window] = blend(canvas.normals[window], piece.normals, mode, weight * np.float32(strength))
+        outcome = below if clip else np.maximum(below, above)
+        shown = weight * below if clip else above
+        motif = canvas.foreground[window] | (piece.foreground & (shown >= 0.5))
+    canvas.coverage[window] = outcome
+    canvas.foreground[window] = motif
+    gone = outcome <= 0
+    if gone.any():
+        canvas.normals[window][gone] = FLAT
+    if counts:
+        placed = canvas.placed[window]
+        canvas.placed[window] = placed + shown * (1 - placed)
+    return float(shown.sum(dtype=np.float64) / canvas.coverage.size)
+
+
+def mixed(below: Float32, above: Float32, share: Float32) -> Float32:
+    """Unit normals on the way from ``below`` to ``above``; the ends in every bit."""
+    out = np.where((share >= 1)[..., None], above, below)
+    soft = (share > 0) & (share < 1)
+    if soft.any():
+        under, over = below[soft], above[soft]
+        out[soft] = unit(under + share[soft][:, None] * (over - under))
+    return out

@@ -1,0 +1,188 @@
+"""A stored picture as a normal map for another kind of file: what is sound keeps its codes, the rest is repaired."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.vectors import mean_abs_curl, unit
+from nmaptool.maps import codec
+from nmaptool.maps.decoding import decode_normal_map, raw_vectors
+from nmaptool.options import Bits, ReadOptions, WriteOptions
+from nmaptool.options.plain_values import plain_values
+from nmaptool.types.composition import Composition
+from nmaptool.types.conversion import ConvertReport
+from nmaptool.types.normal_map import Decoding, NormalMap
+from nmaptool.types.picture import RasterImage
+
+# lengths of unit vectors stored in 16 bits (floats may have been that) and as half floats are off by less
+_ROUNDED, _HALF_ROUNDED = 3e-5, 6e-4
+# what is written stays so many codes from where it was rounded to, so that rounding it again changes nothing; the
+# narrower, the less it minds being stored as half floats on the way
+_CODE_BOXES = (0.44, 0.49, 0.498)
+_NEARLY_UNIT = 3e-6
+# the middle is zero after all where it makes the mean length so much better
+_BETTER_LENGTH = 0.8
+_SAMPLE = 100_000
+
+
+def convert_image(
+    image: RasterImage, bits: Bits, reading: ReadOptions | None = None, writing: WriteOptions | None = None
+) -> tuple[Composition, WriteOptions]:
+    """Read a picture so that writing it loses nothing, and say what is done to it.
+
+    Parameters
+    ----------
+    image : RasterImage
+    bits : str
+        "8", "16", "half" or "float": what will be written.
+    reading : ReadOptions, optional
+    writing : WriteOptions, optional
+
+    Returns
+    -------
+    composition : Composition
+        Its report is a `ConvertReport`. A vector whose length is off by no more than rounding stays as stored (of 8-bit
+        codes: becomes the unit vector that rounds to them), so that its codes come back.
+    writing : WriteOptions
+        With ``bits`` and the zero code settled.
+
+    Raises
+    ------
+    InputError, UsageError
+        As `nmaptool.decode_normal_map`.
+    """
+    reading, writing = reading or ReadOptions(), writing or WriteOptions()
+    start = time.perf_counter()
+    read = _read(image, reading)
+    own = read.decoding.zero_code
+    zero = writing.write_zero_code
+    if zero == "auto":
+        zero = own if own in codec.ZERO_CODES else "127.5"  # type: ignore[assignment]
+    writing = replace(writing, bits=bits, write_zero_code=zero)
+    stored = _signed(raw_vectors(image, read.decoding), read.decoding)
+    as_stored = unit(stored)
+    untouched = (read.normals == as_stored).all(axis=-1)
+    normals, off, largest = _kept_where_sound(image, stored, read, untouched)
+    result = replace(read, normals=normals)
+    defined = read.coverage > 0
+    flattened = ~untouched & defined & ~read.foreground & (read.decoding.background == "flat")
+    inside = read.foreground
+    report = ConvertReport(
+        command="convert",
+        options={**plain_values(reading), **plain_values(writing)},
+        curl_before=mean_abs_curl(as_stored, inside),
+        curl_after=mean_abs_curl(_as_written(normals, writing), inside),
+        seconds={"convert": round(time.perf_counter() - start, 4)},
+        source=_source(image, read.decoding),
+        target={
+            "bits": bits,
+            "green": writing.write_green,
+            "zero_code": zero if bits in ("8", "16") else "0",
+            "alpha": bool((read.coverage < 1).any()),
+        },
+        vectors=int(defined.sum()),
+        off_length=int(off.sum()),
+        off_length_largest=largest,
+        rim_pixels=read.decoding.rim_pixels,
+        flattened=int(flattened.sum()),
+    )
+    return Composition(result, np.zeros(read.frame.shape, np.float32), report), writing
+
+
+def _read(image: RasterImage, reading: ReadOptions) -> NormalMap:
+    """A picture read; where only its flat code told its zero, the lengths of all the others are heard, too.
+
+    Writers that round store flat as 128 although their zero is the middle, 127.5.
+    """
+    read = decode_normal_map(image, reading)
+    if read.decoding.zero_code_from != "found":
+        return read
+    middle = replace(read.decoding, zero_code="127.5")
+    own, other = (_mean_length_error(raw_vectors(image, each)[read.foreground]) for each in (read.decoding, middle))
+    if other >= _BETTER_LENGTH * own:
+        return read
+    read = decode_normal_map(image, replace(reading, zero_code="127.5"))
+    return replace(read, decoding=replace(read.decoding, zero_code_from="found"))
+
+
+def _mean_length_error(vectors: Float32) -> float:
+    sample = vectors[:: max(1, len(vectors) // _SAMPLE)].astype(np.float64)
+    return float(np.abs(np.linalg.norm(sample, axis=1) - 1).mean()) if len(sample) else 0.0
+
+
+def _source(image: RasterImage, decoding: Decoding) -> dict[str, Any]:
+    bits = {16: "half", 32: "float"}[image.bits] if image.is_float else str(image.bits)
+    names = ("green", "swizzle", "zero_code", "encoding", "components", "background")
+    return {
+        "bits": bits,
+        "channels": list(image.channels),
+        "lossy": image.lossy,
+        **{name: getattr(decoding, name) for name in names},
+    }
+
+
+def _signed(vectors: Float32, decoding: Decoding) -> Float32:
+    """Stored vectors with the signs that the swizzle and green say, in eye space."""
+    signs = [sign for _, sign in codec.parse_swizzle(decoding.swizzle)]
+    if decoding.green == "down":
+        signs[1] = -signs[1]
+    return vectors * np.array(signs, np.float32) + np.float32(0)  # + 0: flat gives 0, not -0
+
+
+def _kept_where_sound(
+    image: RasterImage, stored: Float32, read: NormalMap, untouched: Mask
+) -> tuple[Float32, Mask, float]:
+    """Normals that write the codes they were read from, where these are those of a unit vector; where they are not."""
+    if read.decoding.encoding != "signed":
+        image = codec.narrowed(image)
+    error = np.abs(np.sqrt(np.einsum("ijk,ijk->ij", stored, stored, dtype=np.float64)) - 1)
+    normals = read.normals.copy()
+    if image.max_code == 255:
+        sound = untouched.copy()
+        step = 1 / codec.zero_and_scale(read.decoding.zero_code, image.max_code)[1]
+        normals[untouched], sound[untouched] = _unit_within(stored[untouched], step)
+    else:
+        tolerance = _HALF_ROUNDED if image.is_float and image.bits == 16 else _ROUNDED
+        sound = untouched & (error <= tolerance)
+        normals[sound] = stored[sound]
+    off = untouched & ~sound & (read.coverage > 0)
+    return normals, off, float(error[off].max(initial=0))
+
+
+def _unit_within(vectors: Float32, step: float) -> tuple[Float32, Mask]:
+    """Unit vectors that round to the same codes as (N, 3) ``vectors``, which are codes themselves; and where.
+
+    Elsewhere the vectors are normalised.
+    """
+    out = unit(vectors)
+    found = np.ones(len(out), bool)
+    left = np.flatnonzero((np.abs(out - vectors) > _CODE_BOXES[0] * step).any(axis=1))
+    for size in _CODE_BOXES:
+        # from the middle of the code's box to its corner on the sphere's side, as far as the sphere
+        middle = vectors[left].astype(np.float64)
+        square = np.einsum("ij,ij->i", middle, middle)
+        move = -np.sign(square - 1)[:, None] * np.sign(middle) * size * step
+        a, b = np.einsum("ij,ij->i", move, move), 2 * np.einsum("ij,ij->i", middle, move)
+        root = np.sqrt(np.maximum(b * b - 4 * a * (square - 1), 0))
+        share = 2 * (1 - square) / np.where(b < 0, b - root, b + root + 1e-30)
+        corner = middle + share.clip(0, 1)[:, None] * move
+        near = np.abs(np.linalg.norm(corner, axis=1) - 1) <= _NEARLY_UNIT
+        out[left[near]] = corner[near]
+        left = left[~near]
+    found[left] = False
+    return out, found
+
+
+def _as_written(normals: Float32, writing: WriteOptions) -> Float32:
+    """What a reader will make of the normals once they are stored."""
+    if writing.bits == "float":
+        return normals
+    if writing.bits == "half":
+        return unit(normals.astype(np.float16).astype(np.float32))
+    codes = codec.encode_codes(normals, int(writing.bits), writing.write_zero_code)
+    return unit(codec.decode_codes(codes, writing.write_zero_code))

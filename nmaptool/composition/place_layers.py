@@ -1,0 +1,97 @@
+"""The layers of a composition, each on its place: what a workspace holds of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from nmaptool.composition.compose import canvas_frame, is_ground
+from nmaptool.composition.compositor import clear_canvas, compose_onto, place
+from nmaptool.composition.placement import Piece
+from nmaptool.core.errors import InputError
+from nmaptool.options import CanvasOptions, GroupOptions
+from nmaptool.types.layers import Layer, LayerGroup, check_mask
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.packed_map import PackedMap
+from nmaptool.types.picture import Frame
+
+
+def place_layers(
+    layers: Sequence[Layer | LayerGroup], canvas: CanvasOptions | None = None
+) -> tuple[tuple[PackedMap, ...], Frame]:
+    """Layers moved, turned, masked and feathered for a canvas, as `nmaptool.pack` takes them.
+
+    Parameters
+    ----------
+    layers : sequence of Layer or LayerGroup
+        From the lowest to the topmost. A group all of whose layers lie "over" keeps them, within a group of that name.
+        Any other becomes one layer, since an editor has no group whose details change the group alone; so does one with
+        a mode, strength or mask of its own.
+    canvas : CanvasOptions, optional
+
+    Returns
+    -------
+    layers : tuple of PackedMap
+        Cut to what they cover; their vectors are turned, their masks and soft edges are part of their coverage.
+    frame : Frame
+        The canvas.
+
+    Raises
+    ------
+    InputError
+        If there is no layer, or one lies off the canvas or covers nothing.
+    UsageError
+        If a length is in mm and the size of a pixel is not known.
+    """
+    if not layers:
+        raise InputError("nothing to pack: give at least one layer")
+    canvas = canvas or CanvasOptions()
+    frame = canvas_frame(layers, canvas)
+    first = layers[0]
+    if is_ground(first, frame, canvas):  # with its flat background, which other layers do not bring along
+        ground = PackedMap(replace(first.normal_map, frame=frame), first.options.name)
+        return (ground, *_placed(layers[1:], frame, ())), frame
+    return tuple(_placed(layers, frame, ())), frame
+
+
+def _placed(layers: Sequence[Layer | LayerGroup], frame: Frame, group: tuple[str, ...]) -> list[PackedMap]:
+    found: list[PackedMap] = []
+    for layer in layers:
+        if isinstance(layer, Layer):
+            found.append(_packed(place(layer, frame)[0], layer, frame, group))
+        elif layer.mask is None and layer.options == GroupOptions(layer.name) and _all_over(layer):
+            found += _placed(layer.layers, frame, (*group, layer.name))
+        else:
+            inner = compose_onto(clear_canvas(frame, "clear"), layer.layers, in_group=True)
+            if layer.mask is not None:
+                check_mask(layer.mask, layer.name, frame.shape)
+                inner.coverage *= layer.mask
+            found.append(_packed(Piece(inner.normals, inner.coverage, inner.foreground), layer, frame, group))
+    return found
+
+
+def _all_over(group: LayerGroup) -> bool:
+    return all(
+        layer.options.mode == "over" and (isinstance(layer, Layer) or _all_over(layer)) for layer in group.layers
+    )
+
+
+def _packed(piece: Piece, layer: Layer | LayerGroup, frame: Frame, group: tuple[str, ...]) -> PackedMap:
+    """A piece cut to what it covers."""
+    rows, cols = (np.flatnonzero(piece.coverage.any(axis=axis)) for axis in (1, 0))
+    if not rows.size:
+        raise InputError(f"{layer.name}: covers nothing where it lies; look at its mask, its alpha and its place")
+    part = slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
+    coverage = piece.coverage[part]
+    own = NormalMap(
+        piece.normals[part],
+        coverage,
+        Frame(coverage.shape[0], coverage.shape[1], frame.pitch_mm),
+        piece.foreground[part],
+        name=layer.name,
+    )
+    left, top = piece.left + part[1].start, piece.top + part[0].start
+    o = layer.options
+    return PackedMap(own, o.name, left, top, o.mode, o.strength, group=group)

@@ -1,0 +1,242 @@
+"""What a designer wrote in a recipe, checked key by key."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+from pathlib import PurePath
+from typing import Any
+
+from nmaptool.core.errors import InputError, LimitError, UsageError
+from nmaptool.core.units import offset
+from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
+from nmaptool.types.recipe import DEEPEST, READ_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
+
+# an example of what each key takes; its type is the one accepted
+_SUCH_AS: dict[str, Any] = {
+    "file": "bunny.exr",
+    "recipe": "ornaments.toml",
+    "mask": "mask.png",
+    "hidden": True,
+    "name": "bunny",
+    "mode": "over",
+    "strength": 0.8,
+    "at": "30%,50%",
+    "anchor": "bottom",
+    "scale": 0.5,
+    "rotate": 30.0,
+    "flip_h": True,
+    "flip_v": True,
+    "feather": "6px",
+    "height_factor": 1.0,
+    "clip": "no",
+    "size": "1000x900",
+    "width": "100mm",
+    "ground": "flat",
+    "layer": "detail",
+    "green": "down",
+    "swizzle": "-g,r,b",
+    "zero_code": "128",
+    "encoding": "signed",
+    "background_color": "white",
+}
+_PLACE_KEYS = tuple(f.name for f in fields(LayerOptions))
+_GROUP_OPTIONS = tuple(f.name for f in fields(GroupOptions))
+_CANVAS_KEYS = tuple(f.name for f in fields(CanvasOptions))
+_CONTENTS = ("file", "recipe", "layer")
+LAYER_KEYS = ("file", *_PLACE_KEYS, "mask", "hidden", "read")
+GROUP_KEYS = ("layer", "recipe", *_GROUP_OPTIONS, "mask", "hidden")
+_ALL_KEYS = tuple(dict.fromkeys((*LAYER_KEYS, *GROUP_KEYS)))
+_LONGEST_SHOWN = 60
+
+
+def parse_recipe(values: Mapping[str, Any], name: str = "recipe", folder: str = "") -> Recipe:
+    """A recipe from a mapping, as ``tomllib`` reads it.
+
+    Parameters
+    ----------
+    values : mapping
+        ``canvas`` (table, optional) and ``layer`` (list of tables); the keys are those of the options, with _ or -.
+    name : str
+        What to call the recipe in messages.
+    folder : str
+        What its files are relative to.
+
+    Raises
+    ------
+    InputError
+        One line that says where, which key, what was found and what is accepted.
+    LimitError
+        If groups lie too deep in each other.
+    """
+    known = _known(values, ("canvas", "layer"), name)
+    canvas = CanvasOptions()
+    if "canvas" in known:
+        where = f"{name}: canvas"
+        table = _known(_table(known["canvas"], where, "[canvas]"), _CANVAS_KEYS, where)
+        canvas = _options(CanvasOptions, _typed(table, where), where)
+    layers = _entries(known["layer"], name, "", 1) if "layer" in known else ()
+    return Recipe(layers, canvas, name, folder)
+
+
+def _entries(found: Any, name: str, number: str, depth: int) -> tuple[Entry, ...]:
+    where = f"{name}: layer {number.rstrip('.')}" if number else name
+    if depth > DEEPEST:
+        raise LimitError(f"{where}: groups lie more than {DEEPEST} deep in each other; flatten them")
+    brackets = "layer." * number.count(".") + "layer"
+    if isinstance(found, Mapping):
+        raise InputError(f"{where}: [{brackets}] is one table; write [[{brackets}]], with double brackets")
+    if not isinstance(found, list | tuple):
+        raise InputError(f"{where}: layer: found {_shown(found)}, expected tables [[{brackets}]]")
+    return tuple(_entry(each, name, f"{number}{i}", depth) for i, each in enumerate(found, start=1))
+
+
+def _entry(found: Any, name: str, number: str, depth: int) -> Entry:
+    """A layer, a group or a link, by what it holds."""
+    where = f"{name}: layer {number}"
+    table = _table(found, where, "[[layer]]")
+    where += _called(table)
+    known = _known(table, _ALL_KEYS, where)
+    holds = [key for key in _CONTENTS if key in known]
+    if len(holds) != 1 or (holds == ["layer"] and not known["layer"]):
+        what = " and ".join(holds) if len(holds) > 1 else "neither file, recipe nor layers"
+        remedy = "give one of them: file (a normal map), recipe (another recipe) or [[layer.layer]] (a group)"
+        raise InputError(f"{where}: holds {what}; {remedy}")
+    (kind,) = holds
+    own = LAYER_KEYS if kind == "file" else GROUP_KEYS
+    for key in known:
+        if key not in own:
+            what = "recipe" if kind == "recipe" else "group"
+            raise InputError(f"{where}: {key}: is for a layer with a file, not for a {what}; give it to its layers")
+    values = _typed({key: value for key, value in known.items() if key not in ("read", "layer")}, where)
+    common = {"mask": values.pop("mask", None), "hidden": values.pop("hidden", False), "origin": where}
+    if common["mask"] == "":
+        raise InputError(f"{where}: mask: found nothing, expected the name of a grey picture")
+    if kind == "file":
+        file = values.pop("file")
+        read = _read(known.get("read", {}), f"{where}: read")
+        return RecipeLayer(file, _options(LayerOptions, values, where), read=read, **common)
+    if kind == "recipe":
+        recipe = values.pop("recipe")
+        return RecipeLink(recipe, _options(GroupOptions, {"name": recipe, **values}, where), **common)
+    options = _options(GroupOptions, values, where)
+    return RecipeGroup(_entries(known["layer"], name, f"{number}.", depth + 1), options, **common)
+
+
+def _read(found: Any, where: str) -> dict[str, Any]:
+    given = _typed(_known(_table(found, where, "[layer.read]"), READ_KEYS, where), where)
+    _options(ReadOptions, given, where)
+    return given
+
+
+def _called(table: Mapping[str, Any]) -> str:
+    """`` (bunny)``: the layer's name, or its file's."""
+    name = table.get("name") or table.get("file") or table.get("recipe")
+    if not isinstance(name, str) or not name:
+        return ""
+    name = name if table.get("name") else PurePath(name).name
+    printable = "".join(c if c.isprintable() else " " for c in name)
+    return f" ({_cut(' '.join(printable.split()))})"
+
+
+def _table(found: Any, where: str, example: str) -> Mapping[str, Any]:
+    if not isinstance(found, Mapping):
+        raise InputError(f"{where}: found {_shown(found)}, expected a table {example}")
+    return found
+
+
+def _known(table: Mapping[str, Any], accepted: Iterable[str], where: str) -> dict[str, Any]:
+    """The table with _ in its keys, all of them known."""
+    accepted = tuple(accepted)
+    known: dict[str, Any] = {}
+    for written, value in table.items():
+        key = written.replace("-", "_")
+        if key not in accepted:
+            near = difflib.get_close_matches(key.lower(), accepted, 1)
+            remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(accepted)}"
+            raise InputError(f"{where}: unknown key {_cut(written)!r}; {remedy}")
+        if key in known:
+            raise InputError(f"{where}: {key}: is there twice, with _ and with -; take one out")
+        known[key] = value
+    return known
+
+
+def _typed(table: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """The values as the options want them."""
+    return {key: _value(key, value, f"{where}: {key}") for key, value in table.items()}
+
+
+def _value(key: str, value: Any, where: str) -> Any:
+    example = _SUCH_AS[key]
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if key == "scale" and isinstance(value, str):
+        return value
+    if isinstance(example, float):
+        if not is_number:
+            more = ', text such as "0.5,0.7" or "30mm"' if key == "scale" else ""
+            raise InputError(f"{where}: found {_shown(value)}, expected a number such as {example:g}{more}")
+        try:
+            number = float(value)
+        except OverflowError:
+            raise InputError(f"{where}: found {_shown(value)}, which is too large") from None
+        return number_text(number) if key == "scale" else number
+    if isinstance(example, bool):
+        if not isinstance(value, bool):
+            raise InputError(f"{where}: found {_shown(value)}, expected true or false")
+        return value
+    if not isinstance(value, str):
+        raise InputError(f'{where}: found {_shown(value)}, expected text in quotes, such as "{example}"')
+    if key == "feather":
+        try:
+            return offset(value)
+        except UsageError as error:
+            raise InputError(f"{where}: {error}") from None
+    return value
+
+
+def _options(kind: Any, given: Mapping[str, Any], where: str) -> Any:
+    """Options of that kind; what they refuse is told in the recipe's words."""
+    try:
+        return kind(**given)
+    except UsageError as error:
+        raise InputError(f"{where}: {in_recipe_words(str(error))}") from None
+
+
+def in_recipe_words(text: str) -> str:
+    """A message about flags as one about keys.
+
+    >>> in_recipe_words("--height-factor 5000: must lie between -1000 and 1000")
+    'height_factor 5000: must lie between -1000 and 1000'
+    """
+    return re.sub(r"^--([a-z]+(?:-[a-z]+)*)", lambda flag: flag[1].replace("-", "_"), text)
+
+
+def number_text(number: float) -> str:
+    """The shortest text that is that number again.
+
+    >>> number_text(12.0), number_text(0.1)
+    ('12', '0.1')
+    """
+    text = repr(number)
+    return text.removesuffix(".0")
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
+
+
+def _shown(value: Any) -> str:
+    """A value as the recipe has it, with its type."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return f"the text {_cut(value)!r}"
+    if isinstance(value, int):  # Python refuses to print integers of thousands of digits
+        return f"the number {value}" if abs(value) < 10**30 else "a number of more than 30 digits"
+    if isinstance(value, float):
+        return f"the number {value:g}"
+    if isinstance(value, list | tuple):
+        return "a list"
+    return "a table" if isinstance(value, Mapping) else f"the date or time {value}"

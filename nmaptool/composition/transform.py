@@ -1,0 +1,181 @@
+"""A map cropped, mirrored, resized, turned, padded: pixels and vectors together."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from nmaptool.composition.compositor import mixed
+from nmaptool.composition.placement import (
+    Piece,
+    bounds,
+    default_height_factor,
+    is_exact,
+    is_uneven,
+    linear_part,
+    map_piece,
+    scale_factors,
+    turn_vectors,
+)
+from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import InputError, LimitError
+from nmaptool.core.vectors import FLAT, mean_abs_curl
+from nmaptool.options import TransformOptions
+from nmaptool.options.plain_values import plain_values
+from nmaptool.types.composition import ComposeReport, Composition
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.picture import Frame
+
+
+def transform(
+    normal_map: NormalMap, options: TransformOptions | None = None, *, max_megapixels: float = 270.0
+) -> Composition:
+    """Crop, mirror, resize, turn and pad a map; slopes follow by the inverse transpose.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+    options : TransformOptions, optional
+    max_megapixels : float
+        Refuse a larger result.
+
+    Returns
+    -------
+    Composition
+        Exact, in every bit, where pixels go to pixels: crops, borders, mirrors, quarter turns.
+
+    Raises
+    ------
+    UsageError
+        If a length is in mm and the size of a pixel is not known.
+    InputError
+        If the crop lies outside the picture, or nothing is left.
+    LimitError
+        If the result is larger than ``max_megapixels``.
+    """
+    o = options or TransformOptions()
+    start = time.perf_counter()
+    frame = normal_map.frame
+    if o.width is not None:
+        frame = replace(frame, pitch_mm=o.width.to_mm(1.0, 1) / frame.cols)
+    before = mean_abs_curl(normal_map.normals, normal_map.coverage >= 0.5)
+    source = Piece(normal_map.normals, normal_map.coverage, normal_map.foreground)
+    flat_ground = o.ground == "flat" or (o.ground == "auto" and _has_flat_background(normal_map))
+    linear = _linear(o, frame)
+    factor = default_height_factor(linear) if o.height_factor is None else o.height_factor
+    if o.vectors_only:
+        turned = turn_vectors(source.normals, linear, factor)
+        piece, result_frame = replace(source, normals=_flat_where_nothing(turned, source)), frame
+    else:
+        source, frame = _cropped(source, o, frame, normal_map.name)
+        if o.new_size is not None:
+            linear = _resizing(linear, o.new_size, frame)
+            factor = default_height_factor(linear) if o.height_factor is None else o.height_factor
+        matrix, result_frame = _canvas(linear, o, frame, max_megapixels, normal_map.name)
+        window = (0, 0, result_frame.cols, result_frame.rows)
+        piece = map_piece(source, matrix, window, factor, normal_map.name)
+        if flat_ground:
+            piece = _on_plate(piece)
+    result = NormalMap(
+        piece.normals, piece.coverage, result_frame, piece.foreground, normal_map.name, normal_map.decoding
+    )
+    report = ComposeReport(
+        command="transform",
+        options={**plain_values(o), "matrix": linear.tolist(), "height_factor": factor},
+        curl_before=before,
+        curl_after=mean_abs_curl(result.normals, result.coverage >= 0.5),
+        seconds={"transform": round(time.perf_counter() - start, 4)},
+        warnings=_doubts(linear, o),
+    )
+    return Composition(result, result.coverage, report)
+
+
+def _doubts(linear: Float64, o: TransformOptions) -> tuple[str, ...]:
+    """What may not be meant: heights kept under a stretched picture."""
+    scales = np.linalg.svd(linear, compute_uv=False)
+    if o.height_factor is not None or not is_uneven(scales):
+        return ()
+    across, down = (1 / float(np.linalg.norm(linear[:, axis])) for axis in range(2))
+    even = float(np.sqrt(scales.prod()))
+    said = (
+        f"the picture is stretched, so its heights stay and its slopes change by {across:.3g} across and {down:.3g} "
+        f"down; --height-factor {even:.3g} keeps them on the whole"
+    )
+    return (said,)
+
+
+def _has_flat_background(normal_map: NormalMap) -> bool:
+    return bool((normal_map.coverage == 1).all() and not normal_map.foreground.all())
+
+
+def _linear(o: TransformOptions, frame: Frame) -> Float64:
+    """Scale, mirrors, rotation and the given matrix as one, without a resize to a size in px."""
+    factors = scale_factors(o.factors, frame, frame.cols)
+    if o.affine is None:
+        return linear_part(factors, o.flip_h, o.flip_v, o.rotate)
+    return np.array(o.matrix).reshape(2, 2) @ linear_part(factors, o.flip_h, o.flip_v, o.rotate)
+
+
+def _resizing(linear: Float64, size: tuple[int, int], frame: Frame) -> Float64:
+    return linear @ np.diag([size[0] / frame.cols, size[1] / frame.rows])
+
+
+def _cropped(source: Piece, o: TransformOptions, frame: Frame, name: str) -> tuple[Piece, Frame]:
+    if o.window is None:
+        return source, frame
+    sides = (frame.cols, frame.rows) * 2
+    left, top, cols, rows = (round(d.to_px(frame.pitch_mm, side)) for d, side in zip(o.window, sides, strict=True))
+    if min(left, top) < 0 or left + cols > frame.cols or top + rows > frame.rows or min(cols, rows) < 1:
+        raise InputError(
+            f"{name}: --crop {o.crop} is {cols} x {rows} px at {left},{top}, which does not lie in the picture of "
+            f"{frame} px; make a picture larger with --pad"
+        )
+    part = np.s_[top : top + rows, left : left + cols]
+    piece = Piece(source.normals[part], source.coverage[part], source.foreground[part])
+    return piece, replace(frame, rows=rows, cols=cols)
+
+
+def _canvas(
+    linear: Float64, o: TransformOptions, frame: Frame, max_megapixels: float, name: str
+) -> tuple[Float64, Frame]:
+    """The matrix onto the result's canvas, and its frame."""
+    across, down = frame.cols, frame.rows
+    matrix = np.column_stack([linear, np.zeros(2)])
+    left, top, right, bottom = bounds(matrix, across, down)
+    cols, rows = right - left, bottom - top
+    matrix[:, 2] = np.array([cols, rows]) / 2 - linear @ np.array([across, down]) / 2  # its centre in the middle
+    if o.keep_size:
+        matrix[:, 2] += np.array([across - cols, down - rows]) / 2
+        cols, rows = across, down
+    if is_exact(linear):
+        matrix[:, 2] = np.floor(matrix[:, 2] + 0.5)
+    sides = (cols, rows, cols, rows)
+    pad = [round(d.to_px(frame.pitch_mm, side)) for d, side in zip(o.borders, sides, strict=True)]
+    matrix[:, 2] += pad[:2]
+    cols, rows = cols + pad[0] + pad[2], rows + pad[1] + pad[3]
+    if cols < 1 or rows < 1:
+        raise InputError(f"{name}: nothing is left of the picture; use a larger --scale")
+    if cols * rows > max_megapixels * 1e6:
+        raise LimitError(
+            f"{name}: a result of {cols} x {rows} px is more than the limit of {max_megapixels:g} megapixels; make it "
+            "smaller or raise --max-megapixels"
+        )
+    pitch = frame.pitch_mm
+    if pitch is not None and o.new_size is not None:
+        pitch /= default_height_factor(linear)
+    return matrix, Frame(rows, cols, pitch)
+
+
+def _on_plate(piece: Piece) -> Piece:
+    """A piece on a flat plate, which is a defined part of the map."""
+    flat = np.empty_like(piece.normals)
+    flat[...] = FLAT
+    normals = mixed(flat, piece.normals, piece.coverage)
+    return replace(piece, normals=normals, coverage=np.ones_like(piece.coverage))
+
+
+def _flat_where_nothing(normals: np.ndarray, piece: Piece) -> np.ndarray:
+    nothing = piece.coverage <= 0
+    return np.where(nothing[..., None], np.array(FLAT, np.float32), normals) if nothing.any() else normals

@@ -1,0 +1,78 @@
+"""Sums and means between the faces and the vertices of a quad grid: H x W faces, (H+1) x (W+1) vertices."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float64, Mask
+
+
+def corner_sum(faces: NDArray[np.floating[Any]]) -> Float64:
+    """(H+1, W+1) float64 sum over the faces that meet at each vertex, from (H, W).
+
+    >>> corner_sum(np.array([[1.0, 2.0]])).tolist()
+    [[1.0, 3.0, 2.0], [1.0, 3.0, 2.0]]
+    """
+    rows, cols = faces.shape
+    out = np.zeros((rows + 1, cols + 1))
+    out[:-1, :-1] += faces
+    out[:-1, 1:] += faces
+    out[1:, :-1] += faces
+    out[1:, 1:] += faces
+    return out
+
+
+def corner_mean(vertices: Float64) -> Float64:
+    """(H, W) mean over the four corners of each face, from (H+1, W+1)."""
+    across = vertices[:, :-1] + vertices[:, 1:]
+    out = across[:-1] + across[1:]
+    out *= 0.25
+    return out
+
+
+def height_slopes(vertices: Float64) -> tuple[Float64, Float64]:
+    """(H, W) slopes p = dz/dx and q = dz/dy (y up, row 0 on top) of each face, from heights at its corners."""
+    across = vertices[:, 1:] - vertices[:, :-1]
+    up = vertices[:-1] - vertices[1:]
+    return (across[:-1] + across[1:]) / 2, (up[:, :-1] + up[:, 1:]) / 2
+
+
+def places(mask: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Rows and columns of what is not 0 in a 2-D array, in the order of `numpy.nonzero`, in a fraction of its time.
+
+    >>> places(np.array([[False, True], [True, False]]))
+    (array([0, 1]), array([1, 0]))
+    """
+    rows, cols = np.unravel_index(np.flatnonzero(mask), mask.shape)
+    return rows, cols
+
+
+def touching(faces: Mask) -> Mask:
+    """(H+1, W+1) bool: vertices that touch a face of the (H, W) mask."""
+    rows, cols = faces.shape
+    out = np.zeros((rows + 1, cols + 1), bool)
+    out[:-1, :-1] |= faces
+    out[:-1, 1:] |= faces
+    out[1:, :-1] |= faces
+    out[1:, 1:] |= faces
+    return out
+
+
+def grown(mask: Mask, px: int) -> Mask:
+    """(H, W) bool: what lies within so many rows and columns of an (H, W) mask.
+
+    >>> grown(np.array([[True, False, False]]), 1).tolist()
+    [[True, True, False]]
+    """
+    down = mask.copy()
+    for step in range(1, min(px, len(mask) - 1) + 1):
+        down[step:] |= mask[:-step]
+        down[:-step] |= mask[step:]
+    out = down.copy()
+    for step in range(1, min(px, mask.shape[1] - 1) + 1):
+        out[:, step:] |= down[:, :-step]
+        out[:, :-step] |= down[:, step:]
+    return out

@@ -1,0 +1,211 @@
+"""Lengths with their unit: ``12mm``, ``4px``, ``3%`` (of the longer side), also ``cm`` and ``in``; places; memory."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from nmaptool.core.errors import UsageError
+
+_MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "in": 25.4}
+_BYTES_PER_UNIT = {
+    "b": 1,
+    **{f"{letter}b": 1000**power for power, letter in enumerate("kmgt", 1)},
+    **{f"{letter}ib": 1024**power for power, letter in enumerate("kmgt", 1)},
+}
+_SMALLEST, _LARGEST = 1e-6, 1e6
+_PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(mm|cm|in|px|%)\s*", re.IGNORECASE)
+_MEMORY = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kmgt]?i?b)\s*", re.IGNORECASE)
+
+
+def _require_unit(unit: str) -> None:
+    if unit not in (*_MM_PER_UNIT, "px", "%"):
+        raise UsageError(f"unknown unit {unit!r}: use mm, cm, in, px or %")
+
+
+@dataclass(frozen=True)
+class Length:
+    """A length in millimetres, pixels or per cent of the longer side, between 1e-6 and 1e6.
+
+    Parameters
+    ----------
+    value : float
+        Between 1e-6 and 1e6.
+    unit : str
+        One of ``mm``, ``cm``, ``in``, ``px``, ``%``.
+
+    Raises
+    ------
+    UsageError
+        If the value is out of range or the unit is unknown.
+    """
+
+    value: float
+    unit: str
+
+    def __post_init__(self) -> None:
+        _require_unit(self.unit)
+        if not (math.isfinite(self.value) and self.value > 0):
+            raise UsageError(f"length {self}: must be greater than zero, such as 3mm")
+        if not _SMALLEST <= self.value <= _LARGEST:
+            raise UsageError(f"length {self}: must lie between {_SMALLEST:g} and {_LARGEST:g}, such as 3mm")
+
+    def __str__(self) -> str:
+        return f"{self.value:.12g}{self.unit}"
+
+    def to_mm(self, pitch_mm: float, longer_side_px: int) -> float:
+        """Length in mm on a grid of ``pitch_mm`` mm per px whose longer side has ``longer_side_px`` px.
+
+        >>> Length(3.0, "%").to_mm(pitch_mm=0.1, longer_side_px=1000)
+        3.0
+        """
+        if self.unit == "px":
+            return self.value * pitch_mm
+        if self.unit == "%":
+            return self.value / 100 * longer_side_px * pitch_mm
+        return self.value * _MM_PER_UNIT[self.unit]
+
+    @property
+    def is_absolute(self) -> bool:
+        """Whether the length needs no picture to be known in mm."""
+        return self.unit in _MM_PER_UNIT
+
+
+def length(text: str) -> Length:
+    """Read a length such as ``12mm``, ``4px``, ``3%``, ``1.5cm`` or ``2in``.
+
+    Raises
+    ------
+    UsageError
+        If the text is not a positive number with one of those units.
+
+    Examples
+    --------
+    >>> length("12 mm")
+    Length(value=12.0, unit='mm')
+    """
+    match = _PATTERN.fullmatch(text)
+    if match is None:
+        raise UsageError(f"length {text!r}: expected a number with a unit (mm, cm, in, px, %), such as 12mm or 3%")
+    try:
+        return Length(float(match.group(1)), match.group(2).lower())
+    except UsageError as error:
+        raise UsageError(f"length {text!r}: {str(error).partition(': ')[2]}") from None
+
+
+@dataclass(frozen=True)
+class Offset:
+    """A distance of any sign, zero too, along one side of a picture, such as where a layer lies.
+
+    Parameters
+    ----------
+    value : float
+        At most 1e6 in size.
+    unit : str
+        One of ``mm``, ``cm``, ``in``, ``px``, ``%`` (of that side).
+
+    Raises
+    ------
+    UsageError
+        If the value is out of range or the unit is unknown.
+    """
+
+    value: float
+    unit: str
+
+    def __post_init__(self) -> None:
+        _require_unit(self.unit)
+        if not abs(self.value) <= _LARGEST:
+            raise UsageError(f"distance {self}: must be a number of at most {_LARGEST:g}, such as 12mm")
+
+    def __str__(self) -> str:
+        return f"{self.value:.12g}{self.unit}"
+
+    @property
+    def is_absolute(self) -> bool:
+        """Whether the size of a pixel must be known to tell it in px."""
+        return self.unit in _MM_PER_UNIT
+
+    def to_px(self, pitch_mm: float | None, side_px: int) -> float:
+        """Distance in px along a side of ``side_px`` px.
+
+        Raises
+        ------
+        UsageError
+            If it is in mm and the pitch is not known.
+
+        Examples
+        --------
+        >>> Offset(-25, "%").to_px(None, 800)
+        -200.0
+        """
+        if self.unit == "px":
+            return self.value
+        if self.unit == "%":
+            return self.value / 100 * side_px
+        if pitch_mm is None:
+            raise UsageError(f"{self}: the size of a pixel is not known; say --width 100mm, or use px or %")
+        return self.value * _MM_PER_UNIT[self.unit] / pitch_mm
+
+
+def offset(text: str) -> Offset:
+    """Read a distance such as ``12mm``, ``-4px``, ``50%`` or ``0``.
+
+    Raises
+    ------
+    UsageError
+        If the text is not a number with one of those units; 0 needs none.
+    """
+    match = _PATTERN.fullmatch(text)
+    if match is None and text.strip() in ("0", "0.0"):
+        return Offset(0.0, "px")
+    if match is None:
+        raise UsageError(f"distance {text!r}: expected a number with a unit (mm, cm, in, px, %), such as 12mm or -4px")
+    return Offset(float(match.group(1)), match.group(2).lower())
+
+
+def offsets(text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, ...]:
+    """Read distances with commas between them, such as ``30%,12mm``.
+
+    Raises
+    ------
+    UsageError
+        If there are more or fewer than one of ``counts``, or one of them is none.
+    """
+    parts = text.split(",")
+    if len(parts) not in counts:
+        raise UsageError(f"{text!r}: expected {' or '.join(map(str, counts))} distances with commas, such as {such_as}")
+    return tuple(offset(part) for part in parts)
+
+
+def memory(text: str) -> int:
+    """Bytes of an amount of memory such as ``8GB``, ``500MB`` or ``12GiB``.
+
+    Raises
+    ------
+    UsageError
+        If the text is not a number greater than zero with one of B, kB, MB, GB, TB, KiB, MiB, GiB, TiB.
+
+    Examples
+    --------
+    >>> memory("1.5 GB"), memory("2GiB")
+    (1500000000, 2147483648)
+    """
+    match = _MEMORY.fullmatch(text)
+    unit = None if match is None else _BYTES_PER_UNIT.get(match.group(2).lower())
+    if match is None or unit is None:
+        raise UsageError(f"memory {text!r}: expected a number with a unit (MB, GB, MiB, GiB), such as 8GB")
+    amount = float(match.group(1)) * unit
+    if not 1 <= amount < 2**63:
+        raise UsageError(f"memory {text!r}: must be at least one byte and less than 8 EiB, such as 8GB")
+    return int(amount)
+
+
+def memory_text(amount: int) -> str:
+    """An amount of memory for people.
+
+    >>> memory_text(15_260_000_000), memory_text(420_000_000)
+    ('15.3GB', '420MB')
+    """
+    return f"{amount / 1e9:.1f}GB" if amount >= 1e9 else f"{amount / 1e6:.0f}MB"

@@ -1,0 +1,219 @@
+"""gSfG and Poisson reconstruction on the same targets (paper, Fig. 13)."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import UsageError
+from nmaptool.core.progress import Progress
+from nmaptool.core.vectors import angles_deg
+from nmaptool.evaluate.sweep import CURVES, POISSON_ONCE, as_shown, sweep, verdicts_of
+from nmaptool.filters.decompose import decompose_clean
+from nmaptool.filters.learned.model import FilterModel
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.meshes.distances import hausdorff
+from nmaptool.options import BakeOptions, CompareOptions, FilterOptions, ReconstructOptions
+from nmaptool.options.bake import VIEWS
+from nmaptool.reconstruction.reconstruct import reconstruct
+from nmaptool.reconstruction.smooth import mixed
+from nmaptool.render.camera import Camera, frame_camera
+from nmaptool.render.face_buffer import look
+from nmaptool.render.numpy_raster import Draw
+from nmaptool.render.rendering import rendering
+from nmaptool.types.comparison import Comparison, Contender, CurvePoint, Shot
+from nmaptool.types.mesh import Mesh
+from nmaptool.types.reconstruction import Reconstruction
+
+_BINS = 60
+_LIGHT = np.array([-0.45, 0.5, 0.74])
+
+
+def compare(
+    mesh: Mesh,
+    options: CompareOptions | None = None,
+    filter: FilterOptions | None = None,
+    reconstruct_options: ReconstructOptions | None = None,
+    *,
+    model: FilterModel | None = None,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Rebuild a mesh to its base normals by gSfG and by Poisson's equation, and judge both (paper, Fig. 13).
+
+    Both are swept over their closeness, so that vertex deviations are compared at equal normal deviations: either
+    scheme has a smaller one of the two for a larger one of the other.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any; what cannot be used is dropped.
+    options : CompareOptions, optional
+        How it is drawn.
+    filter : FilterOptions, optional
+        What makes the targets.
+    reconstruct_options : ReconstructOptions, optional
+        Of gSfG as it is shown.
+    model : FilterModel, optional
+        For the filter ``learned``. Default: the one that comes with the package.
+    progress : callable, optional
+        Called with a word and the share done.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    UsageError
+        If ``reconstruct_options`` ask for Poisson.
+    InputError
+        If no face of the mesh can be used.
+    RendererError
+        If no OpenGL context can be had.
+    """
+    options, chosen = options or CompareOptions(), filter or FilterOptions()
+    ours = reconstruct_options or ReconstructOptions()
+    if ours.scheme == "poisson":
+        raise UsageError("--scheme poisson: is what gSfG is compared with; use one of the others")
+    tell = progress or (lambda word, share: None)
+    begun = time.perf_counter()
+    clean, _, _ = clean_mesh(mesh)
+    camera = frame_camera(clean, _bake_options(options), *VIEWS[options.view])
+    with rendering(options.renderer) as (draw, _):
+        split = decompose_clean(clean, chosen, lambda word, share: tell(word, 0.1 * share), model)
+        bench = _Bench(clean, mixed(split, 0.0))
+        found = {"gsfg": bench.run(ours)}
+        curves = {}
+        for number, name in enumerate(CURVES):
+            curves[name] = sweep(name, bench.point, ours, _part(tell, number))
+        tell("measuring", 0.9)
+        found["poisson"] = bench.run(_matched(curves[POISSON_ONCE], bench.point_of(found["gsfg"], ours), ours))
+        contenders = {name: bench.contender(each) for name, each in found.items()}
+        shots = {name: _shot(each, camera, draw) for name, each in contenders.items()}
+    edges = bench.edges(list(found.values()))
+    contenders = {
+        name: dataclasses.replace(each, histogram=bench.histogram(found[name], edges))
+        for name, each in contenders.items()
+    }
+    return Comparison(
+        name=mesh.name,
+        faces=len(clean.faces),
+        vertices=len(clean.vertices),
+        diagonal_mm=bench.diagonal_mm,
+        filter=chosen,
+        normal_before_deg=found["gsfg"].report.normal_deviation_before_deg,
+        edges_deg=edges,
+        contenders=contenders,
+        curves=curves,
+        verdicts=(as_shown(contenders["gsfg"], contenders["poisson"]), *verdicts_of(curves)),
+        shots=shots,
+        seconds={"whole": round(time.perf_counter() - begun, 2)},
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Bench:
+    """A clean mesh and the targets that all schemes get."""
+
+    mesh: Mesh
+    targets: Float64
+
+    @property
+    def diagonal_mm(self) -> float:
+        return float(np.linalg.norm(np.ptp(self.mesh.vertices, axis=0))) * self.mesh.mm_per_unit
+
+    def run(self, options: ReconstructOptions) -> Reconstruction:
+        return reconstruct(self.mesh, self.targets, options)
+
+    def point(self, options: ReconstructOptions) -> CurvePoint:
+        return self.point_of(self.run(options), options)
+
+    def point_of(self, found: Reconstruction, options: ReconstructOptions) -> CurvePoint:
+        off = self._deviation_mm(found)
+        closeness = None if options.scheme == "gsfg" else options.closeness
+        rms = float(np.sqrt((off**2).mean()))
+        return CurvePoint(closeness, options.steps, found.report.normal_deviation_deg, rms, found.report.folded_after)
+
+    def contender(self, found: Reconstruction) -> Contender:
+        """Figures of one scheme, its histogram left out."""
+        mesh, report = self._aligned(found), found.report
+        off = self._deviation_mm(found)
+        there, back = hausdorff(mesh.vertices, self.mesh)[0], hausdorff(self.mesh.vertices, mesh)[0]
+        angles = self._angles(found)
+        return Contender(
+            options=report.options,
+            mesh=mesh,
+            deviation_mm=off,
+            rms_mm=float(np.sqrt((off**2).mean())),
+            mean_mm=float(off.mean()),
+            max_mm=float(off.max()),
+            hausdorff_mm=max(there, back) * mesh.mm_per_unit,
+            to_original_mm=there * mesh.mm_per_unit,
+            from_original_mm=back * mesh.mm_per_unit,
+            normal_mean_deg=report.normal_deviation_deg,
+            normal_median_deg=float(np.median(angles)),
+            normal_p95_deg=report.normal_deviation_p95_deg,
+            histogram=np.zeros(0),
+            folded=report.folded_after,
+            volume_share=report.volume_share,
+            seconds=report.seconds,
+        )
+
+    def edges(self, found: list[Reconstruction]) -> Float64:
+        """Bins up to the angle that 98 of 100 faces stay below in either."""
+        end = max(float(np.percentile(self._angles(each), 98)) for each in found)
+        return np.linspace(0, max(end, 1e-6), _BINS + 1)
+
+    def histogram(self, found: Reconstruction, edges: Float64) -> Float64:
+        areas = self.mesh.geometry.areas
+        angles = self._angles(found).clip(edges[0], edges[-1])
+        return np.asarray(np.histogram(angles, edges, weights=areas)[0] / areas.sum())
+
+    def _aligned(self, found: Reconstruction) -> Mesh:
+        shift = self.mesh.vertices.mean(axis=0) - found.vertices.mean(axis=0)
+        return dataclasses.replace(found.mesh, vertices=found.vertices + shift)
+
+    def _deviation_mm(self, found: Reconstruction) -> Float64:
+        off = self._aligned(found).vertices - self.mesh.vertices
+        return np.asarray(np.sqrt(np.einsum("ij,ij->i", off, off)) * self.mesh.mm_per_unit)
+
+    def _angles(self, found: Reconstruction) -> Float64:
+        return angles_deg(found.mesh.geometry.normals, self.targets)
+
+
+def _part(tell: Progress, number: int) -> Callable[[float], None]:
+    return lambda share: tell("sweeping", 0.1 + 0.8 * (number + share) / len(CURVES))
+
+
+def _matched(points: tuple[CurvePoint, ...], ours: CurvePoint, options: ReconstructOptions) -> ReconstructOptions:
+    """Poisson in one solve, with the closeness of the sweep that comes nearest to us, by ratios of both deviations."""
+
+    def off(point: CurvePoint) -> float:
+        pairs = ((point.normal_deg, ours.normal_deg), (point.rms_mm, ours.rms_mm))
+        return sum(math.log(max(theirs, 1e-12) / max(own, 1e-12)) ** 2 for theirs, own in pairs)
+
+    nearest = min(points, key=off)
+    assert nearest.closeness is not None
+    return dataclasses.replace(options, scheme="poisson", steps=1, closeness=nearest.closeness)
+
+
+def _bake_options(options: CompareOptions) -> BakeOptions:
+    return BakeOptions(view=options.view, up=options.up, size=options.size, renderer=options.renderer)
+
+
+def _shot(contender: Contender, camera: Camera, draw: Draw) -> Shot:
+    sight = look(contender.mesh, camera, draw, 2)
+    face, off = sight.sampled_faces, contender.deviation_mm
+    by_face = off.take(contender.mesh.faces).mean(axis=1)
+    light = _LIGHT / np.linalg.norm(_LIGHT)
+    normals = np.where(sight.normals[:, 2:] < 0, -sight.normals, sight.normals)
+    shade = 0.25 + 0.75 * (normals @ light).clip(0, 1)
+    seen = face >= 0
+    deviation = np.where(seen, by_face[face], np.nan).astype(np.float32)
+    return Shot(deviation, np.where(seen, shade[face], 0).astype(np.float32))

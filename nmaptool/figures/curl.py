@@ -1,0 +1,45 @@
+"""A picture of where a normal map stops being a surface."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.vectors import curl, inner_vertices, slopes
+from nmaptool.types.normal_map import NormalMap
+
+# slope per px that are black and white; between them the scale is logarithmic
+DARKEST, BRIGHTEST = 1e-3, 1.0
+_UNDEFINED = (96, 96, 96)
+_STEEPEST = 3.0
+
+
+def curl_picture(normal_map: NormalMap) -> NDArray[np.uint8]:
+    """Size of the curl at each pixel as a colour: black where slopes fit each other, through red to light yellow.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+
+    Returns
+    -------
+    (H, W, 3) uint8
+        sRGB, for looking at; grey where the map is not defined. Black is a curl of 0.001 slope per px or less, the
+        lightest yellow 1 or more, on a logarithmic scale. A pixel shows the largest curl at its four corners, slopes
+        being believed up to 3.
+    """
+    import cv2
+
+    rows, cols = normal_map.frame.shape
+    at_vertex = np.zeros((rows + 1, cols + 1), np.float32)
+    if min(rows, cols) > 1:
+        defined = normal_map.coverage >= 0.5
+        size = np.abs(curl(*slopes(normal_map.normals, _STEEPEST)))
+        at_vertex[1:-1, 1:-1] = np.where(inner_vertices(defined), size, 0)
+    largest = np.maximum(at_vertex[:-1], at_vertex[1:])
+    largest = np.maximum(largest[:, :-1], largest[:, 1:])
+    share = np.log(np.maximum(largest, DARKEST) / DARKEST) / np.log(BRIGHTEST / DARKEST)
+    codes = (share.clip(0, 1) * 255 + 0.5).astype(np.uint8)
+    picture: NDArray[np.uint8] = cv2.applyColorMap(codes, cv2.COLORMAP_INFERNO)[..., ::-1].copy()
+    picture[normal_map.coverage < 0.5] = _UNDEFINED
+    return picture

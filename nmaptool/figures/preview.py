@@ -1,0 +1,61 @@
+"""A picture of a relief under two raking lights, as one would look at a carving."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.grid import height_slopes
+from nmaptool.types.height import Height
+
+# azimuth (counter-clockwise from +x) and elevation in degrees, and strength: a low key light from the upper left, a
+# weak fill from the right, a little ambient light
+_LIGHTS = ((135.0, 38.0, 0.74), (15.0, 22.0, 0.22))
+_AMBIENT = 0.09
+_BACKDROP = 0.16
+_TONE = 0.85  # lifts the shadows a little
+_SMALLEST_LONGER_SIDE = 900
+_WARM = np.array([1.0, 0.975, 0.94])
+Picture = NDArray[np.uint8]
+
+
+def _direction(azimuth: float, elevation: float) -> Float64:
+    a, e = np.radians(azimuth), np.radians(elevation)
+    return np.array([np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)])
+
+
+def lambert(height: Height) -> Float64:
+    """(H, W) brightness in [0, 1] of each pixel under the two lights; the backdrop's outside the domain."""
+    p, q = height_slopes(height.z_mm / height.pitch_mm)
+    length = np.sqrt(1 + p * p + q * q)
+    light = np.full(p.shape, _AMBIENT)
+    for azimuth, elevation, strength in _LIGHTS:
+        x, y, up = _direction(azimuth, elevation)
+        light += strength * np.clip((-p * x - q * y + up) / length, 0, None)
+    light[~height.domain] = _BACKDROP
+    return light.clip(0, 1)
+
+
+def preview(height: Height) -> Picture:
+    """Shaded picture of a relief, enlarged by a whole factor where the map is small.
+
+    Parameters
+    ----------
+    height : Height
+
+    Returns
+    -------
+    (h, w, 3) uint8
+        sRGB, for looking at.
+    """
+    import cv2
+
+    light = lambert(height).astype(np.float32)
+    factor = max(1, -(-_SMALLEST_LONGER_SIDE // max(light.shape)))
+    if factor > 1:
+        light = cv2.resize(light, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC)
+    encoded: NDArray[Any] = light.clip(0, 1)[..., None] ** _TONE * _WARM
+    return (encoded * 255 + 0.5).astype(np.uint8)

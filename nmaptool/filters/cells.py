@@ -1,0 +1,112 @@
+"""Patches of a surface: faces of one small cube of space that hang together, so that thin sheets never share one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from nmaptool.core.arrays import Float64
+from nmaptool.types.mesh import Faces, directed_edges, edge_keys, sum_by
+
+Labels = NDArray[np.int64]
+
+
+def face_neighbors(faces: Faces) -> tuple[Labels, Labels]:
+    """Pairs of faces that share an edge; where more than two share one, a chain of them."""
+    keys = edge_keys(*directed_edges(faces))
+    order = np.argsort(keys, kind="stable")
+    same = keys[order[1:]] == keys[order[:-1]]
+    return order[:-1][same] % len(faces), order[1:][same] % len(faces)
+
+
+def patches(centroids: Float64, neighbors: tuple[Labels, Labels], side: float) -> Labels:
+    """(M,) int64: for each face the patch it lies in, counted from 0.
+
+    Parameters
+    ----------
+    centroids : (M, 3) float64
+    neighbors : pair of (E,) int64
+        Faces that share an edge.
+    side : float
+        Of the cubes, in units of the centroids.
+    """
+    # cubes lie alike on both sides of the middle: a mirrored surface has mirrored patches
+    middle = (centroids.min(axis=0) + centroids.max(axis=0)) / 2
+    place = np.floor((centroids - middle) / side + 0.5).astype(np.int64)
+    place -= place.min(axis=0)
+    key = (place[:, 0] << 42) + (place[:, 1] << 21) + place[:, 2]
+    one, other = neighbors
+    together = key[one] == key[other]
+    return _components(one[together], other[together], len(centroids))[1]
+
+
+def _components(one: Labels, other: Labels, count: int) -> tuple[int, Labels]:
+    graph = sparse.coo_array((np.ones(len(one), np.bool_), (one, other)), shape=(count, count))
+    parts, label = connected_components(graph, directed=False)
+    return int(parts), label.astype(np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """Which patches can be reached from which along the surface.
+
+    Attributes
+    ----------
+    patch : (M,) int64
+        Of each face.
+    near : (P, P) sparse bool
+        Pairs of patches, each with itself, connected by patches all of which lie within the radius of the first.
+    """
+
+    patch: Labels
+    near: Any
+
+
+def reach(centroids: Float64, neighbors: tuple[Labels, Labels], radius: float) -> Reach:
+    """Patches that are reached along the surface without leaving a ball.
+
+    Parameters
+    ----------
+    centroids : (M, 3) float64
+    neighbors : pair of (E,) int64
+        Faces that share an edge.
+    radius : float
+        Of the ball; patches are two thirds of it large.
+    """
+    side = radius / 1.5
+    patch = patches(centroids, neighbors, side)
+    count = int(patch.max()) + 1
+    size = np.bincount(patch)
+    middle = sum_by(patch, centroids, count) / size[:, None]
+    one, other = (patch[side_] for side_ in neighbors)
+    apart = one != other
+    one, other = one[apart], other[apart]
+    own = np.arange(count)
+    step = sparse.csr_array(
+        (
+            np.ones(2 * len(one) + count, np.bool_),
+            (np.concatenate([one, other, own]), np.concatenate([other, one, own])),
+        ),
+        shape=(count, count),
+    )
+    step = _within(step, middle, radius + side)
+    two = _within(step @ step, middle, radius + side)
+    four = _within(two @ two, middle, radius + side)
+    return Reach(patch, _within(four @ two, middle, radius + side))
+
+
+def _within(pairs: Any, middle: Float64, radius: float) -> Any:
+    """Pairs whose middles lie within a radius, each counted once."""
+    pairs = pairs.tocoo()
+    one, other = pairs.coords
+    step = middle[one] - middle[other]
+    keep = np.einsum("ij,ij->i", step, step) <= radius * radius
+    out = sparse.csr_array((np.ones(int(keep.sum()), np.bool_), (one[keep], other[keep])), shape=pairs.shape)
+    out.sum_duplicates()
+    out.data[:] = True
+    return out

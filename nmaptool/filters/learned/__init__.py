@@ -1,0 +1,1 @@
+"""The learned filter of face normals (paper, Sec. 3.2)."""

@@ -1,0 +1,135 @@
+"""Learned filters and trainings as named arrays, which is all that a file holds of them."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float32
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.filters.learned.model import FilterModel, Stage, TrainingState
+from nmaptool.filters.learned.network import Network
+from nmaptool.options import DescriptorOptions
+
+Arrays = Mapping[str, NDArray[Any]]
+
+_FILTER = "nmaptool filter 1"
+_TRAINING = "nmaptool training 1"
+_MOST_STAGES = 10
+_MOST_KINDS = 64
+_WEIGHTS = ("w1", "b1", "w2", "b2")
+
+
+def filter_to_arrays(model: FilterModel) -> dict[str, NDArray[Any]]:
+    """A model as named arrays; ``header`` is JSON text as bytes."""
+    header = {
+        "kind": _FILTER,
+        "descriptor": dataclasses.asdict(model.descriptor),
+        "networks": [len(stage.networks) for stage in model.stages],
+        "account": dict(model.account),
+    }
+    parts = [(stage.centers, stage.networks) for stage in model.stages]
+    return {"header": _text(header), **_parts_to_arrays(parts)}
+
+
+def filter_from_arrays(arrays: Arrays) -> FilterModel:
+    """The model that `filter_to_arrays` was given, all of it checked.
+
+    Raises
+    ------
+    InputError
+        If something is missing or does not fit.
+    """
+    header = _header(arrays, _FILTER, "a filter")
+    try:
+        given = header["descriptor"]
+        descriptor = DescriptorOptions(tuple(given["sigma_s"]), tuple(given["sigma_r"]), given["passes"])
+        account = dict(header["account"])
+        parts = _parts_from_arrays(arrays, header["networks"])
+    except InputError:
+        raise
+    except (KeyError, TypeError, ValueError, UsageError):
+        raise InputError("its header is damaged") from None
+    return FilterModel(descriptor, tuple(Stage(*part) for part in parts), account)
+
+
+def training_to_arrays(state: TrainingState) -> dict[str, NDArray[Any]]:
+    """A training as named arrays; ``header`` is JSON text as bytes."""
+    parts = [(stage.centers, stage.networks) for stage in state.stages]
+    if state.centers is not None:
+        parts.append((state.centers, state.networks))
+    header = {
+        "kind": _TRAINING,
+        "fingerprint": state.fingerprint,
+        "losses": list(state.losses),
+        "networks": [len(networks) for _, networks in parts],
+        "stages": len(state.stages),
+    }
+    return {"header": _text(header), **_parts_to_arrays(parts)}
+
+
+def training_from_arrays(arrays: Arrays) -> TrainingState:
+    """The state that `training_to_arrays` was given, all of it checked.
+
+    Raises
+    ------
+    InputError
+        If something is missing or does not fit.
+    """
+    header = _header(arrays, _TRAINING, "a training")
+    try:
+        fingerprint, losses = str(header["fingerprint"]), tuple(float(loss) for loss in header["losses"])
+        parts = _parts_from_arrays(arrays, header["networks"])
+        finished = int(header["stages"])
+    except InputError:
+        raise
+    except (KeyError, TypeError, ValueError):
+        raise InputError("its header is damaged") from None
+    stages = tuple(Stage(*part) for part in parts[:finished])
+    centers, networks = parts[finished] if len(parts) > finished else (None, ())
+    return TrainingState(fingerprint, stages, centers, networks, losses)
+
+
+def _text(header: Mapping[str, Any]) -> NDArray[np.uint8]:
+    return np.frombuffer(json.dumps(header).encode(), np.uint8)
+
+
+def _header(arrays: Arrays, kind: str, what: str) -> dict[str, Any]:
+    try:
+        header: dict[str, Any] = json.loads(arrays["header"].astype(np.uint8).tobytes())
+        found = str(header["kind"])
+    except (KeyError, TypeError, ValueError):
+        raise InputError(f"it is not {what} of nmaptool: it has no header") from None
+    if found != kind:
+        raise InputError(f"it is {found[:40]!r}, expected {kind!r}")
+    return header
+
+
+def _parts_to_arrays(parts: list[tuple[Float32, tuple[Network, ...]]]) -> dict[str, NDArray[Any]]:
+    out: dict[str, NDArray[Any]] = {}
+    for s, (centers, networks) in enumerate(parts):
+        out[f"stage{s}_centers"] = centers
+        for k, network in enumerate(networks):
+            out |= {f"stage{s}_network{k}_{name}": getattr(network, name) for name in _WEIGHTS}
+    return out
+
+
+def _parts_from_arrays(arrays: Arrays, counts: list[int]) -> list[tuple[Float32, tuple[Network, ...]]]:
+    """Centres and networks of each stage, ``counts`` of them."""
+    if not (len(counts) <= _MOST_STAGES and all(1 <= int(count) <= _MOST_KINDS for count in counts)):
+        raise ValueError
+    try:
+        return [
+            (
+                arrays[f"stage{s}_centers"],
+                tuple(Network(*(arrays[f"stage{s}_network{k}_{name}"] for name in _WEIGHTS)) for k in range(count)),
+            )
+            for s, count in enumerate(counts)
+        ]
+    except KeyError as error:
+        raise InputError(f"it has no array {error}") from None

@@ -1,0 +1,69 @@
+"""Stages of networks applied to a field of normals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.progress import Progress
+from nmaptool.filters.learned.canonical import framed
+from nmaptool.filters.learned.fitting import kind_of
+from nmaptool.filters.learned.model import FilterModel, Stage
+
+# guide (M, 3) float64 or None -> (M, K, 4) float32 filtered normals and their agreement
+Describe = Callable[[Float64 | None, Progress | None], Float32]
+
+
+def apply_stage(stage: Stage, frames: Float32, inputs: Float32) -> Float64:
+    """What one stage makes of described faces.
+
+    Parameters
+    ----------
+    stage : Stage
+    frames : (M, 3, 3) float32
+    inputs : (M, D) float32
+
+    Returns
+    -------
+    (M, 3) float64
+        Unit normals.
+    """
+    kinds = kind_of(inputs, stage.centers)
+    own = np.empty((len(inputs), 3), np.float32)
+    for number, network in enumerate(stage.networks):
+        those = np.flatnonzero(kinds == number)
+        own[those] = network(inputs.take(those, axis=0))
+    normals = np.einsum("mij,mi->mj", frames, own, dtype=np.float64)
+    return np.asarray(normals / np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None])
+
+
+def refine(model: FilterModel, normals: Float64, describe: Describe, progress: Progress | None = None) -> Float64:
+    """Filter normals by a learned model (paper, Sec. 3.2).
+
+    Parameters
+    ----------
+    model : FilterModel
+    normals : (M, 3) float64
+        Unit normals of the faces.
+    describe : callable
+        The mesh's filtered normals, led by a guide, made for ``model.descriptor``.
+    progress : callable, optional
+
+    Returns
+    -------
+    (M, 3) float64
+        Unit normals.
+    """
+    count = len(model.stages)
+    for number, stage in enumerate(model.stages):
+
+        def tell(_: str, share: float, number: int = number) -> None:
+            if progress is not None:
+                progress("filtering", (number + share) / count)
+
+        # the first stage begins as rolling guidance does; the others are led by what the one before found
+        descriptors = describe(normals if number else None, tell)
+        normals = apply_stage(stage, *framed(normals, descriptors))
+    return normals

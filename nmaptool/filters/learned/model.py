@@ -1,0 +1,126 @@
+"""A learned filter as a value."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, read_only
+from nmaptool.core.errors import InputError
+from nmaptool.filters.learned.network import Network
+from nmaptool.options import DescriptorOptions
+
+
+def input_width(descriptor: DescriptorOptions) -> int:
+    """Numbers that a network sees of a face: its own normal, its filtered ones, and their agreements."""
+    return 3 + 4 * descriptor.size
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """Networks for the kinds of neighbourhood of one stage.
+
+    Parameters
+    ----------
+    centers : (K, C) float32
+        Of the kinds, among the first C of the networks' inputs.
+    networks : tuple of Network
+        One for each kind.
+
+    Raises
+    ------
+    InputError
+        If they do not fit each other.
+    """
+
+    centers: Float32
+    networks: tuple[Network, ...]
+
+    def __post_init__(self) -> None:
+        if self.centers.ndim != 2 or self.centers.dtype != np.float32 or not np.isfinite(self.centers).all():
+            raise InputError(f"centers are {self.centers.dtype} {self.centers.shape}, expected finite float32 (K, C)")
+        if len(self.networks) != len(self.centers) or not self.networks:
+            raise InputError(f"{len(self.networks)} networks for {len(self.centers)} kinds of neighbourhood")
+        for network in self.networks:
+            if network.w1.shape[1] < self.centers.shape[1]:
+                raise InputError(
+                    f"a network takes {network.w1.shape[1]} inputs, but kinds are told by {self.centers.shape[1]}"
+                )
+        object.__setattr__(self, "centers", read_only(self.centers))
+
+
+@dataclass(frozen=True, eq=False)
+class FilterModel:
+    """A filter of face normals, learned (paper, Sec. 3.2: DRNF).
+
+    Parameters
+    ----------
+    descriptor : DescriptorOptions
+        What the networks look at.
+    stages : tuple of Stage
+        Applied one after the other.
+    account : mapping
+        How it was made, plain values: meshes, seed, options, losses.
+
+    Raises
+    ------
+    InputError
+        If the stages do not fit the descriptor.
+    """
+
+    descriptor: DescriptorOptions
+    stages: tuple[Stage, ...]
+    account: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.stages:
+            raise InputError("a learned filter needs at least one stage")
+        width = input_width(self.descriptor)
+        for network in (network for stage in self.stages for network in stage.networks):
+            if network.w1.shape[1] != width:
+                raise InputError(f"a network takes {network.w1.shape[1]} inputs, but its descriptor gives {width}")
+            if len(network.b2) != 1 + self.descriptor.size:
+                raise InputError(f"a network mixes {len(network.b2)} normals, expected {1 + self.descriptor.size}")
+
+    @property
+    def digest(self) -> str:
+        """A name for what it computes: 12 hexadecimal digits, the same for the same weights."""
+        seen = hashlib.sha256(json.dumps(dataclasses.asdict(self.descriptor)).encode())
+        for stage in self.stages:
+            for array in (stage.centers, *(w for n in stage.networks for w in (n.w1, n.b1, n.w2, n.b2))):
+                seen.update(str(array.shape).encode() + np.ascontiguousarray(array).tobytes())
+        return seen.hexdigest()[:12]
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingState:
+    """What is finished of a training that is not: enough to go on from, to the same result.
+
+    Parameters
+    ----------
+    fingerprint : str
+        Of the examples and options; a training goes on from a state of its own only.
+    stages : tuple of Stage
+        That are finished.
+    centers : (K, D) float32 or None
+        Of the stage at hand; None where none of its networks is finished.
+    networks : tuple of Network
+        Of the stage at hand, those that are finished.
+    losses : tuple of float
+        Of all finished networks.
+    name : str
+        What to call it in messages: a file name.
+    """
+
+    fingerprint: str
+    stages: tuple[Stage, ...] = ()
+    centers: Float32 | None = None
+    networks: tuple[Network, ...] = ()
+    losses: tuple[float, ...] = ()
+    name: str = "the state"

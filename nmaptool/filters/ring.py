@@ -1,0 +1,80 @@
+"""Faces that share a vertex: the neighbourhood that the paper prints (Sec. 3.1, Eq. 1)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from nmaptool.core.arrays import Float32, Float64
+from nmaptool.filters.rolling import Gather, summands
+from nmaptool.types.mesh import FaceGeometry, Faces, Mesh
+
+# rows of the pair list that are weighted at a time
+_PAIRS_AT_ONCE = 500_000
+
+
+def neighbor_pairs(faces: Faces, vertex_count: int) -> sparse.csr_array:
+    """(M, M) pattern of faces that share at least one vertex, each face with itself included."""
+    count = len(faces)
+    incidence = sparse.csr_array(
+        (np.ones(3 * count, np.int8), faces.ravel(), np.arange(0, 3 * count + 1, 3, dtype=np.int32)),
+        shape=(count, vertex_count),
+    )
+    return incidence @ incidence.T.tocsr()
+
+
+def gather_ring(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: float) -> Gather:
+    """Sums over the ring of each face.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Clean and welded.
+    geometry : FaceGeometry
+    sigma_s : float
+        In units of the mesh.
+    sigma_r : float
+        Of differences of unit normals.
+    """
+    start, other = _pairs_once(neighbor_pairs(mesh.faces, len(mesh.vertices)))
+    middle = (geometry.centroids.min(axis=0) + geometry.centroids.max(axis=0)) / 2
+    where = ((geometry.centroids - middle) / sigma_s).astype(np.float32)
+    weighted = summands(geometry.normals, geometry.areas).astype(np.float32)
+    near = _kernel(where, start, other, 1.0)
+
+    def gather(guide: Float64 | None) -> Float64:
+        weights = near
+        if guide is not None:
+            weights = near * _kernel(guide.astype(np.float32), start, other, sigma_r)
+        # a pair weighs the same from both its sides, and a face with itself 1
+        matrix = sparse.csr_array((weights, other, start), shape=(len(weighted), len(weighted)))
+        return np.asarray(matrix @ weighted + matrix.T @ weighted + weighted, np.float64)
+
+    return gather
+
+
+def _pairs_once(pattern: Any) -> tuple[Any, Any]:
+    """Row starts and columns of the pairs of a symmetric pattern whose second number is the higher."""
+    count = pattern.shape[0]
+    later = pattern.indices > np.repeat(np.arange(count, dtype=pattern.indices.dtype), np.diff(pattern.indptr))
+    start = np.concatenate([[0], np.cumsum(later, dtype=pattern.indptr.dtype)])[pattern.indptr]
+    return start.astype(pattern.indptr.dtype), pattern.indices[later]
+
+
+def _kernel(values: Float32, start: Any, other: Any, sigma: float) -> Float32:
+    """exp(-|v_i - v_j|^2 / 2 sigma^2) for each pair."""
+    out = np.empty(len(other), np.float32)
+    rows = len(start) - 1
+    scale = np.float32(-0.5 / sigma**2)
+    first = 0
+    while first < rows:
+        last = max(int(np.searchsorted(start, start[first] + _PAIRS_AT_ONCE, side="right")) - 1, first + 1)
+        pairs = slice(start[first], start[last])
+        step = np.repeat(values[first:last], np.diff(start[first : last + 1]), axis=0)
+        step -= values.take(other[pairs], axis=0)
+        distance2 = np.einsum("ij,ij->i", step, step)
+        np.exp(np.multiply(distance2, scale, out=distance2), out=out[pairs])
+        first = last
+    return out

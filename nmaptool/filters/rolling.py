@@ -1,0 +1,120 @@
+"""Rolling guidance over any neighbourhood, and the split of a field of normals that follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.progress import Progress
+from nmaptool.filters.mixture import fit_mixture
+from nmaptool.types.mixture import Mixture
+
+# a sum shorter than this share of its weight has no direction: the normals around a face cancel out
+_AGREEMENT = 0.4
+# of a face's own area, in mean areas: sums that are worked out roughly may come to less than nothing
+_LEAST_WEIGHT = 1e-12
+# normals are kept as multiples of this, so that base and residual add up to the original in every bit
+_STEP = 2.0**-40
+
+# (guide or None) -> (M, 4) sums: for every face, the weighted sum of the original normals around it, and of the weights
+Gather = Callable[[Float64 | None], Float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Decomposition:
+    """A field of unit normals N split into base and detail, N = base + residual in every bit.
+
+    Attributes
+    ----------
+    normals : (M, 3) float64
+        The field that was split.
+    filtered : (M, 3) float64
+        What rolling guidance made of it.
+    base : (M, 3) float64
+        N_B.
+    residual : (M, 3) float64
+        N_D = N - N_B; zero where the base is the original.
+    is_detail : (M,) bool
+        Where the filter changed the normal by more than the threshold.
+    mixture : Mixture
+        The lengths |N - filtered| and the threshold found in them.
+    """
+
+    normals: Float64
+    filtered: Float64
+    base: Float64
+    residual: Float64
+    is_detail: Mask
+    mixture: Mixture
+
+
+def roll(normals: Float64, gather: Gather, iterations: int, progress: Progress | None = None) -> Float64:
+    """Rolling guidance (paper, Eq. 1): the original normals are averaged again and again, led by the last average.
+
+    Parameters
+    ----------
+    normals : (M, 3) float64
+        Unit normals.
+    gather : callable
+        Sums of the original normals around each face, weighted by area, distance and, where a guide is given,
+        likeness of the guide's normals.
+    iterations : int
+        Passes, at least 1; the first has no guide.
+
+    Returns
+    -------
+    (M, 3) float64
+        Unit normals; the original where the normals around a face cancel out, as they do around a part thinner than
+        the neighbourhood.
+    """
+    guide: Float64 | None = None
+    for step in range(iterations):
+        if progress is not None:
+            progress("filtering", step / iterations)
+        guide, _ = mean_normals(normals, gather(guide))
+    assert guide is not None  # at least one pass
+    return guide
+
+
+def mean_normals(normals: Float64, sums: Float64) -> tuple[Float64, Float64]:
+    """(M, 3) float64 unit vectors of sums (M, 4), and (M,) how much the normals in each agree.
+
+    Agreement is the length of the sum over its weight: 1 where all are alike, 0 where they cancel out. Where it is
+    small the original normal stays.
+    """
+    length = np.sqrt(np.einsum("ij,ij->i", sums[:, :3], sums[:, :3]))
+    lost = ~(length > _AGREEMENT * sums[:, 3])
+    found = sums[:, :3] / np.where(lost, 1, length)[:, None]
+    found[lost] = normals[lost]
+    return found, (length / np.maximum(sums[:, 3], _LEAST_WEIGHT)).clip(0, 1)
+
+
+def summands(normals: Float64, areas: Float64) -> Float64:
+    """(M, 4) float64: what each face adds to the sums around it, its area times its normal, and its area."""
+    relative = areas[:, None] / areas.mean()
+    return np.hstack([normals * relative, relative])
+
+
+def separate(normals: Float64, filtered: Float64, weights: Float64, keep_small: bool = True) -> Decomposition:
+    """Split normals by the length of their residuals.
+
+    Parameters
+    ----------
+    normals, filtered : (M, 3) float64
+        Unit normals before and after the filter.
+    weights : (M,) float64
+        Areas.
+    keep_small : bool
+        Where the residual is no longer than the threshold, the base is the original (GRNF); False takes the filtered
+        normals everywhere (RNF).
+    """
+    normals, filtered = (np.round(n / _STEP) * _STEP for n in (normals, filtered))
+    residual = normals - filtered
+    length = np.sqrt(np.einsum("ij,ij->i", residual, residual))
+    mixture = fit_mixture(length, weights)
+    is_detail = length > mixture.theta
+    base = np.where(is_detail[:, None], filtered, normals) if keep_small else filtered
+    return Decomposition(normals, filtered, base, normals - base, is_detail, mixture)

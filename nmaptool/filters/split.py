@@ -1,0 +1,98 @@
+"""A normal map without a mesh split into base and detail."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+
+import numpy as np
+
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.progress import Progress
+from nmaptool.core.units import Length
+from nmaptool.core.vectors import mean_abs_curls, mean_angle_deg
+from nmaptool.filters.image import roll_image
+from nmaptool.filters.mixture import fit_mixture
+from nmaptool.maps.detail import encode_detail
+from nmaptool.options import SplitOptions
+from nmaptool.options.plain_values import plain_values
+from nmaptool.types.layer_set import LayerReport, LayerSet
+from nmaptool.types.normal_map import NormalMap
+
+_SMALLEST_PX = 0.3
+
+
+def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progress: Progress | None = None) -> LayerSet:
+    """Split a normal map into base and detail: the filter of the paper (Sec. 3.1) with pixels for faces.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+        What lies outside its coverage does not count.
+    options : SplitOptions, optional
+    progress : callable, optional
+        Called with a word and the share done.
+
+    Returns
+    -------
+    LayerSet
+        Without depth and faces. The original is the map itself.
+
+    Raises
+    ------
+    UsageError
+        If sigma_s is a length in mm and the map's pitch is not known, or it is a fraction of a pixel.
+    InputError
+        If the map covers nothing.
+    """
+    options = options or SplitOptions()
+    start = time.perf_counter()
+    original = normal_map.normals
+    # a background that is a defined, flat part of the map stays out of the motif, and the motif out of it
+    beside = (normal_map.coverage == 1) & ~normal_map.foreground
+    coverage = np.where(beside, np.float32(0), normal_map.coverage)
+    seen = coverage > 0
+    if not seen.any():
+        raise InputError(f"{normal_map.name}: covers nothing; there is nothing to split")
+    sigma_s_px = _in_px(options.sigma_s, normal_map)
+    filtered = roll_image(
+        original,
+        coverage,
+        sigma_s_px=sigma_s_px,
+        sigma_r=options.sigma_r,
+        iterations=options.iterations,
+        progress=progress,
+    )
+    residual = original.astype(np.float64) - filtered
+    length = np.sqrt(np.einsum("ijk,ijk->ij", residual, residual))
+    mixture = fit_mixture(length[seen], coverage[seen].astype(np.float64))
+    is_detail = seen & (length > mixture.theta)
+    replaced = is_detail if options.filter == "grnf" else seen
+    base = np.where(replaced[..., None], filtered, original)
+    detail = encode_detail(original, base, options.detail_encoding)
+    report = LayerReport(
+        options=plain_values(options),
+        mixture=mixture,
+        detail_share=float(coverage[is_detail].sum() / coverage.sum()),
+        detail_angle_deg=mean_angle_deg(original[seen], base[seen]),
+        pitch_from="file" if normal_map.frame.pitch_mm is not None else "",
+        sigma_s_px=sigma_s_px,
+        curl=mean_abs_curls({"original": original, "base": base, "detail": detail}, seen),
+        seconds={"split": round(time.perf_counter() - start, 4)},
+    )
+    base_map = dataclasses.replace(normal_map, normals=base, name=f"{normal_map.name}: base")
+    detail_map = dataclasses.replace(normal_map, normals=detail, name=f"{normal_map.name}: detail")
+    return LayerSet(normal_map, base_map, detail_map, report)
+
+
+def _in_px(sigma_s: Length, normal_map: NormalMap) -> float:
+    frame = normal_map.frame
+    if sigma_s.is_absolute and frame.pitch_mm is None:
+        raise UsageError(
+            f"--sigma-s {sigma_s}: {normal_map.name} does not say how large a pixel is; give px or %, such as 1%"
+        )
+    pitch = frame.pitch_mm or 1.0
+    sigma_s_px = sigma_s.to_mm(pitch, frame.longer_side) / pitch
+    if sigma_s_px < _SMALLEST_PX:
+        raise UsageError(f"--sigma-s {sigma_s}: is {sigma_s_px:.2g} px here; use at least {_SMALLEST_PX}px")
+    return sigma_s_px

@@ -1,0 +1,240 @@
+"""Meshes to a learned filter."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from nmaptool._version import __version__
+from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.errors import InputError
+from nmaptool.core.progress import Progress
+from nmaptool.core.vectors import mean_angle_deg
+from nmaptool.filters.decompose import decompose_clean
+from nmaptool.filters.descriptor import Describer
+from nmaptool.filters.learned.canonical import framed
+from nmaptool.filters.learned.cascade import apply_stage
+from nmaptool.filters.learned.fitting import find_kinds, fit_network, kind_of
+from nmaptool.filters.learned.model import FilterModel, Stage, TrainingState
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.options import DescriptorOptions, FilterOptions, TrainOptions
+from nmaptool.options.plain_values import plain_values
+from nmaptool.types.mesh import Mesh
+
+# fewer faces than weights teach a network nothing
+_LEAST_FACES = 500
+
+
+@dataclass(frozen=True, eq=False)
+class TrainingExample:
+    """A mesh and the base normals that the filter should give it.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Clean, see `nmaptool.clean_mesh`.
+    targets : (M, 3) float64
+        Unit normals of its faces.
+    account : mapping
+        How the targets were made, plain values.
+    """
+
+    mesh: Mesh
+    targets: Float64
+    account: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.targets.shape != (len(self.mesh.faces), 3):
+            raise InputError(
+                f"{self.mesh.name}: targets are {self.targets.shape}, expected ({len(self.mesh.faces)}, 3)"
+            )
+        if not (np.abs(np.einsum("ij,ij->i", self.targets, self.targets) - 1) <= 1e-6).all():
+            raise InputError(f"{self.mesh.name}: targets must be finite and of unit length")
+
+
+def training_example(mesh: Mesh, filter: FilterOptions | None = None) -> TrainingExample:
+    """A mesh with the base normals of the GMM-based filter (paper, Sec. 3.2: the targets of training).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any; it is cleaned first.
+    filter : FilterOptions, optional
+        The parameters that suit this mesh. Default: those of ``FilterOptions(filter="grnf")``.
+
+    Raises
+    ------
+    InputError
+        If no face of the mesh can be used.
+    """
+    options = filter or FilterOptions(filter="grnf")
+    clean, _, _ = clean_mesh(mesh)
+    base = decompose_clean(clean, options).base
+    return TrainingExample(clean, base, {"name": mesh.name, **plain_values(options)})
+
+
+def train(
+    examples: Sequence[TrainingExample],
+    options: TrainOptions | None = None,
+    *,
+    descriptor: DescriptorOptions | None = None,
+    state: TrainingState | None = None,
+    keep: Callable[[TrainingState], None] | None = None,
+    progress: Progress | None = None,
+) -> FilterModel:
+    """Learn a filter of face normals from examples (paper, Sec. 3.2: DRNF).
+
+    Every stage describes the faces by their filtered normals, in frames of their own; sorts them into kinds; and fits a
+    network for each kind to the target normals. What this one gives leads the filters of the next.
+
+    Parameters
+    ----------
+    examples : sequence of TrainingExample
+    options : TrainOptions, optional
+    descriptor : DescriptorOptions, optional
+    state : TrainingState, optional
+        Of an earlier run that was not finished, with the same examples and options: the result is the same as if it
+        had been.
+    keep : callable, optional
+        Called with the state after every network.
+    progress : callable, optional
+
+    Returns
+    -------
+    FilterModel
+
+    Raises
+    ------
+    InputError
+        If there are too few faces to learn from, or the state is of another training.
+    """
+    options, descriptor = options or TrainOptions(), descriptor or DescriptorOptions()
+    faces = sum(len(example.mesh.faces) for example in examples)
+    if faces < _LEAST_FACES:
+        raise InputError(f"{faces} faces in all: too few to learn from; give more meshes, or denser ones")
+    name = fingerprint(examples, options, descriptor)
+    state = state or TrainingState(name)
+    if state.fingerprint != name:
+        raise InputError(
+            f"{state.name}: is of a training with other meshes or options; give the same again, or another --state"
+        )
+    normals = [example.mesh.geometry.normals for example in examples]
+    angles = [_mean_angle(examples, normals)]
+    for number in range(options.stages):
+        work = _Work(examples, options, descriptor, number, progress)
+        faces_described = work.describe(normals)
+        if number >= len(state.stages):
+            state = work.fit(faces_described, state, keep)
+        normals = [apply_stage(state.stages[number], *described) for described in faces_described]
+        angles.append(_mean_angle(examples, normals))
+    account = {
+        "version": __version__,
+        "options": plain_values(options),
+        "meshes": [{"faces": len(e.mesh.faces), **e.account} for e in examples],
+        "losses": [round(loss, 8) for loss in state.losses],
+        "mean_angle_deg": [round(angle, 4) for angle in angles],
+    }
+    return FilterModel(descriptor, state.stages, account)
+
+
+def fingerprint(examples: Sequence[TrainingExample], options: TrainOptions, descriptor: DescriptorOptions) -> str:
+    """A name for a training: the same for the same meshes, targets and options."""
+    seen = hashlib.sha256(json.dumps([plain_values(options), dataclasses.asdict(descriptor)]).encode())
+    for example in examples:
+        for array in (example.mesh.vertices, example.mesh.faces, example.targets):
+            seen.update(np.ascontiguousarray(array).tobytes())
+    return seen.hexdigest()[:16]
+
+
+def _mean_angle(examples: Sequence[TrainingExample], normals: Sequence[Float64]) -> float:
+    """Degrees between normals and targets, each mesh counting alike."""
+    each = (mean_angle_deg(found, example.targets) for example, found in zip(examples, normals, strict=True))
+    return float(np.mean(list(each)))
+
+
+class _Work:
+    """One stage of a training."""
+
+    def __init__(
+        self,
+        examples: Sequence[TrainingExample],
+        options: TrainOptions,
+        descriptor: DescriptorOptions,
+        number: int,
+        progress: Progress | None,
+    ) -> None:
+        self.examples, self.options, self.descriptor, self.number = examples, options, descriptor, number
+        self._progress = progress
+
+    def tell(self, word: str, share: float) -> None:
+        """Tell the share done of the whole training."""
+        if self._progress is not None:
+            self._progress(f"stage {self.number + 1}, {word}", (self.number + share) / self.options.stages)
+
+    def describe(self, normals: Sequence[Float64]) -> list[tuple[Float32, Float32]]:
+        """Frames and inputs of every face of every mesh."""
+        out = []
+        for place, (example, field_) in enumerate(zip(self.examples, normals, strict=True)):
+            self.tell("describing", 0.4 * place / len(self.examples))
+            descriptors = Describer(example.mesh, self.descriptor)(field_ if self.number else None)
+            out.append(framed(field_, descriptors))
+        return out
+
+    def fit(
+        self,
+        described: Sequence[tuple[Float32, Float32]],
+        state: TrainingState,
+        keep: Callable[[TrainingState], None] | None,
+    ) -> TrainingState:
+        """The state with this stage finished."""
+        options = self.options
+        inputs, targets = self._drawn(described)
+        centers = state.centers
+        if centers is None:
+            # told by the normals alone
+            normals = np.ascontiguousarray(inputs[:, : 3 * (1 + self.descriptor.size)])
+            centers = find_kinds(normals, options.clusters, np.random.default_rng([options.seed, self.number, 1]))
+        kinds = kind_of(inputs, centers)
+        for kind in range(len(state.networks), options.clusters):
+            begun = 0.4 + 0.6 * kind / options.clusters
+
+            def tell(done: float, begun: float = begun) -> None:
+                self.tell("fitting", begun + 0.6 * done / options.clusters)
+
+            network, loss = fit_network(
+                inputs[kinds == kind],
+                targets[kinds == kind],
+                mixed=1 + self.descriptor.size,
+                hidden=options.hidden,
+                steps=options.steps,
+                weight_decay=options.weight_decay,
+                rng=np.random.default_rng([options.seed, self.number, 2, kind]),
+                step_done=tell,
+            )
+            networks, losses = (*state.networks, network), (*state.losses, loss)
+            state = dataclasses.replace(state, centers=centers, networks=networks, losses=losses)
+            if keep is not None and kind < options.clusters - 1:
+                keep(state)
+        stages = (*state.stages, Stage(centers, state.networks))
+        state = dataclasses.replace(state, stages=stages, centers=None, networks=())
+        if keep is not None:
+            keep(state)
+        return state
+
+    def _drawn(self, described: Sequence[tuple[Float32, Float32]]) -> tuple[Float32, Float32]:
+        """Inputs and targets of the faces to learn from."""
+        rng = np.random.default_rng([self.options.seed, self.number, 0])
+        each = -(-self.options.samples // len(self.examples))
+        inputs, targets = [], []
+        for example, (frames, all_inputs) in zip(self.examples, described, strict=True):
+            count = len(all_inputs)
+            chosen = rng.permutation(count)[: min(each, count)]
+            inputs.append(all_inputs[chosen])
+            targets.append(np.einsum("mij,mj->mi", frames[chosen], example.targets[chosen].astype(np.float32)))
+        return np.concatenate(inputs), np.concatenate(targets)

@@ -1,0 +1,174 @@
+"""What a mesh file claims to be, checked by its first bytes and its size before any of it is loaded."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from nmaptool.core.errors import InputError, LimitError
+from nmaptool.io.opening import read_head
+
+NAMES = {"obj": "OBJ", "ply": "PLY", "stl": "STL", "off": "OFF", "glb": "GLB", "gltf": "glTF"}
+ACCEPTED = "OBJ, PLY, STL, OFF, GLB and glTF"
+STL_HEADER, STL_FACE = 84, 50
+_HEAD = 1 << 16
+_CONTROL = re.compile(rb"[\0-\x08\x0e-\x19\x1c-\x1f]")  # not the mark that old programs end a text with
+_WEB_PAGE = re.compile(rb"\s*<(!doctype\s+html|html|head|body)\b", re.IGNORECASE)
+_MAGIC = {
+    "ply": re.compile(rb"ply[ \t]*[\r\n]"),
+    "glb": re.compile(rb"glTF"),
+    "off": re.compile(rb"(?:\s*#[^\r\n]*[\r\n])*\s*(?:ST)?C?N?OFF\b"),
+    "gltf": re.compile(rb"(?:\xef\xbb\xbf)?\s*\{(?=.*\"asset\")", re.DOTALL),
+    "stl": re.compile(rb"\s*solid\b(?=[^\0]*\bfacet\b)", re.IGNORECASE),
+}
+_JSON = re.compile(rb"(?:\xef\xbb\xbf)?\s*\{")
+_OBJ_LINE = re.compile(rb"^[ \t]*v[nt]?[ \t]+[-+.\d]", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class MeshFile:
+    """A mesh file that was looked at and not yet loaded.
+
+    Attributes
+    ----------
+    path : Path
+    kind : str
+        ``obj``, ``ply``, ``stl``, ``off``, ``glb`` or ``gltf``.
+    head : bytes
+        Its first 64 KiB.
+    size : int
+        In bytes.
+    """
+
+    path: Path
+    kind: str
+    head: bytes
+    size: int
+
+    @property
+    def is_text(self) -> bool:
+        """Whether its beginning is text."""
+        return is_text(self.head)
+
+    @property
+    def damaged(self) -> InputError:
+        """The answer to a file that says one thing and holds another."""
+        return InputError(f"{self.path}: the {NAMES[self.kind]} file is damaged or cut short; export it again")
+
+    def names_missing_vertex(self, index: int, vertices: int) -> InputError:
+        """The answer to a face whose vertex is not there; ``index`` is counted as the file does."""
+        return InputError(
+            f"{self.path}: a face names vertex {index} of {vertices}; the file is damaged: export it again"
+        )
+
+    def holds_no_faces(self, points: int) -> InputError:
+        """The answer to a cloud of points, to lines, or to nothing."""
+        if not points:
+            return InputError(f"{self.path}: holds no faces; a surface is needed: export it again")
+        return InputError(
+            f"{self.path}: holds {points} points and no faces; a surface is needed: make a mesh of the points first"
+        )
+
+    def check_limit(self, faces: int, max_faces: int) -> None:
+        """Refuse more faces than ``max_faces``.
+
+        Raises
+        ------
+        LimitError
+        """
+        if faces > max_faces:
+            raise LimitError(
+                f"{self.path}: {faces} faces, more than the limit of {max_faces}; decimate it, or raise --max-faces"
+            )
+
+    def check_stl_claim(self, max_faces: int) -> int:
+        """Number of faces that a binary STL claims; as many are in it.
+
+        Raises
+        ------
+        InputError
+            If it is shorter than that; more is well, as some programs append colours.
+        LimitError
+            If there are more than ``max_faces``.
+        """
+        if self.size < STL_HEADER:
+            raise self.damaged
+        claimed = _stl_count(self.head)
+        if self.size < STL_HEADER + STL_FACE * claimed:
+            raise InputError(
+                f"{self.path}: the STL file is cut short: it announces {claimed} faces and holds "
+                f"{(self.size - STL_HEADER) // STL_FACE}; export or download it again"
+            )
+        self.check_limit(claimed, max_faces)
+        return claimed
+
+    def check_obj_count(self, max_faces: int) -> None:
+        """Refuse an OBJ with more than ``max_faces`` lines of faces, without holding it in memory.
+
+        Raises
+        ------
+        LimitError
+        """
+        if self.size < 8 * max_faces:  # the shortest face, "f 1 2 3", and the end of its line
+            return
+        count, last = 0, b"\n"
+        with self.path.open("rb") as stream:
+            while block := stream.read(1 << 24):
+                count += (last + block).count(b"\nf ")
+                last = block[-2:]
+        self.check_limit(count, max_faces)
+
+
+def is_text(head: bytes) -> bool:
+    """Whether bytes hold no control characters but white space."""
+    return _CONTROL.search(head[:4096]) is None
+
+
+def _stl_count(head: bytes) -> int:
+    return int.from_bytes(head[80:84], "little")
+
+
+def _content(head: bytes, size: int) -> str | None:
+    """The kind that the bytes prove; None where they prove none."""
+    text = is_text(head)
+    for kind, magic in _MAGIC.items():
+        if magic.match(head) and (text or kind in ("ply", "glb")):
+            return kind
+    if size > STL_HEADER and size == STL_HEADER + STL_FACE * _stl_count(head):
+        return "stl"
+    return "obj" if text and _OBJ_LINE.search(head) else None
+
+
+def _is_possible(ending: str, head: bytes, size: int) -> bool:
+    """Whether bytes that prove nothing may still be what the ending says."""
+    if ending == "stl":
+        return not is_text(head) or head.lstrip()[:5].lower() == b"solid"
+    if ending == "obj":
+        return is_text(head) and size > _HEAD  # behind a long comment
+    return ending == "gltf" and _JSON.match(head) is not None
+
+
+def look(path: Path) -> MeshFile:
+    """Recognise a mesh file by its ending and its bytes.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, a folder, a device, empty, none of the formats read here, or has another's ending.
+    """
+    head, size = read_head(path, _HEAD, "a mesh file", "save the mesh as a file")
+    ending = path.suffix.lower()[1:]
+    kind = _content(head, size)
+    if kind is not None and kind != ending:
+        right = path.with_suffix(f".{kind}").name
+        raise InputError(f"{path}: holds {NAMES[kind]} data but is not named so; rename it to {right}")
+    if _WEB_PAGE.match(head):
+        raise InputError(f"{path}: holds a web page instead of a mesh; download the mesh itself")
+    if ending not in NAMES:
+        raise InputError(f"{path}: is not a mesh that can be read here; accepted are {ACCEPTED}: export it as one")
+    if kind is None and head.startswith(b"PK\x03\x04"):
+        raise InputError(f"{path}: is a ZIP archive; unpack it and give the mesh in it")
+    if kind is None and not _is_possible(ending, head, size):
+        raise InputError(f"{path}: holds no {NAMES[ending]} data; accepted are {ACCEPTED}: export it again")
+    return MeshFile(path, ending, head, size)

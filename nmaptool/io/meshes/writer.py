@@ -1,0 +1,52 @@
+"""Meshes through trimesh, in millimetres; GLB in metres."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import OutputError, UsageError, reason_of
+from nmaptool.types.mesh import Mesh
+
+ENDINGS = (".stl", ".ply", ".obj", ".glb")
+
+
+def write_mesh(path: Path, mesh: Mesh) -> None:
+    """Write triangles: binary STL and PLY, OBJ, with coordinates in mm; or GLB in metres, as its specification says.
+
+    Parameters
+    ----------
+    path : Path
+    mesh : Mesh
+
+    Raises
+    ------
+    UsageError
+        If the ending is not offered.
+    OutputError
+        If it cannot be written.
+    """
+    kind = path.suffix.lower()
+    if kind not in ENDINGS:
+        raise UsageError(f"{path}: meshes are written as {', '.join(ENDINGS)}")
+    import trimesh
+
+    in_metres = kind == ".glb"
+    vertices = mesh.vertices_mm / 1000 if in_metres else mesh.vertices_mm
+    shape = trimesh.Trimesh(vertices, mesh.faces, process=False, metadata={"units": "m" if in_metres else "mm"})
+    # OBJ has a fixed number of decimals, which must do for a mesh of any size
+    decimals = {"digits": _decimals(vertices)} if kind == ".obj" else {}
+    data = shape.export(file_type=kind[1:], **decimals)
+    try:
+        path.write_bytes(data.encode() if isinstance(data, str) else data)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None
+
+
+def _decimals(vertices: Float64) -> int:
+    """At least as many as tell 1e-9 of the largest coordinate, and no fewer than 8."""
+    largest = float(np.abs(vertices).max(initial=0.0))
+    return 8 if not largest > 0 else max(8, 9 - math.floor(math.log10(largest)))

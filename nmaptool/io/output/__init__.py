@@ -1,0 +1,1 @@
+"""Results to files, all of them or none."""

@@ -1,0 +1,1 @@
+"""Picture files: PNG, EXR, TIFF, JPEG, BMP."""

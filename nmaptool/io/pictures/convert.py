@@ -1,0 +1,99 @@
+"""A normal map file written as another kind of file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from nmaptool.composition.conversion import convert_image
+from nmaptool.core.errors import UsageError
+from nmaptool.io.output.maps import MapFiles, write_map_files
+from nmaptool.io.pictures.normal_maps import bits_of, read_raster, split_layer
+from nmaptool.options import ReadOptions, WriteOptions
+from nmaptool.types.composition import ComposeReport, Composition
+from nmaptool.types.picture import RasterImage
+
+# what the writer says of itself
+_RENEWED = ("version", "kind", "green", "zero_code", "encoding", "pitch_mm", "recipe")
+
+
+def convert(
+    path_in: str | Path,
+    path_out: str | Path,
+    reading: ReadOptions | None = None,
+    writing: WriteOptions | None = None,
+    *,
+    curl: str | Path | None = None,
+    report: str | Path | None = None,
+    overwrite: bool = False,
+) -> Composition:
+    """Write a normal map file as another kind of file: bits, format, green, zero code, all three components.
+
+    Vectors off unit length are normalised, anti-aliased rims un-mixed and a background's coverage goes into alpha, as
+    on every reading. Vectors that are sound keep their codes: to the same bits and zero code, or to more bits and back,
+    nothing is lost. What lies under alpha 0 becomes flat. The pitch, the layer's name and the recipe stay in the file.
+
+    Parameters
+    ----------
+    path_in : str or Path
+        ``FILE`` or ``FILE.exr:layer``.
+    path_out : str or Path
+        .png, .exr or .tif.
+    reading : ReadOptions, optional
+    writing : WriteOptions, optional
+    curl : str or Path, optional
+        Picture of |curl|, .png: see `nmaptool.curl_picture`.
+    report : str or Path, optional
+        JSON account of the run.
+    overwrite : bool
+        Replace files that exist.
+
+    Returns
+    -------
+    Composition
+        The map and its `nmaptool.ConvertReport`.
+
+    Raises
+    ------
+    UsageError
+        If an ending or the bits are not offered, or the output is the input.
+    InputError, LimitError
+        As `nmaptool.read_normal_map`.
+    OutputError
+        If a file cannot be written, or exists and ``overwrite`` is False.
+    """
+    reading, writing, output = reading or ReadOptions(), writing or WriteOptions(), Path(path_out)
+    pictures = {} if curl is None else {"curl": Path(curl)}
+    files = MapFiles(output, writing, pictures, Path(report) if report is not None else None, overwrite)
+    files.check()
+    source = split_layer(str(path_in))[0]
+    if any(target.exists() and source.exists() and target.samefile(source) for target in files.targets):
+        raise UsageError(f"{path_in}: is also an output; give another name for the output")
+    image = read_raster(path_in, reading)
+    result, writing = convert_image(image, bits_of(output, writing), reading, writing)
+    files = MapFiles(output, writing, pictures, files.report, overwrite)
+    account = {"input": str(path_in), **result.report.to_dict(), "outputs": [str(path) for path in files.targets]}
+    recipe = conversion_recipe(image, result.report)
+    write_map_files(files, result.normal_map, {}, account, recipe, kept_attributes(image))
+    return result
+
+
+def kept_attributes(image: RasterImage) -> dict[str, str]:
+    """What a file says of itself that stays true of the same map in another file."""
+    kept = {key: " ".join(value.split()) for key, value in image.attributes.items() if key not in _RENEWED}
+    if image.layer is not None:
+        kept.setdefault("layer", image.layer)
+    return kept
+
+
+def conversion_recipe(image: RasterImage, report: ComposeReport) -> str:
+    """The conversion as JSON, and under ``before`` the recipe that came with the file."""
+    recipe: dict[str, Any] = {"command": report.command, "options": dict(report.options)}
+    before = image.attributes.get("recipe")
+    if before is None:
+        return json.dumps(recipe)
+    try:
+        return json.dumps({**recipe, "before": json.loads(before)})
+    except (ValueError, RecursionError):  # not JSON, or nested without end: it is kept as text
+        return json.dumps({**recipe, "before": before})

@@ -1,0 +1,102 @@
+"""The chunks of a PNG file, checked before a decoder sees them."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+
+from nmaptool.core.errors import InputError, LimitError
+
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_COLOR_CHUNKS = ("sRGB", "gAMA", "cHRM", "iCCP", "cICP")
+_MAX_DEFLATE_RATIO = 1040
+
+
+@dataclass(frozen=True)
+class PngStructure:
+    """What a PNG's chunks say.
+
+    Attributes
+    ----------
+    cols, rows : int
+        Size that the header claims.
+    color_chunks : tuple of str
+        Colour-management chunks present.
+    data_bytes : int
+        Compressed bytes of picture data.
+    pixel_bits : int
+        Bits per pixel.
+    """
+
+    cols: int
+    rows: int
+    color_chunks: tuple[str, ...]
+    data_bytes: int
+    pixel_bits: int
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether that much picture can come out of that little data."""
+        return self.cols * self.rows * self.pixel_bits / 8 <= self.data_bytes * _MAX_DEFLATE_RATIO + 65536
+
+
+def check_size(path: Path, cols: int, rows: int, max_megapixels: float) -> None:
+    """Refuse a picture over the limit, before anything is allocated.
+
+    Raises
+    ------
+    LimitError
+    """
+    megapixels = cols * rows / 1e6
+    if megapixels > max_megapixels:
+        said = f"{megapixels:.0f}" if megapixels >= 10 else f"{megapixels:.2g}"
+        raise LimitError(
+            f"{path}: {cols} x {rows} is {said} megapixels, more than the limit of {max_megapixels:g}; "
+            "make it smaller or raise --max-megapixels"
+        )
+
+
+def read_structure(path: Path, max_megapixels: float) -> PngStructure:
+    """Walk the chunks and check lengths and checksums.
+
+    Raises
+    ------
+    InputError
+        If the file is cut short or damaged.
+    LimitError
+        If the header claims more than ``max_megapixels``; said first, since such a file is often just a header.
+    """
+    colors: list[str] = []
+    header: tuple[int, int, int] | None = None
+    data_bytes = 0
+    damaged = InputError(f"{path}: the PNG file is cut short or damaged; export or download it again")
+    with path.open("rb") as stream:
+        if stream.read(8) != SIGNATURE:
+            raise damaged
+        while True:
+            head = stream.read(8)
+            if len(head) < 8:
+                raise damaged
+            size, kind = struct.unpack(">I4s", head)
+            if size > 0x7FFFFFFF:
+                raise damaged
+            body = stream.read(size)
+            check = stream.read(4)
+            if len(body) < size or len(check) < 4 or zlib.crc32(body, zlib.crc32(kind)) != int.from_bytes(check, "big"):
+                raise damaged
+            name = kind.decode("latin-1")
+            if name == "IHDR" and size == 13:
+                cols, rows, depth, color = struct.unpack(">IIBB", body[:10])
+                check_size(path, cols, rows, max_megapixels)
+                header = (cols, rows, depth * {2: 3, 4: 2, 6: 4}.get(color, 1))
+            elif name == "IDAT":
+                data_bytes += size
+            elif name in _COLOR_CHUNKS:
+                colors.append(name)
+            elif name == "IEND":
+                break
+    if header is None or min(header) < 1:
+        raise damaged
+    return PngStructure(header[0], header[1], tuple(colors), data_bytes, header[2])

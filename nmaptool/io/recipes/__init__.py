@@ -1,0 +1,1 @@
+"""Recipe files, and the pictures that they name."""

@@ -1,0 +1,211 @@
+"""Recipes from files: TOML, the recipes that it names, and the recipe in a composed map's metadata."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import dataclass, field, replace
+from pathlib import Path, PurePath
+from typing import Any
+
+from nmaptool.composition.recipe_parsing import parse_recipe
+from nmaptool.core.errors import InputError, LimitError
+from nmaptool.io.opening import read_head
+from nmaptool.io.pictures.reader import is_picture, read_image
+from nmaptool.options import CanvasOptions
+from nmaptool.types.recipe import DEEPEST, MOST_LAYERS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
+
+_LARGEST_BYTES = 1_000_000
+_LONGEST_SHOWN = 60
+_PLACE = re.compile(r"\(at line (\d+), column (\d+)\)")
+
+
+def read_recipe(
+    path: str | Path,
+    *,
+    folder: str | Path | None = None,
+    name: str | None = None,
+    max_megapixels: float = 270.0,
+) -> Recipe:
+    """Read a recipe and the recipes that it names, whose layers become groups.
+
+    Parameters
+    ----------
+    path : str or Path
+        TOML, or a map that was composed by a recipe, which is in its metadata.
+    folder : str or Path, optional
+        What its files are relative to. Default: the folder that it is in.
+    name : str, optional
+        What to call it in messages. Default: ``path``.
+    max_megapixels : float
+        Refuse a larger map, where the recipe is in one.
+
+    Returns
+    -------
+    Recipe
+        All files are relative to ``folder``. Recipes of hidden layers are not read.
+
+    Raises
+    ------
+    InputError
+        If a recipe cannot be read, holds what is no recipe, or recipes hold each other.
+    LimitError
+        If one is larger than 1 MB or in a map larger than ``max_megapixels``, or they lie more than 16 deep in each
+        other, or hold more than 1000 layers in all.
+    """
+    path = Path(path)
+    name = str(path) if name is None else name
+    folder = path.parent if folder is None else Path(folder)
+    recipe = parse_recipe(_values(path, name, max_megapixels), name, "" if folder == Path() else str(folder))
+    return _Linking(folder, max_megapixels).linked(recipe, _Chain(((identity(path), name),)))
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """The recipes on the way to one, outermost first, each with its identity and name; how deep it lies."""
+
+    recipes: tuple[tuple[Path, str], ...]
+    depth: int = 1
+
+    def to(self, path: Path, name: str, origin: str) -> _Chain:
+        """One recipe on."""
+        names = [known for known, _ in self.recipes]
+        if path in names:
+            circle = " -> ".join(name for _, name in (*self.recipes[names.index(path) :], (path, name)))
+            raise InputError(f"{origin}: recipes hold each other: {circle}; take one of them out")
+        return _Chain((*self.recipes, (path, name)), self.depth)
+
+    def deeper(self, origin: str) -> _Chain:
+        """One group on."""
+        if self.depth >= DEEPEST:
+            raise LimitError(f"{origin}: recipes and groups lie more than {DEEPEST} deep in each other; flatten them")
+        return replace(self, depth=self.depth + 1)
+
+
+@dataclass
+class _Linking:
+    """Layers of other recipes in the place of their names."""
+
+    folder: Path
+    max_megapixels: float
+    parsed: dict[Path, Recipe] = field(default_factory=dict)
+    sources: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    layers: int = 0
+
+    def linked(self, recipe: Recipe, chain: _Chain) -> Recipe:
+        entries = self._entries(recipe.layers, "", chain)
+        sources, notes = (tuple(dict.fromkeys(found)) for found in (self.sources, self.notes))
+        return replace(recipe, layers=entries, sources=sources, notes=notes)
+
+    def _entries(self, entries: tuple[Entry, ...], below: str, chain: _Chain) -> tuple[Entry, ...]:
+        return tuple(self._entry(each, below, chain) for each in entries)
+
+    def _entry(self, entry: Entry, below: str, chain: _Chain) -> Entry:
+        """An entry with its files named from the outermost recipe's folder; ``below`` is the folder of its own."""
+        self.layers += 1
+        if self.layers > MOST_LAYERS:
+            raise LimitError(f"{entry.origin}: there are more than {MOST_LAYERS} layers in all; compose in steps")
+        mask = None if entry.mask is None else _from(below, entry.mask)
+        if isinstance(entry, RecipeLayer):
+            return replace(entry, file=_from(below, entry.file), mask=mask)
+        if isinstance(entry, RecipeGroup):
+            return replace(entry, layers=self._entries(entry.layers, below, chain.deeper(entry.origin)), mask=mask)
+        named = _from(below, entry.recipe)
+        if entry.hidden:
+            return replace(entry, recipe=named, mask=mask)
+        inner = self._read(entry, named, chain)
+        chain = chain.to(identity(self.folder / named), named, entry.origin).deeper(entry.origin)
+        layers = self._entries(inner.layers, _from("", str(PurePath(named).parent)), chain)
+        return RecipeGroup(layers, entry.options, mask, origin=entry.origin)
+
+    def _read(self, link: RecipeLink, named: str, chain: _Chain) -> Recipe:
+        path = self.folder / named
+        own = identity(path)
+        if own not in self.parsed:
+            try:
+                values = _values(path, str(path), self.max_megapixels)
+            except (InputError, LimitError) as error:
+                raise type(error)(f"{link.origin}: {error}") from None
+            self.parsed[own] = parse_recipe(values, str(path))
+        inner = self.parsed[own]
+        self.sources.append(named)
+        if inner.canvas != CanvasOptions():
+            outer = chain.recipes[0][1]
+            self.notes.append(f"{path}: its canvas is left aside; its layers lie on that of {outer}")
+        return inner
+
+
+def _from(below: str, name: str) -> str:
+    """A name in the folder ``below`` as one in the folder above; absolute names stay."""
+    return (PurePath(below) / name).as_posix() if below else name
+
+
+def identity(path: Path) -> Path:
+    """The file itself, by whatever name and links it was found."""
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError, ValueError):  # links in a circle, a zero in the name: reading tells
+        return path
+
+
+def _values(path: Path, name: str, max_megapixels: float) -> dict[str, Any]:
+    """What TOML makes of a file."""
+    try:
+        head, size = read_head(path, _LARGEST_BYTES + 1, "a recipe, such as scene.toml", "read a stream with -")
+    except InputError as error:
+        raise InputError(str(error).replace(str(path), name)) from None
+    if is_picture(head):
+        return _parsed(_recipe_of(path, name, max_megapixels), name)
+    if size > _LARGEST_BYTES:
+        raise LimitError(f"{name}: is {size / 1e6:.1f} MB, more than the limit of 1 MB for a recipe; is it one?")
+    try:
+        text = head.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = head.count(b"\n", 0, error.start) + 1
+        raise InputError(f"{name}: is not UTF-8 text (line {line}); save the recipe as UTF-8") from None
+    return _parsed(text, name)
+
+
+def _recipe_of(path: Path, name: str, max_megapixels: float) -> str:
+    """The recipe in a map's metadata."""
+    text = read_image(path, max_megapixels=max_megapixels).attributes.get("recipe")
+    if text is None:
+        raise InputError(f"{name}: is a picture without a recipe in its metadata; give a recipe, such as scene.toml")
+    if text.startswith("{"):
+        raise InputError(f"{name}: was not made by nmap compose stack; the account in its metadata is no recipe")
+    return text
+
+
+def _parsed(text: str, name: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{name}: lists or tables lie too deep in each other; no recipe needs that") from None
+    except ValueError as error:  # a number of thousands of digits raises no TOMLDecodeError
+        raise InputError(f"{name}: {_fault(text, str(error))}") from None
+
+
+def _fault(text: str, reason: str) -> str:
+    """Where TOML is broken, and what is there."""
+    lines = text.split("\n")
+    place = _PLACE.search(reason)
+    if place is None and "end of document" not in reason:
+        return "is not valid TOML: a number is too long"
+    line, column = (int(place[1]), int(place[2])) if place else (len(lines), len(lines[-1]) + 1)
+    if any(word in reason for word in ("overwrite", "twice", "mutate", "already")):
+        return f"is not valid TOML: a key or table is there twice{_before(lines, line)}"
+    found = _printable(lines[line - 1])
+    what = f"found {found}" if found else "found the end of a line or of the file"
+    return f"is not valid TOML at line {line}, column {column}: {what}; look for quotes, = and brackets"
+
+
+def _before(lines: list[str], line: int) -> str:
+    """Where something is that is known once it has been read."""
+    found = _printable(lines[line - 1]) or (_printable(lines[line - 2]) if line > 1 else "")
+    return f", at line {line}: {found}" if found else f", before line {line}"
+
+
+def _printable(line: str) -> str:
+    shown = "".join(c if c.isprintable() else " " for c in line).strip()
+    return shown if len(shown) <= _LONGEST_SHOWN else f"{shown[: _LONGEST_SHOWN - 3]}..."

@@ -1,0 +1,182 @@
+"""The maps and masks of a recipe, read: what `nmaptool.compose` takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import TypeVar
+
+from nmaptool.composition.recipe_parsing import in_recipe_words
+from nmaptool.core.arrays import Float32
+from nmaptool.core.errors import InputError, LimitError, NmaptoolError, UsageError
+from nmaptool.io.pictures.normal_maps import read_grey, read_normal_map, split_layer
+from nmaptool.io.recipes.reader import identity, read_recipe
+from nmaptool.options import CanvasOptions, ReadOptions
+from nmaptool.types.layers import Layer, LayerGroup
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.recipe import READ_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
+
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """What a recipe stands for: ``nm.compose(stack.layers, stack.canvas)``.
+
+    Attributes
+    ----------
+    layers : tuple of Layer or LayerGroup
+        Without those that are hidden.
+    canvas : CanvasOptions
+    recipe : Recipe
+        With the options of reading that were given beside it, so that it alone gives the same layers again.
+    maps : tuple of NormalMap
+        Every map once.
+    outside : tuple of str
+        Files that were read outside the recipe's folder.
+    """
+
+    layers: tuple[Layer | LayerGroup, ...]
+    canvas: CanvasOptions
+    recipe: Recipe
+    maps: tuple[NormalMap, ...]
+    outside: tuple[str, ...]
+
+
+def read_stack(
+    recipe: Recipe | str | Path, reading: ReadOptions | None = None, *, folder: str | Path | None = None
+) -> Stack:
+    """Read the maps and masks of a recipe.
+
+    Parameters
+    ----------
+    recipe : Recipe, str or Path
+        Or its file, as `nmaptool.read_recipe` reads it.
+    reading : ReadOptions, optional
+        For all maps; what a layer says of itself goes before. ``max_megapixels`` holds for all pictures together.
+    folder : str or Path, optional
+        What files are relative to. Default: the recipe's own folder.
+
+    Returns
+    -------
+    Stack
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or is no normal map, a mask does not fit, or every layer is hidden; the message says
+        which layer of which recipe wants it.
+    LimitError
+        If the pictures are larger than ``reading.max_megapixels`` together.
+    """
+    reading = reading or ReadOptions()
+    if not isinstance(recipe, Recipe):
+        recipe = read_recipe(recipe, folder=folder, max_megapixels=reading.max_megapixels)
+    place = Path(recipe.folder if folder is None else folder)
+    given = {key: getattr(reading, key) for key in READ_KEYS if getattr(reading, key) != _default(key)}
+    recipe = replace(recipe, layers=tuple(_with_reading(layer, given) for layer in recipe.layers))
+    pictures = _Pictures(place, reading.max_megapixels)
+    layers = tuple(pictures.layers(recipe.layers))
+    if not layers:
+        raise InputError(f"{recipe.name}: every layer is hidden; there is nothing to compose")
+    return Stack(layers, recipe.canvas, recipe, tuple(pictures.maps.values()), outside(recipe, place))
+
+
+def outside(recipe: Recipe, folder: Path) -> tuple[str, ...]:
+    """Files of a recipe, as it names them, that do not lie in ``folder`` once links are followed."""
+    return tuple(name for name in (*recipe.sources, *recipe.files) if not _lies_in(folder, name))
+
+
+def _lies_in(folder: Path, name: str) -> bool:
+    file, _ = split_layer(str(folder / name))
+    try:
+        return file.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):  # links in a circle, a zero in the name: reading tells
+        return True
+
+
+def _default(key: str) -> object:
+    return next(f.default for f in fields(ReadOptions) if f.name == key)
+
+
+def _with_reading(entry: Entry, given: dict[str, object]) -> Entry:
+    if isinstance(entry, RecipeLayer):
+        return replace(entry, read={**given, **entry.read})
+    if isinstance(entry, RecipeGroup):
+        return replace(entry, layers=tuple(_with_reading(layer, given) for layer in entry.layers))
+    return entry
+
+
+@dataclass
+class _Pictures:
+    """Maps and masks, each read once, within one limit."""
+
+    folder: Path
+    max_megapixels: float
+    maps: dict[tuple[object, ...], NormalMap] = field(default_factory=dict)
+    masks: dict[tuple[object, ...], Float32] = field(default_factory=dict)
+    taken: float = 0.0
+
+    def layers(self, entries: tuple[Entry, ...]) -> list[Layer | LayerGroup]:
+        """What is not hidden, read."""
+        found = (self._layer(entry) for entry in entries if not entry.hidden)
+        return [layer for layer in found if layer is not None]
+
+    def _layer(self, entry: Entry) -> Layer | LayerGroup | None:
+        if isinstance(entry, RecipeLink):
+            raise InputError(f"{entry.label}: the recipe {entry.recipe} has not been read; use nmaptool.read_recipe")
+        if isinstance(entry, RecipeGroup):
+            layers = tuple(self.layers(entry.layers))
+            if not layers:  # all of them hidden
+                return None
+            return _told(entry, lambda: LayerGroup(layers, entry.options, self._mask(entry)))
+        return _told(entry, lambda: Layer(self._map(entry), entry.options, self._mask(entry)))
+
+    def _map(self, entry: RecipeLayer) -> NormalMap:
+        source = str(self.folder / entry.file)
+        file, layer = split_layer(source)
+        options = ReadOptions(**{**entry.read, "max_megapixels": self._left()})
+        key = (identity(file), layer, tuple(sorted((k, v) for k, v in entry.read.items() if v is not None)))
+        if key not in self.maps:
+            self.maps[key] = self._within(lambda: read_normal_map(source, options))
+            self._take(self.maps[key].coverage.size)
+        return self.maps[key]
+
+    def _mask(self, entry: RecipeLayer | RecipeGroup) -> Float32 | None:
+        if entry.mask is None:
+            return None
+        source = str(self.folder / entry.mask)
+        file, layer = split_layer(source)
+        key = (identity(file), layer)
+        if key not in self.masks:
+            self.masks[key] = self._within(lambda: read_grey(source, self._left()))
+            self._take(self.masks[key].size)
+        return self.masks[key]
+
+    def _left(self) -> float:
+        return max(self.max_megapixels - self.taken, 1e-9)
+
+    def _take(self, pixels: int) -> None:
+        self.taken += pixels / 1e6
+
+    def _within(self, read: Callable[[], _T]) -> _T:
+        try:
+            return read()
+        except LimitError as error:
+            if not self.taken:
+                raise
+            spent = f"other files of the recipe take {self.taken:.3g} of {self.max_megapixels:g} megapixels"
+            raise LimitError(f"{error} ({spent})") from None
+
+
+def _told(entry: Entry, make: Callable[[], _T]) -> _T:
+    """What ``make`` makes; its errors say which layer of which recipe they are about."""
+    try:
+        return make()
+    except NmaptoolError as error:
+        text = str(error)
+        flag = in_recipe_words(text).partition(" ")[0]
+        if isinstance(error, UsageError) and isinstance(entry, RecipeLayer) and flag in entry.read:
+            text = in_recipe_words(text)
+        raise type(error)(f"{entry.label}: {text}") from None

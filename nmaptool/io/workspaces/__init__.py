@@ -1,0 +1,1 @@
+"""Layered files of image editors: PSD, ORA, TIFF, EXR."""

@@ -1,0 +1,298 @@
+"""Photoshop documents as editors write them: PSD and PSB, 8, 16 and 32 bits, groups, masks, hidden layers."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import struct
+import warnings
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from psd_tools.constants import ChannelID, Clipping, Compression, Resource, SectionDivider, Tag
+from psd_tools.psd import PSD
+from psd_tools.psd.layer_and_mask import ChannelData, LayerRecord
+from psd_tools.psd.parse_limits import ParseLimits
+
+from nmaptool.core.errors import InputError, LimitError
+from nmaptool.io.pictures.png import check_size
+from nmaptool.io.workspaces import metadata as words
+from nmaptool.io.workspaces.limits import Budget
+from nmaptool.io.workspaces.pages import masks_joined
+from nmaptool.types.picture import Frame
+from nmaptool.types.workspace import Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
+
+_MOST_OBJECTS = 2_000_000
+_MODES = {0: "bitmap", 1: "grey", 2: "palette", 4: "CMYK", 7: "multichannel", 8: "duotone", 9: "Lab"}
+_TEXT = (Tag.TYPE_TOOL_OBJECT_SETTING, Tag.TYPE_TOOL_INFO)
+_SHAPE = (Tag.VECTOR_STROKE_DATA, Tag.VECTOR_STROKE_CONTENT_DATA, Tag.VECTOR_ORIGINATION_DATA)
+_FILL = (Tag.SOLID_COLOR_SHEET_SETTING, Tag.GRADIENT_FILL_SETTING, Tag.PATTERN_FILL_SETTING)
+_ADJUSTMENT = (
+    *(Tag.BLACK_AND_WHITE, Tag.BRIGHTNESS_AND_CONTRAST, Tag.CHANNEL_MIXER, Tag.COLOR_BALANCE, Tag.COLOR_LOOKUP),
+    *(Tag.CURVES, Tag.EXPOSURE, Tag.GRADIENT_MAP, Tag.HUE_SATURATION, Tag.HUE_SATURATION_V4, Tag.INVERT, Tag.LEVELS),
+    *(Tag.PHOTO_FILTER, Tag.POSTERIZE, Tag.SELECTIVE_COLOR, Tag.THRESHOLD, Tag.VIBRANCE),
+)
+_EFFECTS = (Tag.EFFECTS_LAYER, Tag.OBJECT_BASED_EFFECTS_LAYER_INFO, Tag.OBJECT_BASED_EFFECTS_LAYER_INFO_V0)
+_DAMAGE = (
+    *(ValueError, OSError, EOFError, KeyError, IndexError, TypeError, AttributeError, AssertionError),
+    *(struct.error, zlib.error, RecursionError, ArithmeticError, UserWarning, UnicodeError),
+)
+
+
+@contextlib.contextmanager
+def _damage_told(path: Path) -> Iterator[None]:
+    """One clear line for whatever psd-tools meets in a damaged file; its own words are not shown."""
+    logger = logging.getLogger("psd_tools")
+    before, logger.disabled = logger.level, False
+    logger.setLevel(logging.CRITICAL + 1)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # a channel that cannot be decoded would be black, with a warning
+            yield
+    except (InputError, LimitError):
+        raise
+    except _DAMAGE:
+        raise _damaged(path) from None
+    except MemoryError:
+        raise LimitError(f"{path}: does not fit in memory; make it smaller") from None
+    finally:
+        logger.setLevel(before)
+
+
+def _damaged(path: Path) -> InputError:
+    return InputError(f"{path}: the PSD file is cut short or damaged; save or download it again")
+
+
+def read_psd(path: Path, max_megapixels: float) -> Workspace:
+    """Read the layers of a PSD or PSB.
+
+    Raises
+    ------
+    InputError
+        If it is damaged, not RGB, or holds no layer of pixels.
+    LimitError
+        If the canvas or all layers together are over ``max_megapixels``.
+    """
+    header = _check_header(path, max_megapixels)
+    with _damage_told(path):
+        with path.open("rb") as stream:
+            size = stream.seek(0, 2)
+            stream.seek(0)
+            limits = ParseLimits(max_total_bytes=16 * size + 1_000_000, max_objects=_MOST_OBJECTS)
+            document = PSD.read(stream, parse_limits=limits)
+        return _workspace(path, document, header, max_megapixels)
+
+
+def _check_header(path: Path, max_megapixels: float) -> tuple[int, int, int]:
+    """(rows, cols, depth) of a document that can be read here, from its first 26 bytes."""
+    with path.open("rb") as stream:
+        head = stream.read(26)
+        size = stream.seek(0, 2)
+    if len(head) < 26:
+        raise _damaged(path)
+    version, channels, rows, cols, depth, mode = struct.unpack(">4xH6xHIIHH", head)
+    if version not in (1, 2) or not 1 <= channels <= 56 or min(rows, cols) < 1:
+        raise _damaged(path)
+    check_size(path, cols, rows, max_megapixels)
+    if size > max_megapixels * 1e6 * 16 + 1e8:  # as much as all layers uncompressed in 32 bits
+        raise LimitError(f"{path}: is a file of {size / 1e9:.1f} GB; make it smaller or raise --max-megapixels")
+    if mode != 3:
+        found = f"a {_MODES[mode]} picture" if mode in _MODES else "a picture of an unknown colour mode"
+        raise InputError(f"{path}: is {found}; normal maps need RGB: convert it to RGB of 16 bits")
+    if depth not in (8, 16, 32):
+        raise InputError(f"{path}: has {depth} bits a channel; accepted are 8, 16 and 32")
+    return rows, cols, depth
+
+
+def _workspace(path: Path, document: PSD, header: tuple[int, int, int], max_megapixels: float) -> Workspace:
+    rows, cols, depth = header
+    resources = document.image_resources
+    own = words.from_xmp(_bytes(resources.get_data(Resource.XMP_METADATA)))
+    profile = _bytes(resources.get_data(Resource.ICC_PROFILE))
+    budget = Budget(path, max_megapixels)
+    info = document._get_layer_info()
+    records = list(info.layer_records) if info is not None and info.layer_records is not None else []
+    channels = list(info.channel_image_data) if info is not None and info.channel_image_data is not None else []
+    _check_end(path, document, header)
+    found = _Layers(path, depth, document.header.version, budget)
+    found.read(records, channels)
+    if not records:
+        found.layers.append(_merged(document, depth))
+    if not found.layers:
+        what = ", ".join(f"{name} ({kind})" for name, kind in found.skipped[:5])
+        raise InputError(f"{path}: holds no layer of pixels{f', only {what}' if what else ''}; rasterise a layer first")
+    return Workspace(
+        frame=Frame(rows, cols, words.pitch_in(own)),
+        layers=tuple(found.layers),
+        bits=depth,
+        name=str(path),
+        metadata=own,
+        color_profile=words.profile_name(profile) if profile else None,
+        skipped=tuple(found.skipped),
+    )
+
+
+def _check_end(path: Path, document: PSD, header: tuple[int, int, int]) -> None:
+    """Refuse a merged picture, the last thing in the file, of which only a part is there."""
+    rows, cols, depth = header
+    data, channels = document.image_data.data, document.header.channels
+    needed = 0
+    if document.image_data.compression == Compression.RAW:
+        needed = rows * cols * channels * depth // 8
+    elif document.image_data.compression == Compression.RLE:
+        size = 2 * document.header.version
+        needed = rows * channels * size
+        if len(data) >= needed:
+            needed += int(np.frombuffer(data[:needed], f">u{size}").sum(dtype=np.int64))
+    if 0 < len(data) < needed:
+        raise _damaged(path)
+
+
+def _bytes(value: Any) -> bytes:
+    return value if isinstance(value, bytes) else b""
+
+
+class _Layers:
+    """Records bottom to top into layers and groups, whose record comes after what is in them."""
+
+    def __init__(self, path: Path, depth: int, version: int, budget: Budget) -> None:
+        self.path, self.depth, self.version, self.budget = path, depth, version, budget
+        self.layers: list[WorkspaceLayer] = []
+        self.skipped: list[tuple[str, str]] = []
+
+    def read(self, records: list[LayerRecord], channels: list[Any]) -> None:
+        """Read all; sizes are checked before the first channel is decoded."""
+        if len(channels) < len(records):
+            raise _damaged(self.path)
+        self.budget.check_count(len(records))
+        for record in records:
+            if _kind(record) == "pixels":
+                self.budget.add(_name(record), record.width, record.height)
+                if record.mask_data is not None:
+                    self.budget.add(_name(record), record.mask_data.width, record.mask_data.height)
+        inside: list[WorkspaceGroup] = []
+        # from the top down a group's record comes before what is in it
+        for record, planes in zip(reversed(records), reversed(channels), strict=False):
+            kind = _kind(record)
+            if kind == "group":
+                inside.append(_group(record))
+                self.budget.check_depth(len(inside))
+            elif kind == "end":
+                if inside:
+                    inside.pop()
+            elif kind == "pixels":
+                self.layers.append(self._layer(record, list(planes), tuple(inside)))
+            else:
+                self.skipped.append((_name(record), kind))
+        self.layers = masks_joined(list(reversed(self.layers)))
+        self.skipped.reverse()
+
+    def _layer(
+        self, record: LayerRecord, planes: list[ChannelData], groups: tuple[WorkspaceGroup, ...]
+    ) -> WorkspaceLayer:
+        by_id = {info.id: plane for info, plane in zip(record.channel_info, planes, strict=False)}
+        rows, cols = record.height, record.width
+        color = (0, 1, 2) if all(i in by_id for i in (1, 2)) else (0, 0, 0)  # Krita writes grey layers with one channel
+        if 0 not in by_id:
+            raise _damaged(self.path)
+        stack = [self._plane(by_id[ChannelID(i)], rows, cols) for i in color]
+        clear = by_id.get(ChannelID.TRANSPARENCY_MASK)
+        top = 1 if self.depth == 32 else (1 << self.depth) - 1
+        stack.append(np.full((rows, cols), top, stack[0].dtype) if clear is None else self._plane(clear, rows, cols))
+        fill = record.tagged_blocks.get_data(Tag.BLEND_FILL_OPACITY, 255)
+        share = fill / 255 if isinstance(fill, int) and 0 <= fill <= 255 else 1.0
+        return WorkspaceLayer(
+            name=_name(record),
+            pixels=np.dstack(stack),
+            left=record.left,
+            top=record.top,
+            visible=record.flags.visible,
+            opacity=record.opacity / 255 * share,
+            blend_mode=words.from_psd_mode(record.blend_mode.value),
+            mask=self._mask(record, by_id),
+            groups=groups,
+            facts={"not_kept": _not_kept(record)},
+        )
+
+    def _mask(self, record: LayerRecord, by_id: dict[ChannelID, ChannelData]) -> WorkspaceMask | None:
+        data, plane = record.mask_data, by_id.get(ChannelID.USER_LAYER_MASK)
+        if data is None or plane is None:
+            return None
+        left, top = data.left, data.top
+        if data.flags.pos_relative_to_layer:
+            left, top = left + record.left, top + record.top
+        outside = data.background_color / 255
+        if data.width < 1 or data.height < 1:
+            values: NDArray[Any] = np.full((1, 1), data.background_color, np.uint8)
+            return WorkspaceMask(values, record.left, record.top, outside, not data.flags.mask_disabled)
+        values = self._plane(plane, data.height, data.width)
+        return WorkspaceMask(values, left, top, outside, not data.flags.mask_disabled)
+
+    def _plane(self, plane: ChannelData, rows: int, cols: int) -> NDArray[Any]:
+        limit = rows * cols * self.depth // 8
+        raw = plane.get_data(cols, rows, self.depth, self.version, max_output_bytes=limit)
+        return _native(raw, self.depth).reshape(rows, cols)
+
+
+def _native(raw: bytes, depth: int) -> NDArray[Any]:
+    stored = {8: ">u1", 16: ">u2", 32: ">f4"}[depth]
+    values = np.frombuffer(raw, stored)
+    return values.astype(values.dtype.newbyteorder("="))
+
+
+def _merged(document: PSD, depth: int) -> WorkspaceLayer:
+    """The picture of a document without layers."""
+    header = document.header
+    if header.channels < 3:
+        raise ValueError("an RGB picture has three channels")
+    limit = header.width * header.height * header.channels * depth // 8
+    raw = document.image_data.get_data(header, split=False, max_output_bytes=limit)
+    assert isinstance(raw, bytes)
+    planes = _native(raw, depth).reshape(header.channels, header.height, header.width)
+    top = 1 if depth == 32 else (1 << depth) - 1
+    alpha = planes[3] if header.channels > 3 else np.full(planes[0].shape, top, planes.dtype)
+    return WorkspaceLayer("Background", np.dstack([*planes[:3], alpha]), facts={"flattened": True})
+
+
+def _name(record: LayerRecord) -> str:
+    full = record.tagged_blocks.get_data(Tag.UNICODE_LAYER_NAME)
+    return str(full if isinstance(full, str) and full else record.name).strip("\0")
+
+
+def _kind(record: LayerRecord) -> str:
+    """``pixels``, ``group``, ``end`` of a group, or what cannot be read."""
+    blocks = record.tagged_blocks
+    for tag in (Tag.SECTION_DIVIDER_SETTING, Tag.NESTED_SECTION_DIVIDER_SETTING):
+        setting = blocks.get_data(tag)
+        if setting is not None and setting.kind != SectionDivider.OTHER:
+            return "end" if setting.kind == SectionDivider.BOUNDING_SECTION_DIVIDER else "group"
+    for tags, what in ((_TEXT, "text layer"), (_ADJUSTMENT, "adjustment layer"), (_SHAPE, "shape layer")):
+        if any(tag in blocks for tag in tags):
+            return what
+    if any(tag in blocks for tag in _FILL):
+        return "fill layer"
+    return "pixels" if record.width > 0 and record.height > 0 else "empty layer"
+
+
+def _not_kept(record: LayerRecord) -> list[str]:
+    """What an editor shows on a layer and its pixels do not hold."""
+    found = []
+    if record.clipping == Clipping.NON_BASE:
+        found.append("clipping to the layer below")
+    if any(tag in record.tagged_blocks for tag in _EFFECTS):
+        found.append("layer effects")
+    if any(tag in record.tagged_blocks for tag in (Tag.VECTOR_MASK_SETTING1, Tag.VECTOR_MASK_SETTING2)):
+        found.append("a vector mask")
+    return found
+
+
+def _group(record: LayerRecord) -> WorkspaceGroup:
+    mode = record.blend_mode.value
+    setting = record.tagged_blocks.get_data(Tag.SECTION_DIVIDER_SETTING)
+    if setting is not None and setting.blend_mode is not None:
+        mode = setting.blend_mode.value
+    return WorkspaceGroup(_name(record), record.flags.visible, record.opacity / 255, words.from_psd_mode(mode))

@@ -1,0 +1,1 @@
+"""What a picture means as a normal map: codes, channels, background, conventions."""

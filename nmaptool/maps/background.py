@@ -1,0 +1,246 @@
+"""Where a picture's background is and what it is: alpha, white, grey, black, flat, or a colour that is no normal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Mask
+from nmaptool.core.parallel import each_band
+from nmaptool.maps.codec import flat_codes
+from nmaptool.types.picture import RasterImage
+
+# smallest patch of an impossible colour that is called background, and their smallest share of the picture
+_MIN_PATCH_PIXELS = 16
+_MIN_PATCH_SHARE = 2e-4
+_MIN_TOTAL_SHARE = 2e-3
+# a flat background (flat is a valid normal, so it needs more proof) has a patch that reaches this many sides
+_FLAT_SIDES = 3
+# in steps of an 8-bit code: around impossible colours, around flat, and the same in JPEG
+_TOLERANCE, _FLAT_NOISE, _LOSSY_TOLERANCE, _LOSSY_FLAT = 3.0, 2.5, 8.0, 4.0
+# noise around flat: its mean over a window is flat, and it varies more than that mean
+_NOISE_WINDOW_PX = (15, 15)
+_NOISE_MEAN = 0.75
+_NOISE_ROUGHNESS = 0.1
+_ALL_OVER = 0.995
+# a colour that is no normal and fills so much of the edge and of the picture is a background, whatever it is
+_ODD_EDGE_SHARE, _ODD_SHARE, _ODD_LENGTH = 0.3, 0.05, 0.1
+_DATA_ALPHA_SHARE = 0.3
+# rows that decide what an edge of noise is: more than the windows around a pixel reach
+_STRIP_PX = 32
+_PIXELS_AT_ONCE = 1 << 16
+
+
+@dataclass(frozen=True, eq=False)
+class Background:
+    """A background: its kind, where it is (H, W bool), its stored colour (None for alpha), what speaks against it."""
+
+    kind: str
+    mask: Mask
+    codes: tuple[float, ...] | None = None
+    doubt: str | None = None
+
+
+def alpha_is_data(image: RasterImage) -> bool:
+    """Whether alpha varies like a height or gloss channel rather than covering a motif; never in our own files."""
+    alpha = image.alpha
+    if alpha is None or image.attributes.get("kind") == "normal":
+        return False
+    partial = (alpha > 0.02) & (alpha < 0.98)
+    return bool(partial.mean() > _DATA_ALPHA_SHARE)
+
+
+def _range(image: RasterImage, xyz: NDArray[Any]) -> tuple[float, float, float]:
+    """Stored values of -1 and 1, and the step of an 8-bit code between them."""
+    low = -1.0 if image.is_float and float(xyz.min()) < -1e-3 else 0.0
+    return low, float(image.max_code), (image.max_code - low) / 255
+
+
+def _impossible(image: RasterImage, xyz: NDArray[Any]) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Stored colours that are no normals and stand for "nothing here"."""
+    low, top, step = _range(image, xyz)
+    yield "white", (top, top, top)
+    yield "black", (0.0, 0.0, 0.0)
+    if low == 0:
+        middle = top / 2 + step / 2
+        yield "grey", (middle, middle, middle)
+
+
+def _hex_codes(text: str, image: RasterImage, order: tuple[int, ...]) -> tuple[float, ...]:
+    eight = [int(text[1 + 2 * channel : 3 + 2 * channel], 16) for channel in order]
+    return tuple(c / 255 if image.is_float else float(c * (image.max_code // 255)) for c in eight)
+
+
+def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
+    """Pixels within ``slack`` of a colour in every channel."""
+    near: Mask = np.ones(xyz.shape[:2], bool)
+
+    def look(band: slice) -> None:
+        for channel, code in enumerate(codes):
+            near[band] &= np.abs(xyz[band, :, channel].astype(np.float32) - np.float32(code)) <= slack
+
+    each_band(len(near), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
+    return near
+
+
+def _exactly_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
+    low, top, _ = _range(image, xyz)
+    if image.is_float:
+        slack = 1e-6 if image.bits == 32 else 3e-4
+        middles: tuple[float, ...] = (0.0,) if low < 0 else (0.0, 0.5, 128 / 255, 127 / 255)
+        return np.asarray(np.any([_near(xyz, (m, m, top), slack) for m in middles], axis=0))
+    found: Mask = np.zeros(xyz.shape[:2], bool)
+
+    def look(band: slice) -> None:
+        x, y, z = (xyz[band, :, channel] for channel in range(3))
+        for codes in flat_codes(image.max_code).values():
+            found[band] |= (x == codes[0]) & (y == codes[1]) & (z == codes[2])
+
+    each_band(len(found), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
+    return found
+
+
+def _noisy(image: RasterImage, xyz: NDArray[Any], bounds: tuple[float, float, float]) -> Mask:
+    """Near flat, flat on average, and varying from pixel to pixel more than that."""
+    low, top, step = bounds
+    middle = (low + top) / 2
+    slack = (_LOSSY_FLAT if image.lossy else _FLAT_NOISE) * step
+    near = _near(xyz[..., :2], (middle, middle), slack) & (xyz[..., 2] >= top - slack - 2 * step)
+    for channel in range(2):
+        values = (xyz[..., channel].astype(np.float32) - np.float32(middle)) / np.float32(step)
+        values = np.ascontiguousarray(np.where(near, values, np.float32(0)))
+        mean = cv2.blur(values, _NOISE_WINDOW_PX, borderType=cv2.BORDER_REPLICATE)
+        off = np.abs(values - cv2.blur(values, (3, 3), borderType=cv2.BORDER_REFLECT))
+        rough = cv2.blur(off, _NOISE_WINDOW_PX, borderType=cv2.BORDER_REFLECT)
+        near &= (np.abs(mean) <= _NOISE_MEAN) & (rough > _NOISE_ROUGHNESS * np.abs(mean)) & (rough > 0)
+    return near
+
+
+def _noisy_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
+    """Flat under noise or dither, its specks filled; nothing where it cannot reach so many sides of the picture."""
+    bounds = _range(image, xyz)
+    if min(xyz.shape[:2]) >= _STRIP_PX:
+        # what an edge is depends on a strip along it; an edge without noise is no speck either, being long
+        turned = xyz.swapaxes(0, 1)
+        strips = (xyz[:_STRIP_PX], xyz[-_STRIP_PX:][::-1], turned[:_STRIP_PX], turned[-_STRIP_PX:][::-1])
+        if sum(bool(_noisy(image, strip, bounds)[0].any()) for strip in strips) < sides:
+            return np.zeros(xyz.shape[:2], bool)
+    near = _noisy(image, xyz, bounds)
+    count, specks = _patches(~near)
+    small = np.bincount(specks.ravel(), minlength=count) < _MIN_PATCH_PIXELS
+    small[0] = False
+    return np.asarray(near | small[specks])
+
+
+def _patches(mask: Mask) -> tuple[int, NDArray[np.int32]]:
+    """Labels of the patches of a mask, 0 around them, and the count of labels."""
+    count, labels = cv2.connectedComponents(mask.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+    return count, labels
+
+
+def _edge(picture: NDArray[Any]) -> NDArray[Any]:
+    """The pixels along the picture's edge."""
+    return np.concatenate([picture[0], picture[-1], picture[1:-1, 0], picture[1:-1, -1]])
+
+
+def _big_patches(mask: Mask) -> Mask:
+    _, labels = _patches(mask)
+    keep = np.bincount(labels.ravel()) >= max(_MIN_PATCH_PIXELS, _MIN_PATCH_SHARE * mask.size)
+    keep[0] = False
+    return np.asarray(keep[labels])
+
+
+def _edge_patches(mask: Mask, sides: int) -> Mask:
+    """The patches that reach the picture's edge, where one of them reaches ``sides`` sides; else nothing."""
+    count, labels = _patches(mask)
+    reached = np.zeros(count, int)
+    for side in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
+        reached[np.unique(side)] += 1
+    reached[0] = 0
+    if reached.max(initial=0) < sides:
+        return np.zeros(mask.shape, bool)
+    return np.asarray((reached > 0)[labels])
+
+
+def _find_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
+    exact = _edge_patches(_exactly_flat(image, xyz), sides)
+    noisy = _edge_patches(_noisy_flat(image, xyz, sides), sides)
+    # a map that is noise near flat all over is a very shallow surface
+    return noisy if noisy.sum() > 1.25 * exact.sum() and noisy.mean() < _ALL_OVER else exact
+
+
+def _find_odd(image: RasterImage, xyz: NDArray[Any], order: tuple[int, ...]) -> Background | None:
+    """A colour that fills much of the edge: a background where it is no normal, a doubt where it may be one."""
+    low, top, step = _range(image, xyz)
+    edge = _edge(xyz)
+    colors, counts = np.unique(edge, axis=0, return_counts=True)
+    codes = tuple(float(c) for c in colors[np.argmax(counts)])
+    vector = (np.array(codes) - (low + top) / 2) / ((top - low) / 2)
+    if counts.max() < _ODD_EDGE_SHARE * len(edge):
+        return None
+    mask = _big_patches(_near(xyz, codes, _TOLERANCE * step))
+    if mask.mean() < _ODD_SHARE:
+        return None
+    name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - low) / step) for c in range(3)))
+    if abs(np.linalg.norm(vector) - 1) >= _ODD_LENGTH:
+        return Background(name, mask, codes)
+    doubt = f"{mask.mean():.0%} of the picture is {name}; if that is background, say --background-color '{name}'"
+    return Background("none", np.zeros(mask.shape, bool), doubt=doubt)
+
+
+def find_background(
+    image: RasterImage, xyz: NDArray[Any], wanted: str, order: tuple[int, ...] = (0, 1, 2), components: int = 3
+) -> Background:
+    """Find the background of a picture.
+
+    Parameters
+    ----------
+    image : RasterImage
+        Gives alpha, the range of codes and whether they are lossy.
+    xyz : (H, W, 3)
+        The stored codes of the three components.
+    wanted : str
+        "auto", "none", a kind, or "#rrggbb".
+    order : tuple of int
+        Which of the channels R, G, B each component came from.
+    components : int
+        2 where the third is made from the first two: a colour is then told by those.
+
+    Returns
+    -------
+    Background
+        Kind "none" with an empty mask where nothing is found.
+    """
+    nothing = Background("none", np.zeros(xyz.shape[:2], bool))
+    if wanted == "none":
+        return nothing
+    alpha = image.alpha
+    if wanted == "alpha" or (wanted == "auto" and alpha is not None and not alpha_is_data(image)):
+        see_through = alpha < 0.5 if alpha is not None else nothing.mask
+        if wanted == "alpha" or see_through.any():
+            return Background("alpha", see_through)
+    low, top, step = _range(image, xyz)
+    slack = (_LOSSY_TOLERANCE if image.lossy else _TOLERANCE) * step
+    if wanted.startswith("#"):
+        codes = _hex_codes(wanted, image, order)[:components]
+        return Background(wanted, _near(xyz, codes, slack), codes)
+    best, best_score = nothing, 0.0
+    for kind, codes in _impossible(image, xyz):
+        if wanted not in ("auto", kind):
+            continue
+        mask = _big_patches(_near(xyz, codes, slack))
+        score = float(_edge(mask).mean() + mask.mean())
+        if score > best_score and (wanted != "auto" or mask.mean() >= _MIN_TOTAL_SHARE):
+            best, best_score = Background(kind, mask, codes), score
+    if wanted in ("auto", "flat"):
+        mask = _find_flat(image, xyz, _FLAT_SIDES if wanted == "auto" else 1)
+        if float(_edge(mask).mean() + mask.mean()) > best_score:
+            return Background("flat", mask, ((low + top) / 2, (low + top) / 2, top))
+    if best.kind == "none" and wanted == "auto":
+        return _find_odd(image, xyz, order) or nothing
+    return best

@@ -1,0 +1,143 @@
+"""Which way a map's channels point, told from the map itself: its curl, and the normals along its outline."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.grid import grown
+from nmaptool.core.vectors import mean_abs_curl
+from nmaptool.types.normal_map import Decoding, NormalMap
+
+# the wrong order or sign must have this many times the curl of the right one to be called wrong
+SURE_CURL_RATIO = 1.5
+# where the map is large, a window in its middle is enough
+_WINDOW_PX = 800
+_OUTLINE_PIXELS = 50
+_INVERTED = -0.15
+# channels for x and y, up to a common sign: every way a map can be turned or mirrored
+_TURNS = (("r", "g", 1), ("r", "g", -1), ("g", "r", 1), ("g", "r", -1))
+
+
+def _window(shape: tuple[int, int]) -> tuple[slice, slice]:
+    starts = [max(0, (n - _WINDOW_PX) // 2) for n in shape]
+    return slice(starts[0], starts[0] + _WINDOW_PX), slice(starts[1], starts[1] + _WINDOW_PX)
+
+
+def green_evidence(normals: Float32, mask: Mask, code_step: float) -> float | None:
+    """How many times the mean |curl| of green-down is that of green-up (below 1: green-down fits better).
+
+    None where both are near what quantisation alone makes, so that nothing can be said.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+        Decoded as green up.
+    mask : (H, W) bool
+        Where to look.
+    code_step : float
+        Smallest step of a component in the file.
+    """
+    window = _window(mask.shape)
+    normals, mask = normals[window], mask[window]
+    up = mean_abs_curl(normals, mask)
+    down = mean_abs_curl(normals * np.array([1, -1, 1], np.float32), mask)
+    if max(up, down) < max(2 * code_step, 1e-6):
+        return None
+    return down / max(up, 1e-9)
+
+
+def outline_sign(normals: Float32, foreground: Mask) -> float | None:
+    """Mean of n . outward along the outline: near +1 for a raised motif, negative for an inverted one.
+
+    None where there is no outline to speak of.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+    foreground : (H, W) bool
+    """
+    if min(foreground.shape) < 2 or foreground.all() or not foreground.any():
+        return None
+    smooth = cv2.GaussianBlur(foreground.astype(np.float32), (25, 25), 3.0, borderType=cv2.BORDER_REPLICATE)
+    down, across = np.gradient(smooth)
+    size = np.hypot(down, across)
+    at = foreground & grown(~foreground, 3) & (size > 0.02)
+    if at.sum() < _OUTLINE_PIXELS:
+        return None
+    outward = (normals[..., 1] * down - normals[..., 0] * across)[at] / size[at]
+    return float(outward.mean())
+
+
+def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
+    """Channel order whose curl is clearly the least, as --swizzle takes it, where it takes x from green and y from red.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+        Read with the order r,g,b.
+    code_step : float
+        Smallest step of a component in the file.
+    """
+    if normal_map.decoding.swizzle != "r,g,b":
+        return None
+    window = _window(normal_map.frame.shape)
+    n, mask = normal_map.normals[window], normal_map.foreground[window]
+    green = -1 if normal_map.decoding.green == "down" else 1
+    channels = {"r": n[..., 0], "g": green * n[..., 1]}
+    curls = {
+        (x, y, sign): mean_abs_curl(np.stack([channels[x], sign * channels[y], n[..., 2]], axis=-1), mask)
+        for x, y, sign in _TURNS
+    }
+    (x, y, sign), runner_up = sorted(curls, key=lambda turn: curls[turn])[:2]
+    least, second = curls[x, y, sign], curls[runner_up]
+    # x from red and y from green is a matter of green's sign, which has its own evidence
+    if x == "r" or second < max(2 * code_step, 1e-6) or second < SURE_CURL_RATIO * least:
+        return None
+    whole = {"r": normal_map.normals[..., 0], "g": green * normal_map.normals[..., 1]}
+    turned = np.stack([whole[x], sign * whole[y], normal_map.normals[..., 2]], axis=-1)
+    outline = outline_sign(turned, normal_map.foreground)
+    flip = -1 if outline is not None and outline < 0 else 1
+    return f"{'-' if flip < 0 else ''}{x},{'-' if flip * sign < 0 else ''}{y},b"
+
+
+def upright_swizzle(decoding: Decoding) -> str:
+    """The swizzle that turns an inverted relief into a raised one: x and y change sign.
+
+    Green that was found to point down has turned y already; a swizzle leaves that to itself.
+
+    >>> upright_swizzle(Decoding(swizzle="-g,r,b"))
+    'g,-r,b'
+    """
+    x, y, z = decoding.swizzle.split(",")
+    turned = decoding.green == "down" and decoding.green_from == "found"
+    return ",".join([_negated(x), y if turned else _negated(y), z])
+
+
+def _negated(part: str) -> str:
+    return part.removeprefix("-") if part[0] == "-" else f"-{part}"
+
+
+def is_inverted(sign: float | None) -> bool:
+    """Whether an `outline_sign` tells that the motif is sunk rather than raised."""
+    return sign is not None and sign < _INVERTED
+
+
+def doubts(normal_map: NormalMap, code_step: float = 2 / 255) -> tuple[str, ...]:
+    """What speaks against the way a map was read, each with its remedy, for a warning before it is used.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+    code_step : float
+    """
+    if normal_map.decoding.green_from == "file":  # it says itself how it is to be read
+        return ()
+    better = better_swizzle(normal_map, code_step)
+    if better is not None:
+        return (f"its channels look turned or mirrored; try --swizzle={better}",)
+    if is_inverted(outline_sign(normal_map.normals, normal_map.foreground)):
+        swizzle = upright_swizzle(normal_map.decoding)
+        return (f"it looks inverted; for a raised motif try --swizzle={swizzle}, for an engraving --delta=-30",)
+    return ()

@@ -1,0 +1,105 @@
+"""The rim that anti-aliasing leaves around a motif, where the stored vector is part surface and part background."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.grid import grown
+
+# every rim has this width at least; wider ones are followed inwards while vectors stay short
+_RIM_PX = 2
+_WIDEST_RIM_PX = 6
+_LENGTH_TOLERANCE = 0.03
+# a rim vector of unit length is still a mixture where it lies this near the line from the normal inside it to the
+# background, and this far along it
+_MIXTURE_OFF_LINE = 0.35
+_MIXTURE_ALONG = 0.08
+
+
+def repair_rim(
+    vectors: Float32,
+    outside: Mask,
+    background: Float32 | None,
+    *,
+    is_normal: bool = False,
+    mixed: Float32 | None = None,
+) -> tuple[Float32, Float32, int]:
+    """Give the anti-aliased rim of a motif the normals just inside it, and its coverage by un-mixing.
+
+    A rim pixel stores c n + (1 - c) b, with n a unit normal and b the background's vector: its length is off, or it
+    lies on the way from the normals inside to b. It is within 2 px of the background, or joins such pixels within
+    6 px by its length. n is taken from the nearest sound pixel, which leaves c to be read off.
+
+    Parameters
+    ----------
+    vectors : (H, W, 3) float32
+        Decoded vectors, not yet normalised.
+    outside : (H, W) bool
+        Background.
+    background : (K,) float32 or None
+        Vector, or its K stored components, that the background decodes to; None where alpha tells coverage already.
+    is_normal : bool
+        The background is a normal itself (flat): the way to it may be surface, so only lengths tell.
+    mixed : (H, W, K) float32, optional
+        The stored components that anti-aliasing mixed, where the vectors were made from them. Default: the vectors.
+
+    Returns
+    -------
+    vectors : (H, W, 3) float32
+        A copy with the rim replaced.
+    coverage : (H, W) float32
+        0 outside, 1 inside, between on the rim (1 there where ``background`` is None).
+    count : int
+        Rim pixels replaced.
+    """
+    mixed = vectors if mixed is None else mixed
+    coverage = (~outside).astype(np.float32)
+    near = grown(outside, _RIM_PX) & ~outside
+    if not near.any():
+        return vectors, coverage, 0
+    length = np.sqrt(np.einsum("ijk,ijk->ij", vectors, vectors))
+    sound = ~outside & (np.abs(length - 1) <= _LENGTH_TOLERANCE)
+    begun = near & ~sound
+    wide = begun
+    if begun.any():
+        zone = grown(outside, _WIDEST_RIM_PX) & ~outside
+        count, patches = cv2.connectedComponents((zone & ~sound).view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+        joined = np.zeros(count, bool)
+        joined[patches[begun]] = True
+        wide = joined[patches]
+    if background is not None and not is_normal and (sound & ~near).any():
+        at = near & sound
+        inner = _nearest(mixed, sound & ~near, at)
+        share, off_line = _unmix(mixed[at], inner, background)
+        sound[at] = (1 - share < _MIXTURE_ALONG) | (off_line > _MIXTURE_OFF_LINE)
+    rim = (near & ~sound) | wide
+    if not rim.any() or not sound.any():
+        return vectors, coverage, 0
+    inner = _nearest(vectors, sound, rim)
+    fixed = vectors.copy()
+    fixed[rim] = inner
+    if background is not None:
+        inner = inner if mixed is vectors else _nearest(mixed, sound, rim)
+        coverage[rim] = _unmix(mixed[rim], inner, background)[0]
+    return fixed, coverage, int(rim.sum())
+
+
+def _nearest(vectors: Float32, sound: Mask, at: Mask) -> Float32:
+    """(N, 3) the vector of the sound pixel nearest to each of the N pixels of ``at``."""
+    from scipy import ndimage  # takes long to load
+
+    rows, cols = ndimage.distance_transform_edt(~sound, return_distances=False, return_indices=True)
+    found: Float32 = vectors[rows[at], cols[at]]
+    return found
+
+
+def _unmix(mixed: Float32, inner: Float32, background: Float32) -> tuple[Float32, Float32]:
+    """Share of ``inner`` in each mixture, 0..1, and how far off the line to the background it lies, as a share too."""
+    span = inner - background
+    size = np.maximum(np.einsum("ik,ik->i", span, span), np.float32(1e-6))
+    share = (np.einsum("ik,ik->i", mixed - background, span) / size).clip(0, 1)
+    off = np.linalg.norm(mixed - background - share[:, None] * span, axis=1)
+    moved = np.linalg.norm(mixed - inner, axis=1)
+    return share.astype(np.float32), (off / np.maximum(moved, 1e-6)).astype(np.float32)

@@ -1,0 +1,171 @@
+"""What counts as a finding in a normal map: one rule each, from the measurements to a message and its remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from nmaptool.maps.conventions import SURE_CURL_RATIO, is_inverted, upright_swizzle
+from nmaptool.maps.decoding import NOT_NORMALS_SHARE
+
+if TYPE_CHECKING:
+    from nmaptool.types.inspection import Inspection
+
+Told = tuple[str, str] | None
+
+
+def _no_foreground(f: Inspection) -> Told:
+    if f.foreground_share > 0:
+        return None
+    return (
+        f"every pixel is background ({f.decoding.background})",
+        "if it is a surface, say --background-color none",
+    )
+
+
+def _not_normals(f: Inspection) -> Told:
+    if f.off_length_share < NOT_NORMALS_SHARE:
+        return None
+    return (
+        f"does not look like a normal map: {f.off_length_share:.0%} of its vectors are not of unit length",
+        "check that this is the normal map, not a colour, height or ambient-occlusion picture",
+    )
+
+
+def _off_length(f: Inspection) -> Told:
+    if not 0.02 <= f.off_length_share < NOT_NORMALS_SHARE:
+        return None
+    return (
+        f"{f.off_length_share:.1%} of the vectors are more than 10 % off unit length",
+        "they are normalised on reading; resizing, blurring or blending as colours in an image editor makes them",
+    )
+
+
+def _facing_away(f: Inspection) -> Told:
+    if f.away_share < 0.002:
+        return None
+    return (
+        f"{f.away_share:.1%} of the foreground faces away from the viewer (nz <= 0)",
+        "such pixels are brought to the slope cap; export the map from the camera that sees the model",
+    )
+
+
+def _turned(f: Inspection) -> Told:
+    if f.better_swizzle is None:
+        return None
+    return (
+        "its channels look turned or mirrored: another order has far less curl",
+        f"read it with --swizzle={f.better_swizzle}",
+    )
+
+
+def _inverted(f: Inspection) -> Told:
+    if f.better_swizzle is not None or not is_inverted(f.outline_sign):
+        return None
+    return (
+        "looks inverted: along the outline the normals point inwards, so that bumps become dents",
+        f"for an engraving say --delta=-30; for a raised motif read it with --swizzle={upright_swizzle(f.decoding)}",
+    )
+
+
+def _green_down(f: Inspection) -> Told:
+    d = f.decoding
+    if f.better_swizzle is not None or d.green != "down" or d.green_from != "found":
+        return None
+    ratio = 1 / d.curl_ratio if d.curl_ratio else float("inf")
+    return (
+        f"green points down (DirectX): green up would have {ratio:.1f} times the curl",
+        "it is read as such; say --green up or --green down to settle it",
+    )
+
+
+def _green_wrong(f: Inspection) -> Told:
+    d = f.decoding
+    if f.better_swizzle is not None or d.green_from not in ("given", "file") or d.curl_ratio is None:
+        return None
+    against = d.curl_ratio < 1 / SURE_CURL_RATIO if d.green == "up" else d.curl_ratio > SURE_CURL_RATIO
+    if not against:
+        return None
+    other = "down" if d.green == "up" else "up"
+    return (f"green was said to point {d.green}, but {other} has far less curl", f"try --green {other}")
+
+
+def _two_components(f: Inspection) -> Told:
+    if f.decoding.components_from != "found":
+        return None
+    what = "its blue is constant and cannot be z" if "B" in f.channels else "it has no blue"
+    return (
+        f"holds x and y only: {what}",
+        "z is made from them on reading; nmap compose convert writes all three for programs that do not",
+    )
+
+
+def _truncated_codes(f: Inspection) -> Told:
+    if f.decoding.zero_code != "127" or f.neutral_bias_px is None:
+        return None
+    return (
+        f"its codes were truncated, not rounded; with zero in the middle it tilts by {abs(f.neutral_bias_px):.1f} px",
+        "zero is taken at 127 on reading; export again with rounding, best in 16 bits",
+    )
+
+
+def _premultiplied(f: Inspection) -> Told:
+    if not f.premultiplied:
+        return None
+    return (
+        "its colours are multiplied by alpha (premultiplied), which bends the normals along the outline",
+        "export with straight (unassociated) alpha",
+    )
+
+
+def _eight_bit_data(f: Inspection) -> Told:
+    if not f.eight_bit_data:
+        return None
+    return (
+        "is a 16-bit file that holds 8-bit data: smooth areas will show steps",
+        "export from the source in true 16 bits or as float EXR",
+    )
+
+
+def _color_managed(f: Inspection) -> Told:
+    if not f.color_chunks:
+        return None
+    return (
+        f"carries colour-management data ({', '.join(f.color_chunks)}), as if it were a photograph",
+        "it is ignored here, but editors may convert the values: export without a profile, as raw or non-colour data",
+    )
+
+
+def _alpha_ignored(f: Inspection) -> Told:
+    for warning in f.decoding.warnings:
+        if warning.startswith("alpha"):
+            return (warning, "if it is coverage, say --background-color alpha")
+    return None
+
+
+def _background_missing(f: Inspection) -> Told:
+    for warning in f.decoding.warnings:
+        if warning.startswith("no background"):
+            return (warning, "leave --background-color to itself, or name what is there")
+        if "if that is background" in warning:
+            return (warning.partition(";")[0], warning.partition("; ")[2])
+    return None
+
+
+RULES: dict[str, Callable[[Inspection], Told]] = {
+    "no-foreground": _no_foreground,
+    "not-normals": _not_normals,
+    "off-length": _off_length,
+    "facing-away": _facing_away,
+    "turned": _turned,
+    "inverted": _inverted,
+    "green-down": _green_down,
+    "green-wrong": _green_wrong,
+    "two-components": _two_components,
+    "truncated-codes": _truncated_codes,
+    "premultiplied": _premultiplied,
+    "eight-bit-data": _eight_bit_data,
+    "color-managed": _color_managed,
+    "alpha-ignored": _alpha_ignored,
+    "background-missing": _background_missing,
+}

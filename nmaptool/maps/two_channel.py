@@ -1,0 +1,237 @@
+"""Maps that hold two numbers a pixel, x and y alone or octahedral codes, and the vectors that are made of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float32
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.types.picture import RasterImage
+
+# x and y this long are of no normal: white and black backgrounds are
+_LONGEST = 1.1
+# octahedral codes near the corners (1, 1) and (-1, -1) face straight away: white and black backgrounds again
+_CORNER = 0.9
+# grey is told from flat by the stored blue, within so many steps of an 8-bit code
+_GREY_STEPS = 8.0
+# blue is not z where the length of so many vectors is off by more than rounding
+_BLUE_OFF_SHARE = 0.02
+_SAMPLE = 4096
+
+
+def derive_z(xy: NDArray[Any]) -> Float32:
+    """Vectors of which x and y are known: z = sqrt(max(0, 1 - x^2 - y^2)), towards the viewer.
+
+    Parameters
+    ----------
+    xy : (..., 2) float
+
+    Returns
+    -------
+    (..., 3) float32
+        Unit vectors; where x and y alone are longer than 1, z is 0 and the vector as long as they are.
+
+    Examples
+    --------
+    >>> derive_z(np.array([0.6, 0.0])).tolist()
+    [0.6000000238418579, 0.0, 0.800000011920929]
+    """
+    x, y = xy[..., 0].astype(np.float64), xy[..., 1].astype(np.float64)
+    return np.stack([x, y, np.sqrt(np.maximum(0, 1 - x * x - y * y))], axis=-1).astype(np.float32)
+
+
+def unfold_octahedral(codes: NDArray[Any]) -> Float32:
+    """Vectors of octahedral codes: the square [-1, 1]^2 folded into an octahedron, and that blown up to the sphere.
+
+    The middle of the square is +z, the diamond |u| + |v| = 1 is z = 0, the corners are -z (Meyer et al. 2010; ``oct``
+    of Cigolle et al. 2014).
+
+    Parameters
+    ----------
+    codes : (..., 2) float
+
+    Returns
+    -------
+    (..., 3) float32
+        Unit vectors; codes outside the square are brought to its edge, and the vector is as long as they are far out.
+
+    Examples
+    --------
+    >>> unfold_octahedral(np.array([[0.0, 0.0], [1.0, 0.0], [-1.0, 1.0]])).round(6).tolist()
+    [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]
+    """
+    codes = codes.astype(np.float64)
+    far = np.maximum(1.0, np.abs(codes).max(axis=-1, keepdims=True))
+    u, v = np.moveaxis(codes.clip(-1, 1), -1, 0)
+    z = 1 - np.abs(u) - np.abs(v)
+    behind = np.maximum(-z, 0)
+    # + 0: the corners give 0, not -0
+    vectors = np.stack([u - np.copysign(behind, u) + 0.0, v - np.copysign(behind, v) + 0.0, z], axis=-1)
+    vectors *= far / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors.astype(np.float32)
+
+
+def completed(codes: NDArray[Any], components: str) -> Float32:
+    """(..., 3) float32 vectors of two codes in [-1, 1], by `derive_z` ("xy") or `unfold_octahedral`."""
+    return unfold_octahedral(codes) if components == "octahedral" else derive_z(codes)
+
+
+def find_components(image: RasterImage, wanted: str, order: tuple[int, ...]) -> tuple[str, str]:
+    """What a picture holds, "xyz", "xy" or "octahedral", and what tells so.
+
+    Parameters
+    ----------
+    image : RasterImage
+    wanted : str
+        "auto", or what it is said to be.
+    order : tuple of int
+        Which of the channels R, G, B feeds x, y and z.
+
+    Returns
+    -------
+    components, components_from : str
+    """
+    if wanted != "auto":
+        return wanted, "given"
+    if {"R", "G"} <= set(image.channels) and "B" not in image.channels:
+        return "xy", "found"
+    if image.attributes.get("kind") == "normal":  # our own files hold all three
+        return "xyz", "file"
+    if {"R", "G", "B"} <= set(image.channels) and _blue_is_idle(image, order):
+        return "xy", "found"
+    return "xyz", "assumed"
+
+
+def _blue_is_idle(image: RasterImage, order: tuple[int, ...]) -> bool:
+    """Whether blue is constant and cannot be z, while red and green vary."""
+    at = [image.channels.index("RGB"[channel]) for channel in order]
+    flat = image.pixels.reshape(-1, len(image.channels))
+    for step in (max(1, len(flat) // _SAMPLE), 1):  # most maps are told by a few pixels
+        codes = flat[::step]
+        if "A" in image.channels:
+            codes = codes[codes[:, image.channels.index("A")] > 0]
+        blue = codes[:, at[2]]
+        if blue.size and blue.min() != blue.max():  # also for NaN
+            return False
+    codes = codes[:, at]
+    if not codes.size or not np.isfinite(codes).all() or min(np.ptp(codes[:, 0]), np.ptp(codes[:, 1])) == 0:
+        return False
+    if image.is_float:
+        vectors = codes * 2 - 1 if is_unsigned_pair(codes[:, :2]) else codes
+        tolerance = 4e-3
+    else:
+        vectors = codes * (2 / image.max_code) - 1
+        tolerance = 7 / image.max_code  # rounding or truncation of three codes
+    off = np.abs(np.einsum("ij,ij->i", vectors, vectors, dtype=np.float64) - 1) > tolerance
+    return bool(off.mean() > _BLUE_OFF_SHARE)
+
+
+def is_unsigned_pair(codes: NDArray[Any]) -> bool:
+    """Whether two floats a pixel hold (n + 1)/2.
+
+    None is negative, and 2v - 1 is less often too long for x and y than v, or as often and nearer to flat.
+    """
+    pairs = codes.reshape(-1, 2)
+    pairs = pairs[np.isfinite(pairs).all(axis=1)].astype(np.float64)
+    if not len(pairs) or pairs.min() < -1e-3:
+        return False
+    telling = pairs[np.ptp(pairs, axis=1) > 1e-3]  # white, grey and black backgrounds say nothing
+    telling = telling if len(telling) else pairs
+    sample = telling[:: max(1, len(telling) // 100_000)]
+    signed, unsigned = np.linalg.norm(sample, axis=1), np.linalg.norm(2 * sample - 1, axis=1)
+    too_long = float((unsigned > 1.01).mean()), float((signed > 1.01).mean())
+    if too_long[0] != too_long[1]:
+        return too_long[0] < too_long[1]
+    return bool(np.median(unsigned) < np.median(signed))
+
+
+def pair_of_channels(image: RasterImage, order: tuple[int, ...]) -> NDArray[Any]:
+    """(H, W, 2) the two channels that feed x and y, as stored.
+
+    Of a picture with red, green and blue those that ``order`` says; of one with two channels both, grey and alpha too.
+
+    Raises
+    ------
+    InputError
+        If it has one channel only, or too many to know.
+    UsageError
+        If ``order`` wants a blue that is not there.
+    """
+    names = image.channels
+    if {"R", "G", "B"} <= set(names):
+        return image.pixels[..., [names.index("RGB"[channel]) for channel in order[:2]]]
+    both = [i for i, name in enumerate(names) if name != "A"]
+    if len(both) == 1 and len(names) == 2:  # grey and alpha
+        both = [0, 1]
+    if len(both) != 2:
+        raise InputError(
+            f"{image.name}: has {len(names)} channel(s) ({', '.join(names)}); two numbers a pixel need two channels, "
+            "or red and green of three"
+        )
+    if 2 in order[:2]:
+        raise UsageError(f"{image.name}: has no blue; take x and y from r and g, such as --swizzle=-g,r,b")
+    return image.pixels[..., [both[channel] for channel in order[:2]]]
+
+
+def as_three_channels(image: RasterImage, components: str, order: tuple[int, ...], encoding: str) -> RasterImage:
+    """The picture with the blue that a map of all three components would have, so that it is read like one.
+
+    Where two codes are of no normal, blue repeats them, so that white stays white and black black. Where a stored blue
+    that varies says so, grey stays grey.
+
+    Parameters
+    ----------
+    image : RasterImage
+    components : str
+        "xy" or "octahedral".
+    order : tuple of int
+        Which of the channels R, G, B feeds x, y and z.
+    encoding : str
+        "signed" or "unsigned": of floats.
+
+    Returns
+    -------
+    RasterImage
+        Channels R, G, B, and A where alpha is not one of the two.
+    """
+    pair = pair_of_channels(image, order)
+    signed = image.is_float and encoding == "signed"
+    codes = pair.astype(np.float64) / image.max_code
+    codes = codes if signed else codes * 2 - 1
+    with np.errstate(invalid="ignore", over="ignore"):  # NaN is refused later, where it matters
+        blue = completed(codes, components)[..., 2].astype(np.float64)
+        if components == "octahedral":
+            nothing = (codes > _CORNER).all(axis=-1) | (codes < -_CORNER).all(axis=-1)
+        else:
+            nothing = np.hypot(codes[..., 0], codes[..., 1]) > _LONGEST
+        blue = np.where(nothing, codes.mean(axis=-1), blue)
+    stored = blue if signed else (blue + 1) / 2
+    if not image.is_float:
+        stored = np.floor(stored * image.max_code + 0.5).clip(0, image.max_code)
+    three = np.empty((*pair.shape[:2], 3), image.pixels.dtype)
+    three[..., list(order[:2])] = pair
+    three[..., order[2]] = stored
+    _keep_grey(image, order, three, signed)
+    if "A" not in image.channels or len(image.channels) == 2:
+        return replace(image, pixels=three, channels=("R", "G", "B"))
+    alpha = image.pixels[..., [image.channels.index("A")]]
+    return replace(image, pixels=np.concatenate([three, alpha], axis=2), channels=("R", "G", "B", "A"))
+
+
+def _keep_grey(image: RasterImage, order: tuple[int, ...], three: NDArray[Any], signed: bool) -> None:
+    """Put the stored blue back where the picture is grey, unless it is grey for want of a blue that varies."""
+    if not {"R", "G", "B"} <= set(image.channels):
+        return
+    blue = image.pixels[..., image.channels.index("RGB"[order[2]])]
+    if not np.ptp(blue):
+        return
+    middle = 0.0 if signed else image.max_code / 2
+    slack = _GREY_STEPS * image.max_code / 255
+    grey = np.abs(blue.astype(np.float64) - middle) <= slack
+    for channel in order[:2]:
+        grey &= np.abs(three[..., channel].astype(np.float64) - middle) <= slack
+    three[..., order[2]][grey] = blue[grey]

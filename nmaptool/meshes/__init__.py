@@ -1,0 +1,1 @@
+"""Meshes: cleaning, winding, distances, surfaces from height fields."""

@@ -1,0 +1,46 @@
+"""A height field to triangles in mm: +x right, +y up, +z to the viewer, the picture's lower left corner at 0."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nmaptool.types.height import Height
+from nmaptool.types.mesh import Mesh
+
+
+def surface_mesh(height: Height) -> Mesh:
+    """The surface of a height field: two triangles a pixel of its domain, so that its outline is the mask's.
+
+    Each pixel is split along the diagonal whose continuation bends less, which keeps slanting ridges and valleys whole.
+
+    Parameters
+    ----------
+    height : Height
+
+    Returns
+    -------
+    Mesh
+    """
+    rows = height.frame.rows
+    used = height.vertex_mask
+    index = np.full(used.shape, -1, np.int32)
+    index[used] = np.arange(int(used.sum()), dtype=np.int32)
+    row, col = np.nonzero(used)
+    pitch = height.pitch_mm
+    vertices = np.column_stack([col * pitch, (rows - row) * pitch, height.z_mm[used]])
+    inside = height.domain
+    z = np.pad(height.z_mm, 1, mode="edge")
+    bend_falling = np.abs(z[:-3, :-3] - z[1:-2, 1:-2] - z[2:-1, 2:-1] + z[3:, 3:])
+    bend_rising = np.abs(z[3:, :-3] - z[2:-1, 1:-2] - z[1:-2, 2:-1] + z[:-3, 3:])
+    falls = bend_falling <= bend_rising
+    nw, ne = index[:-1, :-1], index[:-1, 1:]
+    sw, se = index[1:, :-1], index[1:, 1:]
+    down, up = inside & falls, inside & ~falls
+    parts = [
+        (nw[down], sw[down], se[down]),
+        (nw[down], se[down], ne[down]),
+        (nw[up], sw[up], ne[up]),
+        (sw[up], se[up], ne[up]),
+    ]
+    faces = np.concatenate([np.column_stack(part) for part in parts])
+    return Mesh(vertices, faces)

@@ -1,0 +1,141 @@
+"""A mesh rebuilt so that its faces look where they are told to."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import InputError
+from nmaptool.core.progress import Progress
+from nmaptool.core.vectors import angles_deg
+from nmaptool.options import ReconstructOptions
+from nmaptool.reconstruction.measures import volume, volume_between
+from nmaptool.reconstruction.rebuild import Rebuilt, rebuild
+from nmaptool.reconstruction.shaping import normals_of, shapes_of
+from nmaptool.types.mesh import Mesh
+from nmaptool.types.reconstruction import Reconstruction, ReconstructReport
+
+# float32 normals are this close to unit length with room to spare
+_OFF_LENGTH = 1e-3
+
+
+def reconstruct(
+    mesh: Mesh,
+    normals: NDArray[np.floating],
+    options: ReconstructOptions | None = None,
+    *,
+    progress: Progress | None = None,
+) -> Reconstruction:
+    """Move the vertices of a mesh so that its face normals come to given ones (gSfG: paper, Sec. 4.1, Eq. 2 and 3).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Clean, see `nmaptool.meshes.clean.clean_mesh`.
+    normals : (M, 3) float
+        Where each face should look: unit vectors.
+    options : ReconstructOptions, optional
+    progress : callable, optional
+        Called with a word and the share done.
+
+    Returns
+    -------
+    Reconstruction
+        The faces as they were on moved vertices, in the same units; normals that are the mesh's own move nothing by
+        more than 1e-9 of its size.
+
+    Raises
+    ------
+    InputError
+        If the mesh is not clean, or the normals are not one finite unit vector a face, or most of them look inwards.
+    ConvergenceError
+        If the system of scheme "poisson" cannot be solved.
+    """
+    options = options or ReconstructOptions()
+    _check_mesh(mesh)
+    targets = _checked(mesh, normals)
+    begun = time.perf_counter()
+    rebuilt = rebuild(mesh, targets, options, progress)
+    report = _report(mesh, targets, options, rebuilt, time.perf_counter() - begun)
+    after = Mesh(rebuilt.vertices, mesh.faces, mesh.mm_per_unit, mesh.unit_from, mesh.name)
+    return Reconstruction(after, report)
+
+
+def _check_mesh(mesh: Mesh) -> None:
+    remedy = "clean it first: nm.clean_mesh(mesh)[0]"
+    if not len(mesh.faces):
+        raise InputError(f"{mesh.name}: has no faces; a surface is needed")
+    if not np.isfinite(mesh.vertices).all():
+        raise InputError(f"{mesh.name}: has vertices that are NaN or infinite; {remedy}")
+    flat = int((~(mesh.geometry.areas > 0)).sum())
+    if flat:
+        raise InputError(f"{mesh.name}: {flat} of its faces have no area and so no normal; {remedy}")
+
+
+def _checked(mesh: Mesh, normals: NDArray[np.floating]) -> Float64:
+    """The targets as exact unit vectors."""
+    given = np.asarray(normals)
+    if given.shape != (len(mesh.faces), 3) or given.dtype.kind != "f":
+        raise InputError(
+            f"normals: are {given.dtype} {given.shape}, expected float ({len(mesh.faces)}, 3): one for each face of "
+            f"{mesh.name}"
+        )
+    targets = given.astype(np.float64)
+    length = np.sqrt(np.einsum("ij,ij->i", targets, targets))
+    if not np.isfinite(length).all():
+        raise InputError(f"normals: {int((~np.isfinite(length)).sum())} are NaN or infinite; every face needs one")
+    off = np.abs(length - 1)
+    if off.max() > _OFF_LENGTH:
+        worst = int(off.argmax())
+        raise InputError(
+            f"normals: that of face {worst} is {length[worst]:.4g} long, expected 1; divide them by their lengths"
+        )
+    targets /= length[:, None]
+    areas = mesh.geometry.areas
+    away = float(areas[np.einsum("ij,ij->i", targets, mesh.geometry.normals) < 0].sum() / areas.sum())
+    if away > 0.5:
+        raise InputError(
+            f"normals: {away:.0%} of {mesh.name} would look the other way; are they of another mesh, or do they point "
+            "inwards? Then negate them"
+        )
+    return targets
+
+
+def _report(
+    mesh: Mesh, targets: Float64, options: ReconstructOptions, rebuilt: Rebuilt, seconds: float
+) -> ReconstructReport:
+    mm, areas = mesh.mm_per_unit, mesh.geometry.areas
+    weights = areas / areas.sum()
+    before = angles_deg(mesh.geometry.normals, targets)
+    after = angles_deg(normals_of(shapes_of(rebuilt.vertices, mesh.faces)), targets)
+    moved = rebuilt.vertices - mesh.vertices
+    moved2 = np.einsum("ij,ij->i", moved, moved)
+    closed = not rebuilt.boundary.any()
+    share = change = None
+    if closed or options.boundary == "hold":
+        change = volume_between(mesh.vertices, rebuilt.vertices, mesh.faces)
+    held = volume(mesh.vertices, mesh.faces)
+    if closed and change is not None and abs(held) > 0:
+        share = change / abs(held)
+    return ReconstructReport(
+        options=options,
+        vertices=len(mesh.vertices),
+        faces=len(mesh.faces),
+        boundary_vertices=int(rebuilt.boundary.sum()),
+        normal_deviation_before_deg=float(before @ weights),
+        normal_deviation_deg=float(after @ weights),
+        normal_deviation_p95_deg=float(np.percentile(after, 95)),
+        folded_before=rebuilt.folded_before,
+        folded_after=rebuilt.folded_after,
+        moved_rms_mm=float(np.sqrt(moved2.mean())) * mm,
+        moved_max_mm=float(np.sqrt(moved2.max())) * mm,
+        diagonal_mm=float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))) * mm,
+        volume_share=share,
+        volume_change_mm3=None if change is None else change * mm**3,
+        mean_offset_mm=None if change is None else change / float(areas.sum()) * mm,
+        moves=rebuilt.moves,
+        seconds=round(seconds, 4),
+    )

@@ -1,0 +1,108 @@
+"""A mesh with less or more of its detail: its normals split, mixed anew, and the mesh rebuilt to them."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.progress import Progress
+from nmaptool.filters.decompose import decompose_clean, long_edges
+from nmaptool.filters.learned.model import FilterModel
+from nmaptool.filters.rolling import Decomposition
+from nmaptool.meshes.clean import clean_mesh
+from nmaptool.options import FilterOptions, ReconstructOptions, SmoothOptions
+from nmaptool.reconstruction.reconstruct import reconstruct
+from nmaptool.types.mesh import Mesh
+from nmaptool.types.mesh_findings import MeshFindings
+from nmaptool.types.reconstruction import ReconstructReport, Smoothed, SmoothReport
+
+# share of the faces that may end folded over before it is worth a word
+_FEW_FOLDED = 0.001
+# of the volume
+_DRIFT = 0.02
+
+
+def smooth(
+    mesh: Mesh,
+    options: SmoothOptions | None = None,
+    filter: FilterOptions | None = None,
+    reconstruct_options: ReconstructOptions | None = None,
+    *,
+    model: FilterModel | None = None,
+    progress: Progress | None = None,
+) -> Smoothed:
+    """Rebuild a mesh to unit(N_B + gain N_D), its base normals and so much of its detail (paper, Sec. 3 and 4.1).
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any; what cannot be used is dropped and reported, vertices at one position are welded.
+    options : SmoothOptions, optional
+    filter : FilterOptions, optional
+        What is detail.
+    reconstruct_options : ReconstructOptions, optional
+    model : FilterModel, optional
+        For the filter ``learned``. Default: the one that comes with the package.
+    progress : callable, optional
+        Called with a word and the share done.
+
+    Returns
+    -------
+    Smoothed
+
+    Raises
+    ------
+    InputError
+        If no face of the mesh can be used.
+    ConvergenceError
+        As `reconstruct`.
+    """
+    options, chosen = options or SmoothOptions(), filter or FilterOptions()
+    tell = progress or (lambda word, share: None)
+    begun = time.perf_counter()
+    clean, source_faces, findings = clean_mesh(mesh)
+    cleaned = time.perf_counter()
+    split = decompose_clean(clean, chosen, lambda word, share: tell(word, 0.5 * share), model)
+    filtered = time.perf_counter()
+    targets = mixed(split, options.detail_gain)
+    rebuilt = reconstruct(clean, targets, reconstruct_options, progress=lambda word, share: tell(word, 0.5 + share / 2))
+    seconds = {"clean": cleaned - begun, "filter": filtered - cleaned, "rebuild": time.perf_counter() - filtered}
+    report = SmoothReport(
+        detail_gain=options.detail_gain,
+        filter=chosen,
+        findings=findings,
+        mixture=split.mixture,
+        reconstruction=rebuilt.report,
+        seconds={name: round(value, 4) for name, value in seconds.items()},
+        warnings=(*_dropped(findings), *long_edges(clean, chosen), *_warnings(rebuilt.report)),
+    )
+    return Smoothed(rebuilt.mesh, source_faces, report)
+
+
+def mixed(split: Decomposition, gain: float) -> Float64:
+    """(M, 3) float64: unit(N_B + gain N_D); the base where the two cancel out."""
+    out = split.base + gain * split.residual
+    length = np.sqrt(np.einsum("ij,ij->i", out, out))
+    lost = ~(length > 1e-6)
+    out[lost] = split.base[lost]
+    length[lost] = np.sqrt(np.einsum("ij,ij->i", split.base[lost], split.base[lost]))
+    return np.asarray(out / length[:, None])
+
+
+def _dropped(findings: MeshFindings) -> tuple[str, ...]:
+    count = findings.degenerate_faces + findings.nonfinite_faces + findings.repeated_faces
+    return (f"{count} faces without area, with NaN or twice there were dropped",) if count else ()
+
+
+def _warnings(report: ReconstructReport) -> tuple[str, ...]:
+    found = []
+    if report.folded_after > _FEW_FOLDED * report.faces:
+        found.append(
+            f"{report.folded_after} of {report.faces} faces end folded over; a smaller --sigma-s, a --detail-gain "
+            "nearer to 1 or a larger --closeness asks less of them"
+        )
+    if report.volume_share is not None and abs(report.volume_share) > _DRIFT:
+        found.append(f"the volume changed by {report.volume_share:+.1%}; a larger --closeness holds it")
+    return tuple(found)

@@ -1,0 +1,1 @@
+"""Normal maps to reliefs: targets, heights, exact millimetres."""

@@ -1,0 +1,79 @@
+"""The four backgrounds: which faces act, where the height term acts, which vertices are held and at what height."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Float64, Mask
+from nmaptool.core.grid import touching
+
+
+@dataclass(frozen=True, eq=False)
+class Domain:
+    """Where a relief is solved.
+
+    Attributes
+    ----------
+    surface : (H, W) bool
+        Faces of the finished surface.
+    acting : (H, W) bool
+        Faces whose normals act.
+    foreground : (H, W) bool
+        Faces on which the height term acts.
+    held : (H+1, W+1) bool
+        Vertices held at the background's height.
+    base_px : (H+1, W+1) float64 or None
+        The background's height, from which delta counts; None: 0 everywhere.
+    share : (H, W) float32 or None
+        How much of each face is motif, where the rest is a held background (soft edges); None: all of it.
+    """
+
+    surface: Mask
+    acting: Mask
+    foreground: Mask
+    held: Mask
+    base_px: Float64 | None = None
+    share: Float32 | None = None
+
+
+def lay_out(
+    mode: str,
+    foreground: Mask,
+    covered: Mask,
+    share: Float32 | None = None,
+    base_px: Float64 | None = None,
+    pulled: Mask | None = None,
+    ground: Mask | None = None,
+) -> Domain:
+    """The domain of a background mode.
+
+    ``plane`` and ``surface`` hold every vertex that touches a background face, the outline's included: were the outline
+    free, the flat face outside and the steep face inside would pull it below the plate and carve a groove around the
+    motif. ``free`` and ``cut`` hold nothing.
+
+    Parameters
+    ----------
+    mode : {"plane", "free", "cut", "surface"}
+    foreground : (H, W) bool
+        The motif.
+    covered : (H, W) bool
+        Where the map is defined.
+    share : (H, W) float32, optional
+        Share of each face that is motif, for ``plane`` and ``surface``: soft edges lean less.
+    base_px : (H+1, W+1) float64, optional
+        Height of the curved background, for ``surface``.
+    pulled : (H, W) bool, optional
+        Where the height term acts. Default: the motif.
+    ground : (H, W) bool, optional
+        Where the curved background is, for ``surface``. Default: everywhere.
+    """
+    rows, cols = foreground.shape
+    pulled = foreground if pulled is None else pulled
+    if mode in ("plane", "surface"):
+        everywhere = np.ones(foreground.shape, bool) if ground is None else ground | foreground
+        # faces between held vertices only have no say: leaving them out keeps separate motifs separate
+        return Domain(everywhere, foreground, pulled, touching(~foreground), base_px, share)
+    acting = foreground if mode == "cut" else covered | foreground
+    return Domain(acting, acting, pulled, np.zeros((rows + 1, cols + 1), bool), base_px)

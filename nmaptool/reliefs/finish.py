@@ -1,0 +1,115 @@
+"""Solved heights to the heights that were asked for, in millimetres."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import InputError
+from nmaptool.options import ReliefOptions
+from nmaptool.reliefs.fit import factor_for_range
+from nmaptool.reliefs.heights import Account, Asked, SystemHeights
+from nmaptool.reliefs.layout import Layout
+
+
+@dataclass(frozen=True, eq=False)
+class FinishedHeights:
+    """Heights of a relief and how they were reached.
+
+    Attributes
+    ----------
+    z_mm : (H+1, W+1) float64
+    range_mm, relief_range_mm : (float, float), float
+        Of the surface; of what stands out of the background.
+    below_share : float
+        Share of the motif below a held background.
+    delta_px, scale : float
+        Delta that they were made with, factor on all heights or on the slopes.
+    account : Account
+    """
+
+    z_mm: Float64
+    range_mm: tuple[float, float]
+    relief_range_mm: float
+    below_share: float
+    delta_px: float
+    scale: float
+    account: Account
+
+
+def finish(
+    heights: SystemHeights,
+    layout: Layout,
+    delta: float,
+    options: ReliefOptions,
+    pitch_mm: float,
+    asked: Asked,
+    near: SystemHeights | None,
+) -> FinishedHeights:
+    """Heights z = base + h0 + delta h1 with the exact range that was asked for.
+
+    Parameters
+    ----------
+    heights : SystemHeights
+    layout : Layout
+    delta : float
+        In px.
+    options : ReliefOptions
+    pitch_mm : float
+    asked : Asked
+    near : SystemHeights or None
+        Where to start from.
+
+    Raises
+    ------
+    InputError
+        If the height cannot be reached.
+    ConvergenceError
+        If the solver does not reach its tolerance.
+    """
+    wanted_px = None
+    if options.height is not None:
+        wanted_px = options.height.to_mm(pitch_mm, max(layout.motif.shape)) / pitch_mm
+    if wanted_px is None or options.fit == "scale":
+        above, account = heights.at(delta, asked, near)
+        scale = 1.0
+        if wanted_px is not None:
+            scale = _factor(above, layout, wanted_px, options)
+            above *= scale
+        return _finished(above, layout, pitch_mm, delta, scale, account)
+    first, second, account = heights.parts(asked, near)
+    slope, inside = 1.0, layout.inside
+    if options.fit == "slope":
+        slope = factor_for_range(delta * inside(second), inside(first), wanted_px, "the slopes", pitch_mm)
+    else:
+        side = -1.0 if delta < 0 else 1.0  # an engraving stays an engraving
+        delta = side * factor_for_range(inside(first), side * inside(second), wanted_px, "delta", pitch_mm)
+    above = slope * first
+    above += delta * second
+    return _finished(above, layout, pitch_mm, delta, slope, account)
+
+
+def _factor(above: Float64, layout: Layout, wanted_px: float, options: ReliefOptions) -> float:
+    """What all heights are multiplied by."""
+    low, high = layout.range_of(above)
+    base_px = layout.domain.base_px
+    rounding = 1e-12 * max(1.0, float(np.abs(above).max()), 0.0 if base_px is None else float(np.abs(base_px).max()))
+    if high - low <= rounding:
+        raise InputError(f"--height {options.height}: the relief is flat and cannot be scaled to a height")
+    return wanted_px / (high - low)
+
+
+def _finished(
+    above: Float64, layout: Layout, pitch_mm: float, delta: float, scale: float, account: Account
+) -> FinishedHeights:
+    """The heights in mm, in the array of those in px above the background."""
+    low, high = layout.range_of(above)
+    relief_range_mm = (high - low) * pitch_mm
+    below = layout.share_below(above) if layout.holds else 0.0
+    if layout.domain.base_px is not None:
+        above += layout.domain.base_px
+        low, high = layout.range_of(above)
+    above *= pitch_mm
+    return FinishedHeights(above, (low * pitch_mm, high * pitch_mm), relief_range_mm, below, delta, scale, account)

@@ -1,0 +1,261 @@
+"""Heights of one system at any delta: z = base + h0 + delta h1, each part solved once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.errors import ConvergenceError
+from nmaptool.core.parallel import each_band
+from nmaptool.core.progress import Progress
+from nmaptool.solver import DirectMethod, Solver
+
+# parts are solved this much more closely than asked, so that their sum is as close as asked at every delta but those
+# where the two loads all but cancel; not closer than what rounding allows
+_CLOSER = 8.0
+_CLOSEST = 1e-13
+# a load this small beside those it is the sum of is not known well
+_CANCELLED = 1e-10
+_VERTICES_AT_ONCE = 1 << 16
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """How well and how long to solve."""
+
+    tolerance: float
+    max_iterations: int
+    progress: Progress | None
+
+
+@dataclass(frozen=True, eq=False)
+class Account:
+    """The solver's iterations for one answer, and how well that answer solves the system."""
+
+    residual: float
+    iterations: int = 0
+    history: tuple[float, ...] = ()
+
+    def after(self, *others: Account) -> Account:
+        """The answer, reached after others."""
+        everything = (*others, self)
+        return Account(
+            self.residual, sum(a.iterations for a in everything), sum((a.history for a in everything), start=())
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """Heights in px above the background, solved to a residual."""
+
+    above: Float64
+    residual: float
+    delta: float = 0.0
+
+
+class SystemHeights:
+    """A prepared system, its two loads and the heights solved with it so far.
+
+    Parameters
+    ----------
+    solver : Solver
+    base_px : (H+1, W+1) float64 or None
+        The background's height; None is 0.
+    load : (H+1, W+1) float64
+        Load for delta = 0.
+    pull : (H+1, W+1) float32
+        Load of delta = 1.
+    kept : bool
+        Whether this is asked more than once; else the load is given up as it is used.
+    """
+
+    def __init__(self, solver: Solver, base_px: Float64 | None, load: Float64, pull: Float32, kept: bool) -> None:
+        self.solver = solver
+        self._base = base_px
+        self._load: Float64 | None = load
+        self._pull = pull
+        self._kept = kept
+        self._whole: _Solved | None = None
+        self._parts: tuple[_Solved, _Solved] | None = None
+        self._squares: tuple[Float64, Float64, Float64] | None = None
+        self._out_of_reach = 0.0
+
+    def at(self, delta: float, asked: Asked, near: SystemHeights | None = None) -> tuple[Float64, Account]:
+        """Heights in px above the background; the array is nobody else's.
+
+        The first delta is solved as it is; a second one splits the heights into their parts, and then every delta is
+        their sum.
+
+        Parameters
+        ----------
+        delta : float
+            In px.
+        asked : Asked
+        near : SystemHeights, optional
+            Of weights close by: its heights are where the solver starts.
+
+        Raises
+        ------
+        ConvergenceError
+            If the solver does not reach its tolerance.
+        """
+        whole = self._whole
+        spent: tuple[Account, ...] = ()
+        if whole is not None and whole.delta == delta and whole.residual <= asked.tolerance:
+            return whole.above.copy(), Account(whole.residual)
+        if self._kept and (self._parts is not None or (whole is not None and whole.delta != delta)):
+            spent = self._split_closer(asked, near)
+            residual = self._residual_at(delta)
+            if residual <= asked.tolerance:
+                return self._sum(delta), Account(residual).after(*spent)
+        solved, account = self._solve_whole(delta, asked, near)
+        if not self._kept:
+            self._release()
+            return solved.above, account
+        self._whole = solved
+        return solved.above.copy(), account.after(*spent)
+
+    def parts(self, asked: Asked, near: SystemHeights | None = None) -> tuple[Float64, Float64, Account]:
+        """(h0, h1): heights above the background for delta = 0, and what delta = 1 adds. Not to be written to.
+
+        Raises
+        ------
+        ConvergenceError
+            If the solver does not reach its tolerance.
+        """
+        spent = self._split(asked, near)
+        assert self._parts is not None
+        first, second = self._parts
+        if not self._kept:
+            self._release()
+        residual = max(first.residual, second.residual)
+        return first.above, second.above, Account(residual).after(*spent)
+
+    def _release(self) -> None:
+        """Give up what the heights were solved with: nothing more will be asked."""
+        del self.solver, self._load, self._pull
+
+    def guess(self, delta: float) -> Float64 | None:
+        """The best that is known of the heights at a delta without solving."""
+        if self._parts is not None:
+            return self._sum(delta)
+        return None if self._whole is None else self._whole.above
+
+    def _sum(self, delta: float) -> Float64:
+        assert self._parts is not None
+        out = delta * self._parts[1].above
+        out += self._parts[0].above
+        return out
+
+    def _solve_whole(self, delta: float, asked: Asked, near: SystemHeights | None) -> tuple[_Solved, Account]:
+        assert self._load is not None
+        load = self._load
+        if self._kept:
+            load = load.copy()
+        else:
+            self._load = None
+        pull = self._pull
+
+        def add(band: slice) -> None:
+            load[band] += np.multiply(pull[band], delta, dtype=np.float64)
+
+        each_band(len(load), max(1, _VERTICES_AT_ONCE // load.shape[1]), add)
+        start = self.guess(delta)
+        if start is None and near is not None:
+            start = near.guess(delta)
+        return self._solve(load, self._base, asked, start, delta)
+
+    def _split_closer(self, asked: Asked, near: SystemHeights | None) -> tuple[Account, ...]:
+        """Solve the parts so well that their sums are as good as asked."""
+        closer = min(asked.tolerance, max(asked.tolerance / _CLOSER, _CLOSEST))
+        if closer <= self._out_of_reach:
+            return ()
+        try:
+            spent = self._split(replace(asked, tolerance=closer), near)
+        except ConvergenceError as error:  # the whole may be within reach where its parts are not
+            self._out_of_reach = closer
+            return (Account(math.inf, len(error.history), error.history),)
+        self._whole = None
+        return spent
+
+    def _split(self, asked: Asked, near: SystemHeights | None) -> tuple[Account, ...]:
+        """Solve the parts that are not there, or not as well as asked."""
+        first, second = self._parts or (None, None)
+        spent = []
+        if second is None or second.residual > asked.tolerance:
+            start = second.above if second is not None else None
+            if start is None and near is not None and near._parts is not None:
+                start = near._parts[1].above
+            second, account = self._solve(self._pull.astype(np.float64), None, asked, start)
+            spent.append(account)
+        if first is None or first.residual > asked.tolerance:
+            assert self._load is not None
+            if first is not None:
+                start = first.above
+            elif self._whole is not None:
+                start = self._whole.above - self._whole.delta * second.above
+            else:
+                start = None if near is None else near.guess(0.0)
+            first, account = self._solve(self._load, self._base, asked, start)
+            spent.insert(0, account)
+        if not self._kept:
+            self._load = None
+        self._parts = first, second
+        return tuple(spent)
+
+    def _solve(
+        self, load: Float64, held_z: Float64 | None, asked: Asked, start: Float64 | None, delta: float = 0.0
+    ) -> tuple[_Solved, Account]:
+        if isinstance(self.solver.method, DirectMethod):
+            start = None  # it has the answer at once
+        elif start is not None and held_z is not None:
+            start = start + held_z
+        solution = self.solver.solve(
+            load,
+            held_z,
+            start=start,
+            tolerance=asked.tolerance,
+            max_iterations=asked.max_iterations,
+            progress=asked.progress,
+        )
+        above = solution.z
+        if held_z is not None:
+            above -= held_z
+        account = Account(solution.residual, solution.iterations, solution.history)
+        return _Solved(above, solution.residual, delta), account
+
+    def _residual_at(self, delta: float) -> float:
+        """What the residual of the parts' sum is at most, relative to its load; the largest over the islands."""
+        if self._parts is None:
+            return math.inf
+        if self._squares is None:
+            self._squares = self._load_squares()
+        first, second = self._parts
+        square0, product, square1 = self._squares
+        terms = square0 + delta * delta * square1
+        square = terms + 2 * delta * product
+        if (square < _CANCELLED * terms).any():
+            return math.inf
+        off = first.residual * np.sqrt(square0) + second.residual * abs(delta) * np.sqrt(square1)
+        return float(np.max(np.divide(off, np.sqrt(square), out=np.zeros_like(off), where=square > 0)))
+
+    def _load_squares(self) -> tuple[Float64, Float64, Float64]:
+        """(count+1,) each: sums over the islands of the squares of both loads and of their product."""
+        system, islands = self.solver.system, self.solver.islands
+        first = self._load
+        assert first is not None
+        if self._base is not None:
+            first = first - system.apply(np.where(system.held, self._base, 0.0))
+        first = np.where(system.unknown, first, 0.0)
+        second = np.where(system.unknown, self._pull, 0.0)
+
+        def sums(values: Float64) -> Float64:
+            if islands.count == 1:
+                return np.array([0.0, values.sum()])
+            found: Float64 = np.bincount(islands.labels.ravel(), values.ravel(), islands.count + 1)  # type: ignore[assignment]
+            return found
+
+        return sums(first * first), sums(first * second), sums(second * second)

@@ -1,0 +1,207 @@
+"""What a relief is given, checked: sizes, weights, motif, curved background, size of a pixel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Float64, Mask
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.grid import touching
+from nmaptool.maps.masks import check_mask, check_sizes, require_map
+from nmaptool.options import ReliefOptions
+from nmaptool.options.checks import LARGEST_WEIGHT
+from nmaptool.reliefs.integrate import integrate
+from nmaptool.types.height import DEFAULT_LONGER_SIDE_MM, Height
+from nmaptool.types.normal_map import NormalMap
+
+# a mask that changes by less than this per px is a ramp to fade over, not a smoothed edge to cut at one half
+_RAMP_PER_PX = 0.2
+_FAINTEST = 0.02
+# slopes under this are flat in a flat map's 8-bit codes
+_FLAT_TILT = 1.5 / 127
+_SAME_PITCH = 1e-3
+
+
+def check_weights(maps: dict[str, Any]) -> dict[str, Float32 | None]:
+    """Weight maps as float32.
+
+    Raises
+    ------
+    InputError
+        If a value is not finite, too large, or negative where that means nothing.
+    """
+    checked: dict[str, Float32 | None] = {}
+    for name, values in maps.items():
+        if values is None:
+            checked[name] = None
+            continue
+        try:
+            array = np.asarray(values, np.float32)
+        except (TypeError, ValueError):
+            raise UsageError(f"the {name} map must be an array of numbers, found {type(values).__name__}") from None
+        bad = not np.isfinite(array).all() or np.abs(array).max() > LARGEST_WEIGHT
+        if bad or (name != "delta" and array.min() < 0):
+            sign = "" if name == "delta" else " and not negative"
+            raise InputError(f"the {name} map must be finite{sign}, at most {LARGEST_WEIGHT:g}")
+        checked[name] = array
+    return checked
+
+
+@dataclass(frozen=True, eq=False)
+class ReliefMaps:
+    """What a relief is made of, checked: all of one size.
+
+    Attributes
+    ----------
+    original : NormalMap
+    detail : NormalMap or None
+    mask : (H, W) float32 or None
+    surface : NormalMap or Height or None
+    mu, beta, delta : (H, W) float32 or None
+        What multiplies them.
+    """
+
+    original: NormalMap
+    detail: NormalMap | None
+    mask: Float32 | None
+    surface: Any
+    mu: Float32 | None
+    beta: Float32 | None
+    delta: Float32 | None
+
+
+def check_maps(
+    original: Any, detail: Any, mask: Any, surface: Any, mu_map: Any, beta_map: Any, delta_map: Any
+) -> ReliefMaps:
+    """The inputs of a relief, checked.
+
+    Raises
+    ------
+    InputError
+        If sizes differ, or a map holds bad values.
+    UsageError
+        If one is not what it should be, or there is a mu map without a detail map.
+    """
+    require_map(original, "the original")
+    others: dict[str, tuple[int, ...]] = {}
+    if detail is not None:
+        require_map(detail, "the detail map")
+        others[f"the detail map {detail.name}"] = detail.frame.shape
+    elif mu_map is not None:
+        raise UsageError("--mu-map: weighs the detail map; give one with --detail")
+    coverage = check_mask(mask)
+    if coverage is not None:
+        others["the mask"] = coverage.shape
+    if isinstance(surface, NormalMap | Height):
+        others["the curved background"] = surface.frame.shape
+    checked = check_weights({"mu": mu_map, "beta": beta_map, "delta": delta_map})
+    others |= {f"the {name} map": values.shape for name, values in checked.items() if values is not None}
+    check_sizes(original, others)
+    return ReliefMaps(original, detail, coverage, surface, **checked)
+
+
+def pitch_of(original: NormalMap, options: ReliefOptions) -> tuple[float, str]:
+    """Millimetres per pixel of a relief, and whether that was ``given``, in the ``file`` or ``assumed``."""
+    frame = original.frame
+    if options.width is not None:
+        return options.width.to_mm(1.0, frame.longer_side) / frame.cols, "given"
+    if frame.pitch_mm is not None:
+        return frame.pitch_mm, "file"
+    return DEFAULT_LONGER_SIDE_MM / frame.longer_side, "assumed"
+
+
+def motif_of(original: NormalMap, mask: Float32 | None, fading: bool) -> Mask:
+    """(H, W) bool: the motif, from the map's own background or from a mask.
+
+    Parameters
+    ----------
+    original : NormalMap
+    mask : (H, W) float32 or None
+        Motif where 0.5 or more; where it rises slowly and ``fading``, all of the ramp.
+    fading : bool
+        Whether a held background lets the motif fade into it.
+
+    Raises
+    ------
+    InputError
+        If nothing is left.
+    """
+    kind = original.decoding.background
+    if mask is None:
+        if not original.foreground.any():
+            raise InputError(
+                f"{original.name}: every pixel is background ({kind}); nothing is left to make a relief of; "
+                "if it is a surface, say --background-color none"
+            )
+        return original.foreground
+    chosen = mask >= 0.5
+    if fading and min(mask.shape) > 1:
+        down, across = np.gradient(mask)
+        chosen |= (mask > _FAINTEST) & (np.hypot(down, across) < _RAMP_PER_PX)
+    if not chosen.any():
+        raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
+    both = np.asarray(chosen & (original.coverage >= 0.5))
+    if not both.any():
+        raise InputError(
+            f"the mask selects only background ({kind}) of {original.name}; is it upside down or inverted?"
+        )
+    return both
+
+
+def pulled_part(original: NormalMap, motif: Mask, mask: Float32 | None) -> Mask:
+    """Where the height term acts: the motif, without the flat patches of a map with a flat background.
+
+    Such a map shows whether a patch inside the motif is raised or sunk by the slopes around it alone; pulled to a
+    height, the insides of letters would be filled.
+    """
+    if mask is not None or original.decoding.background != "flat":
+        return motif
+    sloping = motif & (np.hypot(original.normals[..., 0], original.normals[..., 1]) > _FLAT_TILT)
+    return np.asarray(sloping) if sloping.any() else motif
+
+
+def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> tuple[Float64 | None, Mask | None]:
+    """(H+1, W+1) heights in px of the curved background and (H, W) bool where it is; None for other modes.
+
+    Beyond its own edge it goes on level, for a motif that overhangs.
+
+    Raises
+    ------
+    UsageError
+        If a curved background is missing, or there without its mode.
+    InputError
+        If it has holes, or pixels of another size.
+    """
+    if options.background != "surface":
+        if surface is not None:
+            raise UsageError(f"--surface: only goes with --background surface, not {options.background}")
+        return None, None
+    if surface is None:
+        raise UsageError("--background surface: needs the curved background, such as --surface background.png")
+    if isinstance(surface, NormalMap):
+        ground = surface.coverage >= 0.5
+        return _extended(integrate(surface, options.slope_cap, options.tolerance), ground), ground
+    if not isinstance(surface, Height):
+        raise UsageError(f"the curved background must be a NormalMap or a Height, found {type(surface).__name__}")
+    if not surface.domain.all():
+        raise InputError("the curved background has holes; it must be defined everywhere")
+    if abs(surface.pitch_mm - frame_pitch_mm) > _SAME_PITCH * frame_pitch_mm:
+        raise InputError(
+            f"the curved background has {surface.pitch_mm:.4g} mm per pixel but the relief {frame_pitch_mm:.4g}; "
+            "give both the same --width"
+        )
+    return surface.z_mm / frame_pitch_mm, surface.domain
+
+
+def _extended(z: Float64, ground: Mask) -> Float64:
+    """Heights at vertices off the ground: those of the nearest one on it."""
+    if ground.all():
+        return z
+    from scipy import ndimage  # takes long to load
+
+    nearest = ndimage.distance_transform_edt(~touching(ground), return_distances=False, return_indices=True)
+    extended: Float64 = z[tuple(nearest)]
+    return extended

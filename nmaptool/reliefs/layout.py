@@ -1,0 +1,50 @@
+"""A domain and what is counted on it."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64, Mask, read_only
+from nmaptool.core.grid import touching
+from nmaptool.reliefs.domain import Domain
+
+
+class Layout:
+    """A domain and what is counted on it, once.
+
+    Parameters
+    ----------
+    domain : Domain
+    motif : (H, W) bool
+    tolerance : float
+        To which the background's height was integrated, where it is a normal map.
+    """
+
+    def __init__(self, domain: Domain, motif: Mask, tolerance: float) -> None:
+        self.domain = domain
+        self.motif = read_only(motif)
+        self.tolerance = tolerance
+        # None: every vertex
+        self._inside = None if domain.surface.all() else touching(domain.surface)
+        self.holds = bool(domain.held.any())
+        self.motif_share = float(motif.mean())
+        self.left_alone = float((motif & ~domain.foreground).mean())
+
+    @functools.cached_property
+    def _motif_vertices(self) -> Mask:
+        return touching(self.motif)
+
+    def inside(self, z: Float64) -> Float64:
+        """The heights of the surface's vertices, one after the other."""
+        return z.ravel() if self._inside is None else z[self._inside]
+
+    def range_of(self, z: Float64) -> tuple[float, float]:
+        """Least and greatest height of the surface."""
+        values = self.inside(z)
+        return float(values.min()), float(values.max())
+
+    def share_below(self, above: Float64) -> float:
+        """Share of the motif's vertices below the background."""
+        return np.count_nonzero((above < 0) & self._motif_vertices) / np.count_nonzero(self._motif_vertices)

@@ -1,0 +1,99 @@
+"""The account of a relief, from its heights and what they were solved with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nmaptool.options import ReliefOptions
+from nmaptool.reliefs.finish import FinishedHeights
+from nmaptool.reliefs.layout import Layout
+from nmaptool.reliefs.targets import Weights, to_pixels
+from nmaptool.solver import Solver
+from nmaptool.types.relief import SolveReport
+
+# where so much of a motif on a flat background is flat, it is likely lettering or an emblem
+_MUCH_FLAT = 0.1
+
+
+@dataclass(frozen=True)
+class SolverFacts:
+    """What a report says of a solver; the solver itself is free to go.
+
+    Attributes
+    ----------
+    name : str
+    unknowns, islands, floating_islands, planned_bytes : int
+    """
+
+    name: str
+    unknowns: int
+    islands: int
+    floating_islands: int
+    planned_bytes: int
+
+
+def facts_of(solver: Solver) -> SolverFacts:
+    """What a report says of a solver."""
+    islands = solver.islands
+    floating = int(islands.floating.sum())
+    return SolverFacts(solver.method.name, solver.unknowns, islands.count, floating, solver.planned_bytes)
+
+
+def report_of(
+    options: ReliefOptions,
+    layout: Layout,
+    weights: Weights,
+    heights: FinishedHeights,
+    solver: SolverFacts,
+    pitch: tuple[float, str],
+    steep_share: float,
+    longer_side: int,
+    pulled: bool,
+) -> SolveReport:
+    """The account of one relief; ``pitch`` is in mm, and where it is from; ``pulled``: beta is not 0 everywhere."""
+    reach_px = weights.reach_px(options.energy)
+    low, high = heights.range_mm
+    return SolveReport(
+        options=options,
+        pitch_mm=pitch[0],
+        pitch_from=pitch[1],
+        mu=weights.mu,
+        beta_px=weights.beta,
+        delta_px=heights.delta_px,
+        px_per_delta=to_pixels(1.0, 1.0, longer_side, options.per_pixel)[1],
+        reach_px=reach_px,
+        reach_mm=reach_px * pitch[0],
+        solver=solver.name,
+        unknowns=solver.unknowns,
+        islands=solver.islands,
+        floating_islands=solver.floating_islands,
+        iterations=heights.account.iterations,
+        residual=heights.account.residual,
+        history=heights.account.history,
+        height_min_mm=low,
+        height_max_mm=high,
+        height_range_mm=high - low,
+        relief_range_mm=heights.relief_range_mm,
+        below_background_share=heights.below_share,
+        foreground_share=layout.motif_share,
+        steep_share=steep_share,
+        scale=heights.scale,
+        planned_bytes=solver.planned_bytes,
+        warnings=tuple(_warnings(options, layout, heights.scale, reach_px, pulled)),
+    )
+
+
+def _warnings(options: ReliefOptions, layout: Layout, scale: float, reach_px: float, pulled: bool) -> list[str]:
+    found = []
+    if not layout.holds:
+        if not pulled:
+            found.append("beta is 0 and nothing is held: delta has no effect, heights are given with mean 0")
+        elif options.background in ("plane", "surface"):
+            found.append("no background was found to hold: the whole picture is surface, its height counts from delta")
+    if layout.left_alone > _MUCH_FLAT * layout.motif_share and pulled:
+        found.append("much of the motif is flat; for lettering and emblems --beta 0 keeps every height of the map")
+    if reach_px < 1:
+        found.append(f"beta is so large that shape is kept over {reach_px:.2g} px only: little but delta is left")
+    if options.fit == "slope" and scale < 0.05:
+        found.append(f"the slopes were scaled by {scale:.2g} to reach the height: little of the shape is left")
+    return found

@@ -1,0 +1,259 @@
+"""Reliefs of the same maps again and again: what an earlier one has worked out serves the next."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import threading
+import time
+
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.errors import UsageError
+from nmaptool.core.progress import Progress
+from nmaptool.options import ReliefOptions
+from nmaptool.reliefs import inputs as given
+from nmaptool.reliefs.domain import lay_out
+from nmaptool.reliefs.finish import finish
+from nmaptool.reliefs.heights import Asked, SystemHeights
+from nmaptool.reliefs.layout import Layout
+from nmaptool.reliefs.report import SolverFacts, facts_of, report_of
+from nmaptool.reliefs.targets import Leaning, Weights, aim, lean, to_pixels
+from nmaptool.solver import QuadSystem, Solver, prepare
+from nmaptool.types.height import Height
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.relief import Relief
+
+_Leanings = tuple[Leaning, Leaning | None]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Case:
+    """One setting of everything that needs a solve, and what was worked out for it.
+
+    ``ground``, ``system`` and ``shape`` are the values that the layout, the solver and the heights depend on.
+    """
+
+    ground: tuple[object, ...]
+    system: tuple[object, ...]
+    shape: tuple[object, ...]
+    layout: Layout
+    slope_cap: float
+    leanings: _Leanings | None
+    heights: SystemHeights
+    facts: SolverFacts
+    pulled: bool
+    steep_share: float
+
+
+class ReliefSession:
+    """Reliefs of the same maps with changing options: the engine of a live preview.
+
+    What an option does not touch is not worked out again. A new delta, height, fit, width or looser tolerance needs
+    no solver iterations: heights are linear in delta, and their two parts are kept from the second delta on. A new mu,
+    beta, slope cap or energy is solved from the heights before it. Results are those of `nmaptool.relief` to the
+    tolerance asked for; each has arrays of its own, which no later solve changes.
+
+    Parameters
+    ----------
+    original : NormalMap
+        The original map O, or the base map B.
+    detail : NormalMap, optional
+        The detail map D, same size; flat where there is no detail.
+    mask : (H, W) float or bool, optional
+        Foreground where 0.5 or more. Default: what the map's file shows as motif.
+    surface : NormalMap or Height, optional
+        The curved background for ``background="surface"``.
+    mu_map, beta_map, delta_map : (H, W) float32, optional
+        Multiply mu, beta and delta per pixel; finite, mu and beta not negative.
+    keep : int
+        Settings of mu, beta, background and the like whose solver and heights are kept, the latest used: 2 let one go
+        back and forth between two. Each takes what a solve takes, and 32 bytes a pixel more. 0 keeps nothing.
+
+    Notes
+    -----
+    Maps are neither copied nor changed, and must not be changed while the session lives. Solves may be asked for from
+    several threads; they are done one after the other. One that fails or is interrupted does the session no harm.
+
+    Raises
+    ------
+    InputError
+        If sizes differ or a map holds bad values.
+    UsageError
+        If an input is not what it should be, there is a mu map without a detail map, or ``keep`` is negative.
+    """
+
+    def __init__(
+        self,
+        original: NormalMap,
+        detail: NormalMap | None = None,
+        *,
+        mask: Float32 | Mask | None = None,
+        surface: NormalMap | Height | None = None,
+        mu_map: Float32 | None = None,
+        beta_map: Float32 | None = None,
+        delta_map: Float32 | None = None,
+        keep: int = 2,
+    ) -> None:
+        self._maps = given.check_maps(original, detail, mask, surface, mu_map, beta_map, delta_map)
+        if keep < 0:
+            raise UsageError(f"keep {keep}: must be zero or more")
+        self._keep = keep
+        self._cases: list[_Case] = []  # the latest used first
+        self._lock = threading.Lock()
+        self._solving: int | None = None  # the thread that does
+
+    def solve(self, options: ReliefOptions | None = None, progress: Progress | None = None) -> Relief:
+        """The relief with these options.
+
+        Parameters
+        ----------
+        options : ReliefOptions, optional
+        progress : callable, optional
+            Called with a word and a share in 0..1; what it raises ends the solve.
+
+        Returns
+        -------
+        Relief
+            Its report counts the iterations of this very solve: 0 where none was needed.
+
+        Raises
+        ------
+        InputError
+            If nothing is foreground or the exact height cannot be reached.
+        UsageError
+            If options do not go together.
+        ConvergenceError
+            If the solver does not reach its tolerance.
+        """
+        options = options or ReliefOptions()
+        if self._solving == threading.get_ident():
+            raise UsageError("a session cannot solve while it solves: ask it after the progress callback has returned")
+        with self._lock:
+            self._solving = threading.get_ident()
+            try:
+                return self._solve(options, progress)
+            finally:
+                self._solving = None
+
+    def _solve(self, options: ReliefOptions, progress: Progress | None) -> Relief:
+        clock = [time.perf_counter()]
+        original = self._maps.original
+        pitch_mm, pitch_from = given.pitch_of(original, options)
+        weights = self._weights(options)
+        case = self._case_for(options, weights, pitch_mm, progress, clock)
+        near = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
+        clock.append(time.perf_counter())
+        asked = Asked(options.tolerance, options.max_iterations, progress)
+        # kept even where the height asked for turns out not to be reached
+        self._cases = [case, *(c for c in self._cases if c is not case)][: self._keep]
+        heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, asked, near)
+        clock.append(time.perf_counter())
+        frame = dataclasses.replace(original.frame, pitch_mm=pitch_mm)
+        height = Height(heights.z_mm, case.layout.domain.surface, frame)
+        report = report_of(
+            options,
+            case.layout,
+            weights,
+            heights,
+            case.facts,
+            (pitch_mm, pitch_from),
+            case.steep_share,
+            frame.longer_side,
+            case.pulled,
+        )
+        clock.append(time.perf_counter())
+        stages = zip(("inputs", "setup", "solve", "finish"), itertools.pairwise(clock), strict=True)
+        seconds = {stage: ended - begun for stage, (begun, ended) in stages}
+        return Relief(height, case.layout.motif, dataclasses.replace(report, seconds=seconds))
+
+    def _weights(self, options: ReliefOptions) -> Weights:
+        maps = self._maps
+        beta, delta = to_pixels(options.beta, options.delta, maps.original.frame.longer_side, options.per_pixel)
+        return Weights(options.mu if maps.detail is not None else 0.0, beta, delta, maps.mu, maps.beta, maps.delta)
+
+    def _case_for(
+        self,
+        options: ReliefOptions,
+        weights: Weights,
+        pitch_mm: float,
+        progress: Progress | None,
+        clock: list[float],
+    ) -> _Case:
+        """The case of these options: one that is there, or a new one made from what the others have in common.
+
+        When the inputs are done with is added to the ``clock``.
+        """
+        maps = self._maps
+        # mu and the energy do nothing without a detail map
+        energy = options.energy if maps.detail is not None else "eq6"
+        stiffened = weights.mu if energy == "eq6" else 0.0
+        ground = self._ground_key(options, pitch_mm)
+        system = (options.background, weights.beta, stiffened, options.solver)
+        shape = (weights.mu, energy, options.slope_cap)
+        for case in self._cases:
+            if (case.ground, case.system, case.shape) == (ground, system, shape) and self._holds(case, options):
+                case.heights.solver.check_memory(options.memory_limit_bytes)
+                clock.append(time.perf_counter())
+                return case
+        same_ground = (c for c in self._cases if c.ground == ground and self._holds(c, options))
+        layout = next((c.layout for c in same_ground), None) or self._lay_out(options, pitch_mm)
+        leanings = next((c.leanings for c in self._cases if c.slope_cap == options.slope_cap), None)
+        if leanings is None:
+            detail = None if maps.detail is None else lean(maps.detail.normals, options.slope_cap)
+            leanings = lean(maps.original.normals, options.slope_cap), detail
+        if progress is not None:
+            progress("setting up", 0.0)
+        base_px = layout.domain.base_px
+        targets = aim(maps.original, maps.detail, layout.domain, weights, options.slope_cap, energy, leanings)
+        if not self._keep:
+            leanings = None
+        solver: Solver | None = next((c.heights.solver for c in self._cases if c.system == system), None)
+        load = targets.shape_load(base_px)
+        weight, beta, pull, steep_share = targets.weight, targets.beta, targets.pull, targets.steep_share
+        del targets  # its slopes are in the load
+        clock.append(time.perf_counter())
+        if solver is not None:
+            solver.check_memory(options.memory_limit_bytes)
+        else:
+            like = next((c.heights.solver for c in self._cases if c.layout is layout), None)
+            system_here = QuadSystem(weight, beta, layout.domain.held)
+            solver = prepare(system_here, options.solver, options.memory_limit_bytes, like)
+        return _Case(
+            ground,
+            system,
+            shape,
+            layout,
+            options.slope_cap,
+            leanings,
+            SystemHeights(solver, base_px, load, pull, kept=self._keep > 0),
+            facts_of(solver),
+            bool(beta.any()),
+            steep_share,
+        )
+
+    def _ground_key(self, options: ReliefOptions, pitch_mm: float) -> tuple[object, ...]:
+        """What the layout depends on, besides the tolerance to which a normal map of the background is integrated."""
+        if options.background != "surface":
+            return (options.background,)
+        return (options.background, options.slope_cap if isinstance(self._maps.surface, NormalMap) else pitch_mm)
+
+    def _holds(self, case: _Case, options: ReliefOptions) -> bool:
+        """Whether a case's background is as exact as asked."""
+        integrated = options.background == "surface" and isinstance(self._maps.surface, NormalMap)
+        return not integrated or case.layout.tolerance <= options.tolerance
+
+    def _lay_out(self, options: ReliefOptions, pitch_mm: float) -> Layout:
+        maps = self._maps
+        original, mask = maps.original, maps.mask
+        motif = given.motif_of(original, mask, fading=options.background in ("plane", "surface"))
+        base_px, ground = given.base_of(maps.surface, pitch_mm, options)
+        domain = lay_out(
+            options.background,
+            motif,
+            original.coverage >= 0.5,
+            original.coverage if mask is None else original.coverage * mask,
+            base_px,
+            given.pulled_part(original, motif, mask),
+            ground,
+        )
+        return Layout(domain, motif, options.tolerance)

@@ -1,0 +1,1 @@
+"""Drawing meshes: which face each pixel sees."""

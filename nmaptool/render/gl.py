@@ -1,0 +1,233 @@
+"""Which face each pixel sees, drawn by OpenGL through pyrender: EGL, then OSMesa, then the platform's window."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import LimitError, RendererError
+from nmaptool.render.numpy_raster import Draw
+from nmaptool.types.mesh import Faces
+
+# software OpenGL says 16384 and fails there; two buffers of four samples a pixel take 100 MB at this size
+TILE_PX = 2048
+PLATFORMS = ("egl", "osmesa", "window")
+_SHADERS = Path(__file__).parent / "shaders"
+_VARIABLE = "PYOPENGL_PLATFORM"
+_REMEDY = (
+    "install OpenGL's libraries (Debian, Ubuntu: sudo apt-get install libegl1 libgl1 libgl1-mesa-dri libxrender1; "
+    "Fedora: sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers libXrender), or draw without them, slower: "
+    "--renderer numpy"
+)
+
+
+@contextlib.contextmanager
+def drawing(renderer: str = "auto") -> Iterator[tuple[Draw, str]]:
+    """An OpenGL context for any number of drawings; everything it holds is freed at the end.
+
+    Parameters
+    ----------
+    renderer : str
+        ``egl``, ``osmesa``, ``window``, or ``auto``: the first of them that works, or the one that the environment
+        variable PYOPENGL_PLATFORM names.
+
+    Yields
+    ------
+    draw, platform
+        ``draw`` as `nmaptool.render.numpy_raster.visible_faces`, and which platform was had.
+
+    Raises
+    ------
+    RendererError
+        If no context can be had; says why, and what to install.
+    """
+    context = _open(renderer)
+    try:
+        yield lambda points, faces, rows, cols: _draw(context, points, faces, rows, cols), context.platform
+    finally:
+        context.close()
+
+
+class _Context:
+    """An OpenGL context that draws face numbers."""
+
+    def __init__(self, platform: str) -> None:
+        self.platform = platform
+        self._offscreen = self._opened(1, 1)
+
+    def _opened(self, rows: int, cols: int) -> Any:
+        before = os.environ.get(_VARIABLE)
+        if self.platform == "window":
+            os.environ.pop(_VARIABLE, None)
+        else:
+            os.environ[_VARIABLE] = self.platform
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of the packages' own making
+                from pyrender import OffscreenRenderer
+                from pyrender.shader_program import ShaderProgramCache
+
+                offscreen = OffscreenRenderer(cols, rows)
+            offscreen._renderer.dpscale = 1  # or a Mac would draw at twice the size and blend face numbers
+            offscreen._renderer._program_cache = ShaderProgramCache(shader_dir=str(_SHADERS))
+            return offscreen
+        finally:
+            if before is None:
+                os.environ.pop(_VARIABLE, None)
+            else:
+                os.environ[_VARIABLE] = before
+
+    def sized(self, rows: int, cols: int) -> Any:
+        """The renderer, set up for pictures of this size."""
+        offscreen = self._offscreen
+        if (offscreen.viewport_height, offscreen.viewport_width) != (rows, cols):
+            if offscreen._platform.supports_framebuffers():
+                offscreen.viewport_width, offscreen.viewport_height = cols, rows
+            else:  # pyrender would make a new one with its own shaders
+                self.close()
+                self._offscreen = self._opened(rows, cols)
+        return self._offscreen
+
+    def close(self) -> None:
+        """Free everything; pyrender would end the whole display connection, under any other context of this process."""
+        offscreen = self._offscreen
+        platform = offscreen._platform
+        display = getattr(platform, "_egl_display", None)
+        if display is None:
+            offscreen.delete()
+            return
+        from OpenGL import EGL
+
+        platform.make_current()
+        offscreen._renderer.delete()
+        EGL.eglMakeCurrent(display, EGL.EGL_NO_SURFACE, EGL.EGL_NO_SURFACE, EGL.EGL_NO_CONTEXT)
+        EGL.eglDestroyContext(display, platform._egl_context)
+        platform._egl_display = platform._egl_context = None
+        offscreen._renderer = offscreen._platform = None
+
+
+def _open(renderer: str) -> _Context:
+    wanted = (renderer,) if renderer != "auto" else PLATFORMS
+    chosen = os.environ.get(_VARIABLE)
+    if renderer == "auto" and chosen in PLATFORMS:
+        wanted = (chosen,)
+    reasons = []
+    for platform in wanted:
+        loaded = {name for name in sys.modules if _is_graphics(name)}
+        try:
+            return _Context(platform)
+        except Exception as error:  # noqa: BLE001 - drivers and their bindings fail in every way there is
+            reasons.append(f"{platform}: {_reason(platform, error)}")
+        for name in [name for name in sys.modules if _is_graphics(name) and name not in loaded]:
+            del sys.modules[name]  # PyOpenGL binds itself to a platform when it is imported
+    raise RendererError(f"no OpenGL context can be had ({'; '.join(reasons)}); {_REMEDY}")
+
+
+def _reason(platform: str, error: Exception) -> str:
+    if platform == "osmesa" and isinstance(error, (ImportError, AttributeError)):
+        return "needs libosmesa6 and a newer binding, pip install PyOpenGL==3.1.10"
+    said = " ".join(str(error).split()).partition(" (")[0].rstrip(".:;")
+    return said[:90] or type(error).__name__
+
+
+def _is_graphics(name: str) -> bool:
+    return name.partition(".")[0] in ("OpenGL", "pyrender")
+
+
+def _draw(context: _Context, points: Float64, faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
+    """The whole picture, in tiles that the renderer can hold."""
+    toward = _turned_to_viewer(points, faces)
+    near = points[:, 2]
+    depth = 0.999 - (near - near.min()) * (1.998 / max(float(np.ptp(near)), 1e-30))
+    shown = np.empty((rows, cols), np.int32)
+    for top in range(0, rows, TILE_PX):
+        for left in range(0, cols, TILE_PX):
+            high, wide = min(TILE_PX, rows - top), min(TILE_PX, cols - left)
+            clip = np.column_stack(
+                [(points[:, 0] - left) * (2 / wide) - 1, 1 - (points[:, 1] - top) * (2 / high), depth]
+            ).astype(np.float32)
+            number = None
+            drawn = toward
+            if (high, wide) != (rows, cols):
+                number = np.flatnonzero(_touches(clip, toward))
+                drawn = toward[number]
+            tile = _draw_tile(context, clip, drawn, high, wide)
+            shown[top : top + high, left : left + wide] = tile if number is None else _renumbered(tile, number)
+    return shown
+
+
+def _turned_to_viewer(points: Float64, faces: Faces) -> Faces:
+    """Faces counter-clockwise as seen: pyrender culls back faces where it draws segments."""
+    col, row = (np.ascontiguousarray(points[:, axis]) for axis in (0, 1))
+    a, b, c = (np.ascontiguousarray(faces[:, k]) for k in range(3))
+    left, top = col.take(a), row.take(a)
+    away = (col.take(b) - left) * (row.take(c) - top) > (col.take(c) - left) * (row.take(b) - top)  # rows count down
+    return np.column_stack([np.where(away, c, a), b, np.where(away, a, c)])
+
+
+def _touches(clip: NDArray[np.float32], faces: Faces) -> NDArray[np.bool_]:
+    """Faces whose bounding box meets the tile."""
+    out = np.ones(len(faces), bool)
+    for axis in (0, 1):
+        corner = clip[:, axis][faces]
+        out &= (corner.max(axis=1) >= -1) & (corner.min(axis=1) <= 1)
+    return out
+
+
+def _renumbered(tile: NDArray[np.int32], number: NDArray[np.int64]) -> NDArray[np.int32]:
+    out = np.full(tile.shape, -1, np.int32)
+    seen = tile >= 0
+    out[seen] = number[tile[seen]]
+    return out
+
+
+def _draw_tile(context: _Context, clip: NDArray[np.float32], faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
+    if not len(faces):
+        return np.full((rows, cols), -1, np.int32)
+    from pyrender import Mesh, Node, OrthographicCamera, Primitive, RenderFlags, Scene
+
+    scene = Scene()
+    scene.add(OrthographicCamera(1.0, 1.0))  # asked for, not used: the shader takes the positions as they are
+    node = Node(mesh=Mesh([Primitive(positions=clip, indices=faces.astype(np.uint32))]))
+    scene.add_node(node)
+    offscreen = context.sized(rows, cols)
+    flags = RenderFlags.SEG | RenderFlags.RGBA
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        bytes_, _ = offscreen.render(scene, flags=flags, seg_node_map={node: (0, 0, 0)})
+        offscreen._renderer._update_context(Scene(), flags)  # frees the buffers of this drawing
+    if bytes_.shape[-1] < 4 and len(faces) >= 1 << 24:
+        raise LimitError(
+            f"{len(faces)} faces are more than {context.platform} can number (16777215); use --renderer egl"
+        )
+    return face_numbers(bytes_)
+
+
+def face_numbers(color: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Face numbers out of drawn bytes.
+
+    Parameters
+    ----------
+    color : (H, W, 3 or 4) uint8
+        Number + 1, lowest byte first; where nothing is drawn, black and opaque.
+
+    Returns
+    -------
+    (H, W) int32
+        -1 where nothing was drawn.
+    """
+    number = color[..., 0].astype(np.int64)
+    number |= color[..., 1].astype(np.int64) << 8
+    number |= color[..., 2].astype(np.int64) << 16
+    if color.shape[-1] == 4:
+        number |= np.where((number == 0) & (color[..., 3] == 255), 0, color[..., 3].astype(np.int64) << 24)
+    return (number - 1).astype(np.int32)

@@ -1,0 +1,178 @@
+"""What comparing two ways of rebuilding a mesh returns: figures of both, curves, a verdict, pictures."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from nmaptool.core.arrays import Float32, Float64
+from nmaptool.options import FilterOptions, ReconstructOptions
+from nmaptool.options.plain_values import filter_values, plain_values
+from nmaptool.types.mesh import Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Contender:
+    """One scheme on the shared targets (paper, Fig. 13).
+
+    Attributes
+    ----------
+    options : ReconstructOptions
+    mesh : Mesh
+        Rebuilt, its centroid on that of the given mesh.
+    deviation_mm : (N,) float64
+        How far each vertex is from where it was, after that.
+    rms_mm, mean_mm, max_mm : float
+        Of the deviation.
+    hausdorff_mm, to_original_mm, from_original_mm : float
+        Largest distance from a vertex of either mesh to the surface of the other, and of the two directions alone.
+    normal_mean_deg, normal_median_deg, normal_p95_deg : float
+        Angles between face normals and targets; the mean is over areas of the given mesh.
+    histogram : (B,) float64
+        Share of the area in each bin of the comparison's ``edges_deg``; the last holds all beyond.
+    folded : int
+        Faces more than a right angle from their targets.
+    volume_share : float or None
+    seconds : float
+    """
+
+    options: ReconstructOptions
+    mesh: Mesh
+    deviation_mm: Float64
+    rms_mm: float
+    mean_mm: float
+    max_mm: float
+    hausdorff_mm: float
+    to_original_mm: float
+    from_original_mm: float
+    normal_mean_deg: float
+    normal_median_deg: float
+    normal_p95_deg: float
+    histogram: Float64
+    folded: int
+    volume_share: float | None
+    seconds: float
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """One run of a sweep: mean normal deviation in degrees, rms vertex deviation in mm, faces left folded over."""
+
+    closeness: float | None
+    steps: int
+    normal_deg: float
+    rms_mm: float
+    folded: int
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether gSfG has the smaller vertex deviation at equal or smaller normal deviation.
+
+    Attributes
+    ----------
+    rival : str
+        Which curve of Poisson's.
+    holds : str
+        ``yes``, ``no`` or ``in part``.
+    points, held : int
+        Points of the rival's front (those that none of its own beats), and how many of them gSfG beats.
+    held_deg : tuple of float
+        Normal deviations of those.
+    ratio_low, ratio_high : float or None
+        gSfG's vertex deviation over Poisson's at those points that gSfG reaches.
+    words : str
+        The same in a sentence.
+    """
+
+    rival: str
+    holds: str
+    points: int
+    held: int
+    held_deg: tuple[float, ...]
+    ratio_low: float | None
+    ratio_high: float | None
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A picture of a contender, at twice the size it is shown in.
+
+    Attributes
+    ----------
+    deviation_mm : (2 H, 2 W) float32
+        Of the face at each sample; NaN where nothing is seen.
+    shade : (2 H, 2 W) float32
+        Light on it, 0 to 1.
+    """
+
+    deviation_mm: Float32
+    shade: Float32
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """gSfG and Poisson on the same targets.
+
+    Attributes
+    ----------
+    name : str
+    faces, vertices : int
+    diagonal_mm : float
+    filter : FilterOptions
+    normal_before_deg : float
+        Mean angle between the given mesh's normals and the targets.
+    edges_deg : (B + 1,) float64
+        Bins of the histograms.
+    contenders : mapping
+        ``gsfg`` and ``poisson``: what the figure shows. Of Poisson's sweep it is the run that comes nearest to
+        gSfG's.
+    curves : mapping
+        Name to points of a sweep.
+    verdicts : tuple of Verdict
+    shots : mapping
+        Pictures of the contenders.
+    seconds : mapping of str to float
+    """
+
+    name: str
+    faces: int
+    vertices: int
+    diagonal_mm: float
+    filter: FilterOptions
+    normal_before_deg: float
+    edges_deg: Float64
+    contenders: Mapping[str, Contender]
+    curves: Mapping[str, tuple[CurvePoint, ...]]
+    verdicts: tuple[Verdict, ...]
+    shots: Mapping[str, Shot]
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; lengths in mm and in % of the diagonal."""
+        share = 100 / self.diagonal_mm
+        contenders = {}
+        for name, each in self.contenders.items():
+            skipped = ("mesh", "deviation_mm", "histogram", "options")
+            values = {f.name: getattr(each, f.name) for f in dataclasses.fields(each) if f.name not in skipped}
+            lengths = [key for key in values if key.endswith("_mm")]
+            values |= {key.removesuffix("_mm") + "_percent": values[key] * share for key in lengths}
+            values["options"] = plain_values(each.options)
+            values["histogram"] = [round(float(part), 6) for part in each.histogram]
+            contenders[name] = values
+        return {
+            "mesh": self.name,
+            "faces": self.faces,
+            "vertices": self.vertices,
+            "diagonal_mm": self.diagonal_mm,
+            "filter": filter_values(self.filter),
+            "normal_before_deg": self.normal_before_deg,
+            "histogram_edges_deg": [float(edge) for edge in self.edges_deg],
+            "contenders": contenders,
+            "curves": {name: [dataclasses.asdict(p) for p in points] for name, points in self.curves.items()},
+            "verdicts": [dataclasses.asdict(verdict) for verdict in self.verdicts],
+            "seconds": dict(self.seconds),
+        }

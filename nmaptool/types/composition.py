@@ -1,0 +1,62 @@
+"""An edited normal map, and the report of how it was made."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from nmaptool.core.arrays import Float32
+from nmaptool.types.normal_map import NormalMap
+
+
+@dataclass(frozen=True, eq=False)
+class ComposeReport:
+    """What an edit of normal maps did.
+
+    Attributes
+    ----------
+    command : str
+        ``blend``, ``paste``, ``transform``, ``convert``, ``stack``.
+    options : mapping
+        As given, as plain values.
+    layers : tuple of mapping
+        What became of each layer: name, mode, strength, where it lies in px, its share of the canvas.
+    curl_before : float or None
+        Mean |curl| of what it started from, in slope per px: see `nmaptool.core.vectors.mean_abs_curl`.
+    curl_after : float
+        The same of the result.
+    seconds : mapping of str to float
+        Time by stage.
+    warnings : tuple of str
+    """
+
+    command: str
+    options: Mapping[str, Any]
+    curl_before: float | None
+    curl_after: float
+    layers: tuple[Mapping[str, Any], ...] = ()
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return dataclasses.asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Composition:
+    """An edited normal map, and how it came about.
+
+    Attributes
+    ----------
+    normal_map : NormalMap
+    placed : (H, W) float32 in [0, 1]
+        Where layers lie above the lowest: the mask for a relief whose background keeps its own height.
+    report : ComposeReport
+    """
+
+    normal_map: NormalMap
+    placed: Float32
+    report: ComposeReport

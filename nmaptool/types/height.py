@@ -1,0 +1,73 @@
+"""Height fields in millimetres."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64, Mask, read_only
+from nmaptool.core.errors import InputError
+from nmaptool.core.grid import corner_mean, touching
+from nmaptool.types.picture import Frame
+
+DEFAULT_LONGER_SIDE_MM = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class Height:
+    """A height field on the corners of the pixels, in millimetres.
+
+    Parameters
+    ----------
+    z_mm : (H+1, W+1) float64
+        Heights at vertices; 0 where no pixel of the domain touches.
+    domain : (H, W) bool
+        Pixels (faces) that belong to the surface.
+    frame : Frame
+        Size and pitch (known).
+    """
+
+    z_mm: Float64
+    domain: Mask
+    frame: Frame
+
+    def __post_init__(self) -> None:
+        rows, cols = self.frame.shape
+        if self.frame.pitch_mm is None:
+            raise InputError("a height field needs the size of a pixel in mm")
+        if self.z_mm.shape != (rows + 1, cols + 1) or self.z_mm.dtype != np.float64:
+            raise InputError(
+                f"heights are {self.z_mm.dtype} {self.z_mm.shape}, expected float64 {(rows + 1, cols + 1)}"
+            )
+        if self.domain.shape != (rows, cols) or self.domain.dtype != np.bool_:
+            raise InputError(f"domain is {self.domain.dtype} {self.domain.shape}, expected bool {(rows, cols)}")
+        if not np.all(np.isfinite(self.z_mm)):
+            raise InputError("heights must be finite")
+        if not self.domain.any():
+            raise InputError("the height field has no pixel in its domain")
+        object.__setattr__(self, "z_mm", read_only(self.z_mm))
+        object.__setattr__(self, "domain", read_only(self.domain))
+
+    @property
+    def pitch_mm(self) -> float:
+        """Millimetres per pixel."""
+        assert self.frame.pitch_mm is not None  # checked at construction
+        return self.frame.pitch_mm
+
+    @property
+    def vertex_mask(self) -> Mask:
+        """(H+1, W+1) bool: vertices that touch the domain."""
+        return touching(self.domain)
+
+    @property
+    def range_mm(self) -> tuple[float, float]:
+        """Lowest and highest vertex of the domain."""
+        inside = self.z_mm[self.vertex_mask]
+        return float(inside.min()), float(inside.max())
+
+    def at_pixels(self) -> Float64:
+        """(H, W) float64 heights in mm at pixel centres (mean of the corners), NaN outside the domain."""
+        centre = corner_mean(self.z_mm)
+        centre[~self.domain] = np.nan
+        return centre

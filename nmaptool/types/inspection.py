@@ -1,0 +1,80 @@
+"""What was measured in a normal map, and what is wrong with it."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+from nmaptool.types.normal_map import Decoding
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something wrong or doubtful, and what to do about it."""
+
+    code: str
+    message: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """Everything `inspect_map` measures; shares are of the foreground unless said otherwise.
+
+    Attributes
+    ----------
+    name, cols, rows, bits, channels, layer
+        The file.
+    decoding : Decoding
+        Convention, zero code and background, each with its source; ``curl_ratio`` is how many times more curl the
+        other green would have.
+    foreground_share, coverage_mean : float
+        Of the picture.
+    unit_length_error : float
+        Mean of ||v| - 1| of the stored vectors.
+    off_length_share : float
+        Share with an error above 0.1.
+    away_share : float
+        Share with nz <= 0.
+    neutral_bias_px : float or None
+        Height by which the file's own flat code, read with the middle code as zero, tilts a flat map from one side of
+        the longer side to the other; None where no flat code stands out.
+    mean_abs_curl : float
+        Slope per px.
+    outline_sign : float or None
+        Mean of n . outward over the outline: near +1 for a raised motif, negative for an inverted one.
+    better_swizzle : str or None
+        Channel order with clearly less curl.
+    premultiplied, eight_bit_data, lossy, is_float : bool
+    color_chunks : tuple of str
+    findings : tuple of Finding
+    """
+
+    name: str
+    cols: int
+    rows: int
+    bits: int
+    channels: tuple[str, ...]
+    layer: str | None
+    pitch_mm: float | None
+    decoding: Decoding
+    foreground_share: float
+    coverage_mean: float
+    unit_length_error: float
+    off_length_share: float
+    away_share: float
+    neutral_bias_px: float | None
+    mean_abs_curl: float
+    outline_sign: float | None
+    better_swizzle: str | None
+    premultiplied: bool
+    eight_bit_data: bool
+    lossy: bool
+    is_float: bool
+    color_chunks: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return dataclasses.asdict(self)

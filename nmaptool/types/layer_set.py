@@ -1,0 +1,133 @@
+"""The layers of one view: original, base and detail normal maps on one grid, and the report of how they were made."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float32, read_only
+from nmaptool.core.errors import InputError
+from nmaptool.types.mesh_findings import MeshFindings
+from nmaptool.types.mixture import Mixture
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.picture import Frame
+
+
+@dataclass(frozen=True, eq=False)
+class LayerReport:
+    """How layers were made.
+
+    Attributes
+    ----------
+    options : mapping
+        As given, plain values.
+    mixture : Mixture
+    detail_share : float
+        Share of the surface (by area) or of the motif that is detail.
+    detail_angle_deg : float
+        Mean angle between original and base over the covered pixels.
+    view : str
+        Name of the view; empty for layers of a map.
+    pitch_from : str
+        Where the size of a pixel comes from: ``given``, ``file`` or ``assumed``; empty where there is none.
+    findings : MeshFindings or None
+        What was dropped from the mesh.
+    faces : int
+        Faces that were filtered and drawn; 0 for layers of a map.
+    mean_edge : float
+        Mean edge length in units of the mesh, the unit of sigma_s; 0 for layers of a map.
+    sigma_s_px : float
+        What sigma_s comes to in pixels; 0 where a learned filter was used.
+    model : str
+        Digest of the learned filter; empty for the others.
+    renderer : str
+        Which platform drew.
+    camera : mapping
+        ``rotation`` (mesh to eye space), ``center`` (of the picture, in eye space), ``unit_per_px``, ``distance`` (of a
+        perspective camera's eye from the picture plane, else None), all in units of the mesh.
+    curl : mapping of str to float
+        Mean |curl| of original, base and detail, in slope per px.
+    seconds : mapping of str to float
+        Time by stage.
+    warnings : tuple of str
+    """
+
+    options: Mapping[str, Any]
+    mixture: Mixture
+    detail_share: float
+    detail_angle_deg: float
+    view: str = ""
+    pitch_from: str = ""
+    findings: MeshFindings | None = None
+    faces: int = 0
+    mean_edge: float = 0.0
+    sigma_s_px: float = 0.0
+    model: str = ""
+    renderer: str = ""
+    camera: Mapping[str, Any] = field(default_factory=dict)
+    curl: Mapping[str, float] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        out = {f.name: getattr(self, f.name) for f in dataclasses.fields(self)}
+        out["mixture"] = self.mixture.to_dict()
+        out["findings"] = None if self.findings is None else dataclasses.asdict(self.findings)
+        out |= {key: dict(out[key]) for key in ("options", "camera", "curl", "seconds")}
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class LayerSet:
+    """Three normal maps of one view, and what else the drawing knows.
+
+    Parameters
+    ----------
+    original, base, detail : NormalMap
+        On one grid, with one coverage.
+    report : LayerReport
+    depth_mm : (H, W) float32, optional
+        Distance from the camera along its axis; 0 where nothing is seen. A perspective camera counts from its eye, an
+        orthographic one from the nearest point of the mesh.
+    faces : (H, W) int32, optional
+        Number of the face seen at each pixel, in the order of the mesh as it was given, from 0; -1 for none.
+
+    Raises
+    ------
+    InputError
+        If the layers do not fit each other.
+    """
+
+    original: NormalMap
+    base: NormalMap
+    detail: NormalMap
+    report: LayerReport
+    depth_mm: Float32 | None = None
+    faces: NDArray[np.int32] | None = None
+
+    def __post_init__(self) -> None:
+        for layer in (self.base, self.detail):
+            if layer.frame != self.original.frame:
+                raise InputError(f"{layer.name} is {layer.frame}, but the original {self.original.frame}")
+        for name in ("depth_mm", "faces"):
+            array = getattr(self, name)
+            if array is not None:
+                if array.shape != self.original.frame.shape:
+                    raise InputError(f"{name} is {array.shape}, expected {self.original.frame.shape}")
+                object.__setattr__(self, name, read_only(array))
+
+    @property
+    def frame(self) -> Frame:
+        """Size and pitch."""
+        return self.original.frame
+
+    @property
+    def coverage(self) -> Float32:
+        """(H, W) float32 in [0, 1]: where the layers are defined."""
+        return self.original.coverage

@@ -1,0 +1,69 @@
+"""The two Gaussians that model the residuals of a filter (paper, Sec. 3.1)."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64
+
+
+@dataclass(frozen=True)
+class Gaussian:
+    """One part of the mixture: its share of the whole, mean and standard deviation of residual lengths."""
+
+    weight: float
+    mean: float
+    sigma: float
+
+    def density(self, x: Float64) -> Float64:
+        """Weighted density at residual lengths; 0 everywhere where all residuals are alike."""
+        if self.sigma <= 0:
+            return np.zeros_like(x)
+        peak = self.weight / (self.sigma * np.sqrt(2 * np.pi))
+        return np.asarray(peak * np.exp(-0.5 * ((x - self.mean) / self.sigma) ** 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Mixture:
+    """Lengths of residuals, the two Gaussians that model them, and the threshold (paper, Sec. 3.1 and Fig. 5).
+
+    Attributes
+    ----------
+    edges : (B+1,) float64
+        Bounds of the histogram's bins, 0 to 2.
+    density : (B,) float64
+        Share of the area per unit of length; sums to 1 over the bins' widths.
+    low, high : Gaussian
+        Residuals of the base and of detail, by their means.
+    theta : float
+        Residuals longer than this are detail.
+    form : str
+        ``weighted``: where the weighted densities cross between the means; ``unweighted``: where the plain ones do;
+        ``midpoint``: neither crosses there; ``none``: all residuals are alike, nothing is detail.
+    iterations : int
+        Steps of expectation and maximisation.
+    """
+
+    edges: Float64
+    density: Float64
+    low: Gaussian
+    high: Gaussian
+    theta: float
+    form: str
+    iterations: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; the histogram in 100 bins."""
+        coarse = self.density.reshape(100, -1).mean(axis=1)
+        return {
+            "theta": self.theta,
+            "form": self.form,
+            "iterations": self.iterations,
+            "low": dataclasses.asdict(self.low),
+            "high": dataclasses.asdict(self.high),
+            "histogram": {"from": 0.0, "to": float(self.edges[-1]), "density": [round(float(d), 6) for d in coarse]},
+        }

@@ -1,0 +1,112 @@
+"""Normal maps: unit normals in eye space, and where they are defined."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Mask, read_only
+from nmaptool.core.errors import InputError
+from nmaptool.core.parallel import each_band
+from nmaptool.types.picture import Frame
+
+UNIT_TOLERANCE = 1e-3
+
+
+_VECTORS_AT_ONCE = 1 << 16
+
+
+@dataclass(frozen=True)
+class Decoding:
+    """What was decided when codes became normals, and from what.
+
+    Attributes name the value and, with ``_from``, its source: ``given`` (an option), ``file`` (its metadata),
+    ``found`` (read off the picture) or ``assumed`` (the default).
+    """
+
+    green: str = "up"
+    green_from: str = "assumed"
+    curl_ratio: float | None = None
+    swizzle: str = "r,g,b"
+    zero_code: str = "127.5"
+    zero_code_from: str = "assumed"
+    encoding: str = "unsigned"
+    components: str = "xyz"
+    components_from: str = "assumed"
+    background: str = "none"
+    background_from: str = "found"
+    rim_pixels: int = 0
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class NormalMap:
+    """Unit normals in eye space and where they are defined.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+        Unit vectors; (0, 0, 1) where coverage is 0.
+    coverage : (H, W) float32 in [0, 1]
+        Where the map is defined.
+    frame : Frame
+        Size and pitch.
+    foreground : (H, W) bool, optional
+        Where the motif is. Default: coverage of one half or more. It differs where the background is a defined, flat
+        part of the map.
+    name : str
+        What to call the map in messages.
+    decoding : Decoding
+        How its file was read.
+
+    Raises
+    ------
+    InputError
+        If shapes or types do not fit, a value is not finite, a normal is not unit length or coverage leaves [0, 1].
+    """
+
+    normals: Float32
+    coverage: Float32
+    frame: Frame
+    foreground: Mask = None  # type: ignore[assignment]
+    name: str = "normal map"
+    decoding: Decoding = field(default_factory=Decoding)
+
+    def __post_init__(self) -> None:
+        shape = self.frame.shape
+        if self.normals.shape != (*shape, 3) or self.normals.dtype != np.float32:
+            raise InputError(
+                f"{self.name}: normals are {self.normals.dtype} {self.normals.shape}, expected float32 {(*shape, 3)}"
+            )
+        if self.coverage.shape != shape or self.coverage.dtype != np.float32:
+            raise InputError(
+                f"{self.name}: coverage is {self.coverage.dtype} {self.coverage.shape}, expected float32 {shape}"
+            )
+        if not _are_unit(self.normals):
+            raise InputError(f"{self.name}: normals must be finite and of unit length; use nmaptool.core.vectors.unit")
+        if not (self.coverage.min() >= 0 and self.coverage.max() <= 1):
+            raise InputError(f"{self.name}: coverage must lie in [0, 1]")
+        if self.foreground is None:
+            object.__setattr__(self, "foreground", self.coverage >= 0.5)
+        elif self.foreground.shape != shape or self.foreground.dtype != np.bool_:
+            raise InputError(f"{self.name}: foreground must be bool of shape {shape}")
+        for name in ("normals", "coverage", "foreground"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+
+
+def _are_unit(normals: Float32) -> bool:
+    """Whether all (H, W, 3) vectors are finite and of unit length."""
+    off: list[bool] = []
+
+    def look(band: slice) -> None:
+        x, y, z = (normals[band, :, axis] for axis in range(3))
+        length2 = x * x
+        length2 += y * y
+        length2 += z * z
+        # also True for NaN
+        off.append(not (length2.min() >= 1 - 2 * UNIT_TOLERANCE and length2.max() <= 1 + 2 * UNIT_TOLERANCE))
+
+    with np.errstate(over="ignore", invalid="ignore"):
+        each_band(len(normals), max(1, _VECTORS_AT_ONCE // normals.shape[1]), look)
+    return not any(off)

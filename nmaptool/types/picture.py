@@ -1,0 +1,120 @@
+"""Pictures as their files store them, and the grid that every picture lies on."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float32
+from nmaptool.core.errors import InputError
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The picture's grid: its size in pixels and, where known, the size of a pixel.
+
+    Parameters
+    ----------
+    rows, cols : int
+        Pixels down and across, each at least 1.
+    pitch_mm : float or None
+        Millimetres per pixel.
+    """
+
+    rows: int
+    cols: int
+    pitch_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.rows < 1 or self.cols < 1:
+            raise InputError(f"a picture of {self.cols} x {self.rows} pixels is empty")
+        if self.pitch_mm is not None and not (math.isfinite(self.pitch_mm) and self.pitch_mm > 0):
+            raise InputError(f"pitch of {self.pitch_mm} mm per pixel: must be greater than zero")
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(rows, cols)."""
+        return (self.rows, self.cols)
+
+    @property
+    def longer_side(self) -> int:
+        """Pixels on the longer side."""
+        return max(self.rows, self.cols)
+
+    def __str__(self) -> str:
+        return f"{self.cols} x {self.rows}"
+
+
+@dataclass(frozen=True, eq=False)
+class RasterImage:
+    """A picture as its file stores it, before any meaning is given to its channels.
+
+    Parameters
+    ----------
+    pixels : (H, W, C) uint8, uint16 or float32
+        Stored codes, alpha unassociated.
+    channels : tuple of str
+        Names, one per channel: R, G, B, A (or Y for grey).
+    name : str
+        What to call it in messages: a file name.
+    bits : int
+        Bits per channel in the file: 8, 16 or 32 (16 with float pixels is half).
+    lossy : bool
+        Whether the format changes codes (JPEG).
+    attributes : mapping
+        nmaptool's own metadata found in the file, keys without prefix.
+    color_chunks : tuple of str
+        Colour-management data found in the file, such as sRGB, gAMA, iCCP.
+    layer : str or None
+        Name of the layer that was read.
+    """
+
+    pixels: NDArray[Any]
+    channels: tuple[str, ...]
+    name: str = "image"
+    bits: int = 8
+    lossy: bool = False
+    attributes: Mapping[str, str] = field(default_factory=dict)
+    color_chunks: tuple[str, ...] = ()
+    layer: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.pixels.ndim != 3 or self.pixels.shape[2] != len(self.channels):
+            raise InputError(f"{self.name}: pixels of shape {self.pixels.shape} do not fit channels {self.channels}")
+        if self.pixels.dtype not in (np.uint8, np.uint16, np.float32):
+            raise InputError(f"{self.name}: pixels of type {self.pixels.dtype}; expected uint8, uint16 or float32")
+
+    @property
+    def frame(self) -> Frame:
+        """Size, and the pitch that the file states."""
+        rows, cols = self.pixels.shape[:2]
+        try:
+            pitch = float(self.attributes["pitch_mm"])
+        except (KeyError, ValueError):
+            pitch = None
+        return Frame(rows, cols, pitch if pitch is not None and math.isfinite(pitch) and pitch > 0 else None)
+
+    @property
+    def is_float(self) -> bool:
+        """Whether the file stores floating-point numbers."""
+        return self.pixels.dtype == np.float32
+
+    @property
+    def max_code(self) -> int:
+        """Largest integer code (255 or 65535); 1 for floating point."""
+        return 1 if self.is_float else int(np.iinfo(self.pixels.dtype).max)
+
+    @property
+    def alpha(self) -> Float32 | None:
+        """(H, W) float32 alpha in [0, 1], or None."""
+        if "A" not in self.channels:
+            return None
+        alpha = self.pixels[..., self.channels.index("A")]
+        share: Float32 = alpha.astype(np.float32)
+        share /= np.float32(self.max_code)
+        return share.clip(0, 1, out=share) if self.is_float else share

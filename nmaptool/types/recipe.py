@@ -1,0 +1,216 @@
+"""Recipes: layers and their places as a designer writes them down, before any file is read.
+
+A recipe is a mapping, as ``tomllib`` reads it from a file: a table ``canvas`` and a list ``layer``, from the lowest to
+the topmost; `nmaptool.io.recipes` reads the files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, TypeAlias
+
+from nmaptool.core.errors import InputError
+from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
+
+# of groups in groups and recipes in recipes, and of layers in all: beyond it a recipe is a slip of the hand or a trap
+DEEPEST = 16
+MOST_LAYERS = 1000
+
+# a recipe cannot raise the limit of what is read
+READ_KEYS = tuple(f.name for f in fields(ReadOptions) if f.name != "max_megapixels")
+
+
+@dataclass(frozen=True)
+class RecipeLayer:
+    """A normal map file with its place on the canvas.
+
+    Parameters
+    ----------
+    file : str
+        ``FILE`` or ``FILE.exr:layer``, relative to the recipe's folder.
+    options : LayerOptions
+    mask : str, optional
+        Grey picture of the map's size, white where the layer shows.
+    read : mapping
+        Fields of `nmaptool.ReadOptions` for this file, without ``max_megapixels``.
+    hidden : bool
+        Leave it out.
+    origin : str
+        What to call it in messages, such as "scene.toml: layer 2 (bunny)".
+
+    Raises
+    ------
+    InputError
+        If ``file`` is empty or ``read`` has a key that is none.
+    UsageError
+        If a value in ``read`` is none that is accepted.
+    """
+
+    file: str
+    options: LayerOptions = field(default_factory=LayerOptions)
+    mask: str | None = None
+    read: Mapping[str, Any] = field(default_factory=dict)
+    hidden: bool = False
+    origin: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        if not self.file:
+            raise InputError(f"{self.label}: file: found nothing, expected the name of a normal map")
+        for key in self.read:
+            if key not in READ_KEYS:
+                raise InputError(f"{self.label}: read: unknown key {key!r}; use one of {', '.join(READ_KEYS)}")
+        ReadOptions(**self.read)
+
+    @property
+    def label(self) -> str:
+        """What to call it in messages."""
+        return self.origin or self.options.name or self.file
+
+    @property
+    def files(self) -> Iterator[str]:
+        """The map and the mask."""
+        yield self.file
+        if self.mask is not None:
+            yield self.mask
+
+
+class _Group:
+    """What a group and another recipe as a group share."""
+
+    options: GroupOptions
+    origin: str
+
+    @property
+    def label(self) -> str:
+        """What to call it in messages."""
+        return self.origin or self.options.name
+
+
+@dataclass(frozen=True)
+class RecipeGroup(_Group):
+    """Layers that are composed among themselves first.
+
+    Parameters
+    ----------
+    layers : tuple of RecipeLayer, RecipeGroup or RecipeLink
+        From the lowest to the topmost, at least one.
+    options : GroupOptions
+    mask : str, optional
+        Grey picture of the canvas's size, white where the group shows.
+    hidden : bool
+        Leave it out.
+    origin : str
+        What to call it in messages.
+    """
+
+    layers: tuple[Entry, ...]
+    options: GroupOptions = field(default_factory=GroupOptions)
+    mask: str | None = None
+    hidden: bool = False
+    origin: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise InputError(f"{self.label}: a group needs at least one layer")
+
+    @property
+    def files(self) -> Iterator[str]:
+        """Maps and masks of what is not hidden."""
+        if self.mask is not None:
+            yield self.mask
+        for layer in self.layers:
+            if not layer.hidden:
+                yield from layer.files
+
+
+@dataclass(frozen=True)
+class RecipeLink(_Group):
+    """Another recipe as a group; `nmaptool.read_recipe` puts its layers here.
+
+    Parameters
+    ----------
+    recipe : str
+        Relative to the recipe's folder.
+    options : GroupOptions
+    mask : str, optional
+        As for a group.
+    hidden : bool
+        Leave it out: the recipe is not read then.
+    origin : str
+        What to call it in messages.
+    """
+
+    recipe: str
+    options: GroupOptions = field(default_factory=GroupOptions)
+    mask: str | None = None
+    hidden: bool = False
+    origin: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        if not self.recipe:
+            raise InputError(f"{self.label}: recipe: found nothing, expected the name of a recipe")
+
+    @property
+    def files(self) -> Iterator[str]:
+        """The mask; the recipe's own files are not known yet."""
+        if self.mask is not None:
+            yield self.mask
+
+
+Entry: TypeAlias = RecipeLayer | RecipeGroup | RecipeLink
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Layers and the canvas that they are composed on.
+
+    Parameters
+    ----------
+    layers : tuple of RecipeLayer, RecipeGroup or RecipeLink
+        From the lowest to the topmost, at least one.
+    canvas : CanvasOptions
+    name : str
+        What to call it in messages.
+    folder : str
+        What its files are relative to; "" is the current folder.
+    sources : tuple of str
+        The recipes it was read from.
+    notes : tuple of str
+        What was left aside when it was read.
+
+    Raises
+    ------
+    InputError
+        If there is no layer.
+    """
+
+    layers: tuple[Entry, ...]
+    canvas: CanvasOptions = field(default_factory=CanvasOptions)
+    name: str = field(default="recipe", compare=False)
+    folder: str = field(default="", compare=False)
+    sources: tuple[str, ...] = field(default=(), compare=False)
+    notes: tuple[str, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise InputError(f'{self.name}: holds no layer; start one with [[layer]] and file = "map.png"')
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Maps and masks of all layers that are not hidden, each once."""
+        named = (name for layer in self.layers if not layer.hidden for name in layer.files)
+        return tuple(dict.fromkeys(named))
+
+    @property
+    def hidden(self) -> tuple[str, ...]:
+        """Labels of the layers that are left out."""
+        return tuple(_hidden(self.layers))
+
+
+def _hidden(layers: tuple[Entry, ...]) -> Iterator[str]:
+    for layer in layers:
+        if layer.hidden:
+            yield layer.label
+        elif isinstance(layer, RecipeGroup):
+            yield from _hidden(layer.layers)

@@ -1,0 +1,118 @@
+"""A relief: heights, and the report of how they were solved."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.options import ReliefOptions
+from nmaptool.options.plain_values import plain_values
+from nmaptool.types.height import Height
+
+
+@dataclass(frozen=True, eq=False)
+class SolveReport:
+    """What a relief run did.
+
+    Attributes
+    ----------
+    options : ReliefOptions
+        As given.
+    pitch_mm, pitch_from : float, str
+        Size of a pixel, and whether it was ``given``, in the ``file`` or ``assumed``.
+    mu, beta_px, delta_px, reach_px, reach_mm : float
+        What was solved with, in pixels of this picture; the reach is sqrt(k/beta), k the weight of the slopes (1 + mu,
+        or 1 in "eq4"), without weight maps.
+    px_per_delta : float
+        Pixels of this picture to one unit of ``options.delta``.
+    solver, unknowns, islands, floating_islands, iterations, residual, history
+        The solve; the residual is relative, the largest over the islands. No iterations where a session knew the
+        heights already.
+    planned_bytes : int
+        Memory that the solver was reckoned to take, before it took any.
+    height_min_mm, height_max_mm, height_range_mm : float
+        Over the vertices of the surface.
+    relief_range_mm : float
+        The same measured from the background: what --height sets.
+    below_background_share : float
+        Share of the foreground's vertices below a held background; 0 where nothing is held.
+    foreground_share, steep_share : float
+        Share of the picture that is foreground; share of the acting pixels whose slope was capped.
+    scale : float
+        Factor on all heights (``fit="scale"``) or on the slopes (``fit="slope"``).
+    seconds : mapping of str to float
+        Time by stage: ``inputs`` to a linear system, ``setup`` of the solver, ``solve``, ``finish`` to millimetres.
+    warnings : tuple of str
+    """
+
+    options: ReliefOptions
+    pitch_mm: float
+    pitch_from: str
+    mu: float
+    beta_px: float
+    delta_px: float
+    px_per_delta: float
+    reach_px: float
+    reach_mm: float
+    solver: str
+    unknowns: int
+    islands: int
+    floating_islands: int
+    iterations: int
+    residual: float
+    history: tuple[float, ...]
+    height_min_mm: float
+    height_max_mm: float
+    height_range_mm: float
+    relief_range_mm: float
+    below_background_share: float
+    foreground_share: float
+    steep_share: float
+    scale: float
+    planned_bytes: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON; an infinite reach becomes None."""
+        out = dataclasses.asdict(self)
+        out["options"] = plain_values(self.options)
+        for key in ("reach_px", "reach_mm"):
+            out[key] = out[key] if math.isfinite(out[key]) else None
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class Relief:
+    """A relief: heights, where they are, and how they came about.
+
+    Attributes
+    ----------
+    height : Height
+        Heights in mm at vertices, the surface's pixels, the frame.
+    foreground : (H, W) bool
+        The motif.
+    report : SolveReport
+    """
+
+    height: Height
+    foreground: Mask
+    report: SolveReport
+
+    @property
+    def z_mm(self) -> Float64:
+        """(H+1, W+1) float64 heights in mm at the corners of the pixels."""
+        return self.height.z_mm
+
+    @property
+    def mask(self) -> Mask:
+        """(H, W) bool: pixels of the surface."""
+        return self.height.domain
+
+    @property
+    def pitch_mm(self) -> float:
+        """Millimetres per pixel."""
+        return self.height.pitch_mm

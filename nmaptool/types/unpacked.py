@@ -1,0 +1,108 @@
+"""A workspace taken apart: a normal map per layer, its place, and what an editor did to it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from nmaptool.core.arrays import Float32
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.picture import Frame
+from nmaptool.types.workspace import WorkspaceFinding, WorkspaceGroup
+
+
+@dataclass(frozen=True, eq=False)
+class UnpackedLayer:
+    """A layer as a normal map of its own size.
+
+    Parameters
+    ----------
+    name : str
+    normal_map : NormalMap
+        Of the layer's own rectangle.
+    left, top : int
+        Place of its first pixel on the canvas, px; may be negative.
+    mask : (h, w) float32 in [0, 1] or None
+        Over the same rectangle.
+    mode : str
+    strength : float
+        With the layer's opacity in it.
+    visible : bool
+    groups : tuple of WorkspaceGroup
+        Outermost first; layers that share a group hold the same object.
+    findings : tuple of WorkspaceFinding
+    repairs : tuple of str
+    """
+
+    name: str
+    normal_map: NormalMap
+    left: int
+    top: int
+    mask: Float32 | None
+    mode: str
+    strength: float
+    visible: bool
+    groups: tuple[WorkspaceGroup, ...]
+    findings: tuple[WorkspaceFinding, ...]
+    repairs: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Unpacked:
+    """All layers of a workspace, and what an editor did to it.
+
+    Parameters
+    ----------
+    name : str
+        The file.
+    frame : Frame
+        The canvas.
+    bits : int
+        Per channel in the file.
+    layers : tuple of UnpackedLayer
+        Bottom to top.
+    findings : tuple of WorkspaceFinding
+        Of the whole first, then those of the layers.
+    ground : str
+        What lies below the lowest layer: ``clear`` or ``flat``.
+    has_words : bool
+        Whether nmaptool's own words are still in the file; without them, moves and mirrorings cannot be told.
+    """
+
+    name: str
+    frame: Frame
+    bits: int
+    layers: tuple[UnpackedLayer, ...]
+    findings: tuple[WorkspaceFinding, ...]
+    has_words: bool
+    ground: str = "clear"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        layers = [
+            {
+                "name": one.name,
+                "left": one.left,
+                "top": one.top,
+                "cols": one.normal_map.frame.cols,
+                "rows": one.normal_map.frame.rows,
+                "mode": one.mode,
+                "strength": one.strength,
+                "visible": one.visible,
+                "mask": one.mask is not None,
+                "groups": [group.name for group in one.groups],
+                "repairs": list(one.repairs),
+            }
+            for one in self.layers
+        ]
+        return {
+            "name": self.name,
+            "cols": self.frame.cols,
+            "rows": self.frame.rows,
+            "pitch_mm": self.frame.pitch_mm,
+            "bits": self.bits,
+            "ground": self.ground,
+            "has_words": self.has_words,
+            "layers": layers,
+            "findings": [asdict(finding) for finding in self.findings],
+        }

@@ -1,0 +1,275 @@
+"""The layered workspace that an image editor opens: placed layers of codes, their masks, their groups."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float32
+from nmaptool.core.errors import InputError
+from nmaptool.types.picture import Frame
+
+# what editors call painting one layer over another; every other mode computes with codes as if they were colours
+NORMAL_BLEND = "normal"
+# a group that only keeps layers together: they blend with what is below it
+PASS_THROUGH = "pass through"
+MASK_SUFFIX = " [mask]"
+
+
+@dataclass(frozen=True, eq=False)
+class WorkspaceMask:
+    """A grey picture that hides parts of a layer.
+
+    Parameters
+    ----------
+    values : (h, w) uint8, uint16 or float32
+        White (the largest code, or 1) shows, black hides.
+    left, top : int
+        Place on the canvas, px; may be negative.
+    outside : float
+        Its value beyond its rectangle, 0 to 1.
+    enabled : bool
+        Whether the editor applies it.
+    """
+
+    values: NDArray[Any]
+    left: int = 0
+    top: int = 0
+    outside: float = 0.0
+    enabled: bool = True
+
+    def __post_init__(self) -> None:
+        if self.values.ndim != 2 or self.values.dtype not in (np.uint8, np.uint16, np.float32):
+            raise InputError(
+                f"a layer's mask is {self.values.dtype} {self.values.shape}; expected grey codes or floats"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class WorkspaceGroup:
+    """A folder of layers; two groups of one name are two.
+
+    Parameters
+    ----------
+    name : str
+    visible : bool
+    opacity : float
+        0 to 1.
+    blend_mode : str
+        In the editor's words: ``normal`` mixes its layers first, ``pass through`` only keeps them together.
+    """
+
+    name: str
+    visible: bool = True
+    opacity: float = 1.0
+    blend_mode: str = NORMAL_BLEND
+
+
+@dataclass(frozen=True, eq=False)
+class WorkspaceLayer:
+    """One layer as an editor holds it.
+
+    Parameters
+    ----------
+    name : str
+    pixels : (h, w, 4) uint8, uint16 or float32
+        R, G, B and unassociated alpha: codes, or signed normals where float32 and ``signed``.
+    left, top : int
+        Place of its first pixel on the canvas, px; may be negative or beyond the canvas.
+    visible : bool
+    opacity : float
+        0 to 1.
+    blend_mode : str
+        In the editor's words, ``normal`` for painting over.
+    mask : WorkspaceMask or None
+    groups : tuple of WorkspaceGroup
+        The groups it is in, outermost first.
+    facts : mapping
+        What the file says of the layer in nmaptool's own words; empty where an editor dropped it.
+    signed : bool
+        Floats hold n itself, not (n + 1)/2.
+    """
+
+    name: str
+    pixels: NDArray[Any]
+    left: int = 0
+    top: int = 0
+    visible: bool = True
+    opacity: float = 1.0
+    blend_mode: str = NORMAL_BLEND
+    mask: WorkspaceMask | None = None
+    groups: tuple[WorkspaceGroup, ...] = ()
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    signed: bool = False
+
+    def __post_init__(self) -> None:
+        if self.pixels.ndim != 3 or self.pixels.shape[2] != 4 or min(self.pixels.shape[:2]) < 1:
+            raise InputError(f"layer {self.name!r}: pixels of shape {self.pixels.shape}; expected (h, w, 4), not empty")
+        if self.pixels.dtype not in (np.uint8, np.uint16, np.float32):
+            raise InputError(f"layer {self.name!r}: pixels of type {self.pixels.dtype}; expected codes or float32")
+        if not 0 <= self.opacity <= 1:
+            raise InputError(f"layer {self.name!r}: opacity {self.opacity:g}; expected 0 to 1")
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(rows, cols)."""
+        return self.pixels.shape[0], self.pixels.shape[1]
+
+    @property
+    def max_code(self) -> int:
+        """Largest code (255 or 65535); 1 for floats."""
+        return largest_code(self.pixels)
+
+    @property
+    def alpha(self) -> Float32:
+        """(h, w) float32 in [0, 1]."""
+        alpha = np.nan_to_num(self.pixels[..., 3].astype(np.float32)) / np.float32(self.max_code)
+        return np.asarray(alpha.clip(0, 1), np.float32)
+
+    @property
+    def shown(self) -> bool:
+        """Whether it and all its groups are visible."""
+        return self.visible and all(group.visible for group in self.groups)
+
+
+@dataclass(frozen=True, eq=False)
+class Workspace:
+    """Layers on a canvas.
+
+    Parameters
+    ----------
+    frame : Frame
+        Canvas, and mm per px where known.
+    layers : tuple of WorkspaceLayer
+        Bottom to top.
+    bits : int
+        Per channel: 8, 16 or 32 (16 with ``half``).
+    half : bool
+        Floats are stored in half precision.
+    name : str
+        What to call it in messages: a file name.
+    metadata : mapping or None
+        nmaptool's own words about the whole; None where an editor dropped them.
+    color_profile : str or None
+        Colour profile that the file carries.
+    skipped : tuple of (name, what)
+        Layers that hold no pixels to read, such as adjustments.
+    """
+
+    frame: Frame
+    layers: tuple[WorkspaceLayer, ...]
+    bits: int = 16
+    half: bool = False
+    name: str = "workspace"
+    metadata: Mapping[str, Any] | None = None
+    color_profile: str | None = None
+    skipped: tuple[tuple[str, str], ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise InputError(f"{self.name}: holds no layer with pixels")
+
+
+def largest_code(pixels: NDArray[Any]) -> int:
+    """Code of white: 255 or 65535; 1 for floats."""
+    return 1 if pixels.dtype == np.float32 else int(np.iinfo(pixels.dtype).max)
+
+
+def overlap(
+    left: int, top: int, size: tuple[int, int], frame: Frame
+) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
+    """Where a picture of ``size`` at (left, top) lies: its rows and columns on the canvas, and those of its own.
+
+    Both are empty where it lies beyond the canvas.
+
+    >>> overlap(-2, 1, (4, 5), Frame(10, 10))
+    ((slice(1, 5, None), slice(0, 3, None)), (slice(0, 4, None), slice(2, 5, None)))
+    """
+    spans = []
+    for start, length, limit in ((top, size[0], frame.rows), (left, size[1], frame.cols)):
+        low = min(max(start, 0), limit)
+        high = max(min(start + length, limit), low)
+        spans.append((slice(low, high), slice(low - start, high - start)))
+    return (spans[0][0], spans[1][0]), (spans[0][1], spans[1][1])
+
+
+def mask_over(layer: WorkspaceLayer) -> Float32:
+    """(h, w) float32 in [0, 1]: the layer's mask over its own rectangle; 1 where it has none."""
+    mask = layer.mask
+    if mask is None or not mask.enabled:
+        return np.ones(layer.size, np.float32)
+    out = np.full(layer.size, mask.outside, np.float32)
+    there, own = overlap(mask.left - layer.left, mask.top - layer.top, mask.values.shape, Frame(*layer.size))
+    shown = np.nan_to_num(mask.values[own].astype(np.float32), posinf=1.0, neginf=0.0)
+    out[there] = (shown / np.float32(largest_code(mask.values))).clip(0, 1)
+    return out
+
+
+def flattened(workspace: Workspace) -> Float32:
+    """Every visible layer painted over those below, as an editor shows it: a preview, not a blend of vectors.
+
+    Returns
+    -------
+    (H, W, 4) float32
+        Codes as shares of the largest (0 to 1) and alpha, unassociated; flat where nothing is.
+    """
+    frame = workspace.frame
+    color = np.zeros((*frame.shape, 3), np.float32)
+    alpha = np.zeros(frame.shape, np.float32)
+    for layer in workspace.layers:
+        if not layer.shown:
+            continue
+        there, own = overlap(layer.left, layer.top, layer.size, frame)
+        opacity = layer.opacity * float(np.prod([group.opacity for group in layer.groups]))
+        over = (layer.alpha * mask_over(layer))[own] * np.float32(opacity)
+        codes = layer.pixels[own][..., :3].astype(np.float32) / np.float32(layer.max_code)
+        if layer.signed:
+            codes = (codes + 1) / 2
+        under = alpha[there] * (1 - over)
+        total = over + under
+        share = np.divide(over, total, out=np.zeros_like(over), where=total > 0)[..., None]
+        color[there] = color[there] * (1 - share) + codes * share
+        alpha[there] = total
+    color[alpha <= 0] = (0.5, 0.5, 1)
+    return np.dstack([color, alpha])
+
+
+def unique_names(names: list[str], taken: tuple[str, ...] = ()) -> list[str]:
+    """The names with control characters dropped, none empty, repeats numbered.
+
+    >>> unique_names(["a", "a", ""])
+    ['a', 'a 2', 'layer']
+    """
+    seen = {name.casefold() for name in taken}
+    out = []
+    for name in names:
+        plain = "".join(c for c in name if c.isprintable()).strip() or "layer"
+        found, number = plain, 2
+        while found.casefold() in seen:
+            found, number = f"{plain} {number}", number + 1
+        seen.add(found.casefold())
+        out.append(found)
+    return out
+
+
+@dataclass(frozen=True)
+class WorkspaceFinding:
+    """Something an editor did to a workspace, and what to do about it.
+
+    Parameters
+    ----------
+    code : str
+        Its kind, such as ``turned`` or ``eight-bit``.
+    layer : str or None
+        The layer; None for the whole.
+    message, remedy : str
+    """
+
+    code: str
+    layer: str | None
+    message: str
+    remedy: str

@@ -1,0 +1,1 @@
+"""Normal maps as layers for image editors, and back."""

@@ -1,0 +1,137 @@
+"""What an editor did to a layer's codes as if they were colours: fewer bits, tone curves, premultiplied edges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.workspace.signature import Signature
+
+_PARTIAL_PIXELS = 50
+_SAMPLE = 100_000
+# mean error of length that 16-bit codes, rims and small brush strokes leave
+_LENGTH_NOISE = 0.01
+_SHIFT = 0.01
+
+Curve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+
+def shares(pixels: NDArray[Any], signed: bool) -> Float32:
+    """(h, w, 3) float32: (n + 1)/2 as stored; NaN and infinity become 0.5."""
+    color = pixels[..., :3]
+    if pixels.dtype != np.float32:
+        return color.astype(np.float32) / np.float32(np.iinfo(pixels.dtype).max)
+    finite = np.where(np.isfinite(color), color, np.float32(0 if signed else 0.5))
+    return np.asarray((finite + 1) / 2 if signed else finite, np.float32)
+
+
+def holds_eight_bits(pixels: NDArray[Any], covered: Mask) -> bool:
+    """Whether 16-bit codes hold 8-bit steps only: all but a few are multiples of 257, or all of 256."""
+    if pixels.dtype != np.uint16 or not covered.any():
+        return False
+    codes = pixels[..., :3][covered]
+    codes = codes[:: max(1, len(codes) // _SAMPLE)]
+    if len(np.unique(codes)) < 4:  # too plain to tell
+        return False
+    return any(bool(((codes % step) == 0).all(axis=1).mean() > 0.9) for step in (257, 256))
+
+
+def lengths(codes: NDArray[Any]) -> NDArray[np.float64]:
+    """(N,) lengths of the vectors that (N, 3) stored shares mean."""
+    return np.asarray(np.linalg.norm(2 * codes.astype(np.float64) - 1, axis=-1))
+
+
+def is_premultiplied(codes: Float32, alpha: Float32, signed: bool) -> bool:
+    """Whether stored colours were multiplied by alpha: dividing by it gives unit vectors back."""
+    partial = (alpha > 0.1) & (alpha < 0.9)
+    if partial.sum() < _PARTIAL_PIXELS:
+        return False
+    color, a = codes[partial].astype(np.float64), alpha[partial].astype(np.float64)
+    if not signed and np.mean(color <= a[:, None] + 2 / 255) < 0.95:
+        return False
+    straight = np.abs(lengths(color) - 1)
+    divided = np.abs(lengths(unmultiplied(color, a, signed)) - 1)
+    return bool(np.median(divided) < 0.5 * np.median(straight) and np.median(straight) > _LENGTH_NOISE)
+
+
+def unmultiplied(codes: NDArray[Any], alpha: NDArray[Any], signed: bool) -> NDArray[Any]:
+    """Codes divided by alpha (floats: vectors divided by it), where there is enough of it to divide by."""
+    a = np.maximum(alpha, 0.02)[..., None]
+    divided = ((2 * codes - 1) / a + 1) / 2 if signed else codes / a
+    return np.where(alpha[..., None] > 0.02, divided, codes).clip(0, 1)
+
+
+def _encode_srgb(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-9) ** (1 / 2.4) - 0.055)
+
+
+def _decode_srgb(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+
+
+# what editors do, and what undoes it
+_KNOWN: dict[str, tuple[Curve, Curve]] = {
+    "linear to sRGB": (_encode_srgb, _decode_srgb),
+    "sRGB to linear": (_decode_srgb, _encode_srgb),
+    "gamma 1/2.2": (lambda x: x ** (1 / 2.2), lambda x: x**2.2),
+    "gamma 2.2": (lambda x: x**2.2, lambda x: x ** (1 / 2.2)),
+    "gamma 1/1.8": (lambda x: x ** (1 / 1.8), lambda x: x**1.8),
+    "gamma 1.8": (lambda x: x**1.8, lambda x: x ** (1 / 1.8)),
+}
+
+
+def tone_curve(codes: Float32, covered: Mask, packed: Signature | None) -> tuple[str, Curve] | None:
+    """The tone curve that colours went through, and what undoes it; None where they did not.
+
+    Vectors that a curve bent are not of unit length, and are again once it is undone; where the layer's signature is
+    known, its quantiles must agree, too, since they are the same before and after except for the curve.
+
+    Parameters
+    ----------
+    codes : (h, w, 3) float32
+        Stored shares.
+    covered : (h, w) bool
+    packed : Signature or None
+    """
+    inside = codes[covered]
+    sample = inside[:: max(1, len(inside) // _SAMPLE)].astype(np.float64)
+    if not len(sample):
+        return None
+    before = float(np.abs(lengths(sample) - 1).mean())
+    if before < _LENGTH_NOISE:
+        return None
+    name, undo = min(_known(), key=lambda one: _off_length(one[1], sample))
+    if _off_length(undo, sample) < 0.2 * before:
+        return name, undo
+    if packed is None:
+        return None
+    found = _fitted(packed.quantiles.astype(np.float64), sample)
+    if found is not None and _off_length(found, sample) < 0.3 * before:
+        return "a curve of its own", found
+    return None
+
+
+def _known() -> list[tuple[str, Curve]]:
+    return [(name, undo) for name, (_, undo) in _KNOWN.items()]
+
+
+def _off_length(undo: Curve, sample: NDArray[np.float64]) -> float:
+    return float(np.abs(lengths(undo(sample).clip(0, 1)) - 1).mean())
+
+
+def _fitted(before: NDArray[np.float64], sample: NDArray[np.float64]) -> Curve | None:
+    """The one rising curve that takes the quantiles now to those packed, or None where the channels disagree."""
+    now = np.quantile(sample, np.linspace(0, 1, len(before)), axis=0)
+    if np.abs(now - before).mean() < _SHIFT:
+        return None
+    order = np.argsort(now, axis=None)
+    x, y = now.ravel()[order], before.ravel()[order]
+    smooth = np.maximum.accumulate(np.convolve(np.pad(y, 3, mode="edge"), np.ones(7) / 7, "valid"))
+    if np.abs(smooth - y).mean() > 0.25 * np.abs(now - before).mean():
+        return None
+    knots, first = np.unique(x, return_index=True)
+    return lambda values: np.interp(values, knots, smooth[first])

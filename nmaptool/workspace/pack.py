@@ -1,0 +1,147 @@
+"""Normal maps to a workspace: one layer each, with a signature that tells later what an editor did to it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool._version import __version__
+from nmaptool.core.errors import UsageError
+from nmaptool.maps import codec
+from nmaptool.options import PackOptions
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.packed_map import PackedMap
+from nmaptool.types.picture import Frame
+from nmaptool.types.workspace import (
+    MASK_SUFFIX,
+    PASS_THROUGH,
+    Workspace,
+    WorkspaceGroup,
+    WorkspaceLayer,
+    WorkspaceMask,
+    unique_names,
+)
+from nmaptool.workspace.colors import shares
+from nmaptool.workspace.signature import sign
+
+
+def pack(
+    maps: Sequence[NormalMap | PackedMap],
+    options: PackOptions | None = None,
+    *,
+    frame: Frame | None = None,
+    ground: str = "clear",
+) -> Workspace:
+    """Lay normal maps over each other as the layers of one file for an image editor.
+
+    Parameters
+    ----------
+    maps : sequence of NormalMap or PackedMap
+        Bottom to top.
+    options : PackOptions, optional
+        ``bits`` None is 16.
+    frame : Frame, optional
+        The canvas. Default: `common_frame`.
+    ground : str
+        What lies below the lowest layer when they are composed again: ``clear`` or ``flat``.
+
+    Returns
+    -------
+    Workspace
+
+    Raises
+    ------
+    UsageError
+        If there is no map.
+    """
+    options = options or PackOptions()
+    placed = [one if isinstance(one, PackedMap) else PackedMap(one) for one in maps]
+    if not placed:
+        raise UsageError("a workspace needs at least one map")
+    bits = 32 if options.half else options.bits or 16
+    frame = frame or common_frame([one.normal_map for one in placed])
+    names = unique_names([_plain(one.name or _stem(one.normal_map.name)) for one in placed])
+    groups = _groups(placed)
+    layers = tuple(_layer(*one, bits) for one in zip(placed, names, groups, strict=True))
+    words: dict[str, Any] = {
+        "nmaptool": __version__,
+        "canvas": [frame.cols, frame.rows],
+        "pitch_mm": frame.pitch_mm,
+        "bits": bits,
+        "ground": ground,
+        "layers": [dict(layer.facts) for layer in layers],
+    }
+    return Workspace(frame, layers, bits, options.half, metadata=words)
+
+
+def common_frame(maps: Sequence[NormalMap]) -> Frame:
+    """A canvas as large as the largest map, with the first pitch that one states."""
+    frames = [one.frame for one in maps]
+    pitch = next((f.pitch_mm for f in frames if f.pitch_mm is not None), None)
+    return Frame(max(f.rows for f in frames), max(f.cols for f in frames), pitch)
+
+
+def _stem(name: str) -> str:
+    """``maps/work.exr:detail`` is called detail, ``shell.png`` shell."""
+    path, mark, layer = name.rpartition(":")
+    return layer if mark and layer and Path(path).suffix else Path(name).stem
+
+
+def _plain(name: str) -> str:
+    """A name that is not taken for that of a mask."""
+    return name.replace(MASK_SUFFIX, " mask")
+
+
+def _groups(placed: Sequence[PackedMap]) -> list[tuple[WorkspaceGroup, ...]]:
+    """The groups of each map; neighbours with the same names share them."""
+    out: list[tuple[WorkspaceGroup, ...]] = []
+    before: tuple[WorkspaceGroup, ...] = ()
+    for one in placed:
+        shared = 0
+        while shared < min(len(before), len(one.group)) and before[shared].name == one.group[shared]:
+            shared += 1
+        before = (*before[:shared], *(WorkspaceGroup(name, blend_mode=PASS_THROUGH) for name in one.group[shared:]))
+        out.append(before)
+    return out
+
+
+def _layer(placed: PackedMap, name: str, groups: tuple[WorkspaceGroup, ...], bits: int) -> WorkspaceLayer:
+    source = placed.normal_map
+    if bits == 32:
+        pixels: NDArray[Any] = np.dstack([source.normals, source.coverage])
+    else:
+        pixels = np.dstack([codec.encode_codes(source.normals, bits), codec.grey_codes(source.coverage, bits)])
+    rows, cols = source.frame.shape
+    seal = sign(shares(pixels, bits == 32), source.coverage, source.normals, placed.left, placed.top)
+    facts = {
+        "name": name,
+        "source": Path(source.name).name,
+        "left": placed.left,
+        "top": placed.top,
+        "cols": cols,
+        "rows": rows,
+        "mode": placed.mode,
+        "strength": placed.strength,
+        "group": list(placed.group),
+        "visible": placed.visible,
+        **seal.to_dict(),
+    }
+    mask = None
+    if placed.mask is not None:
+        values = placed.mask if bits == 32 else codec.grey_codes(placed.mask, bits)
+        mask = WorkspaceMask(values, placed.left, placed.top)
+    return WorkspaceLayer(
+        name,
+        pixels,
+        placed.left,
+        placed.top,
+        placed.visible,
+        mask=mask,
+        groups=groups,
+        facts=facts,
+        signed=bits == 32,
+    )

@@ -1,0 +1,258 @@
+"""A layer as an editor left it to unit normals and coverage, with what was found on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.vectors import FLAT, unit
+from nmaptool.maps import codec
+from nmaptool.types.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceFinding, WorkspaceLayer
+from nmaptool.workspace import colors
+from nmaptool.workspace.pose import Pose, find_pose
+from nmaptool.workspace.signature import Signature, cells, content_box, quantiles, signature_from
+
+_EIGHT_BIT_STEP = 2 / 255
+_HALF_STEP = 1.1 / 65535
+_OFF_LENGTH, _OFF_SHARE = 0.1, 0.02
+_TURN_WORDS = {
+    "flip-h": ("was mirrored left to right", "--flip-h"),
+    "flip-v": ("was mirrored top to bottom", "--flip-v"),
+    "90": ("was turned by 90 degrees counter-clockwise", "--rotate 90"),
+    "180": ("was turned by 180 degrees", "--rotate 180"),
+    "270": ("was turned by 90 degrees clockwise", "--rotate -90"),
+    "transpose": ("was turned by 90 degrees clockwise and mirrored left to right", "--rotate -90 --flip-h"),
+    "antitranspose": ("was turned by 90 degrees counter-clockwise and mirrored left to right", "--rotate 90 --flip-h"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Repaired:
+    """What a layer holds.
+
+    Parameters
+    ----------
+    normals : (h, w, 3) float32
+        Unit length; flat where coverage is 0.
+    coverage : (h, w) float32
+    findings : tuple of WorkspaceFinding
+    repairs : tuple of str
+        What was put right without asking.
+    """
+
+    normals: Float32
+    coverage: Float32
+    findings: tuple[WorkspaceFinding, ...]
+    repairs: tuple[str, ...]
+
+
+def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repaired:
+    """Read a layer's codes as normals and repair what can be.
+
+    Parameters
+    ----------
+    layer : WorkspaceLayer
+    packed_bits : int or None
+        Bits that the workspace was packed with, where known.
+
+    Returns
+    -------
+    Repaired
+    """
+    packed = signature_from(layer.facts)
+    alpha = layer.alpha
+    covered = alpha > 0.5
+    found: list[tuple[str, str, str]] = []
+    repairs: list[str] = []
+    holes = _not_finite(layer)
+    if holes is not None:
+        alpha = np.where(holes, np.float32(0), alpha)
+        found.append(_HOLES)
+    eight = layer.pixels.dtype == np.uint8 or colors.holds_eight_bits(layer.pixels, covered)
+    if eight and packed_bits != 8:
+        found.append(_EIGHT)
+    signed = layer.signed or _is_signed(layer)
+    codes = colors.shares(layer.pixels, signed)
+    if colors.is_premultiplied(codes, alpha, signed):
+        codes = np.asarray(colors.unmultiplied(codes, alpha, signed), np.float32)
+        found.append(_PREMULTIPLIED)
+    curve = colors.tone_curve(codes, covered, packed)
+    if curve is not None:
+        found.append((*_CURVE[:1], f"its colours went through a tone curve ({curve[0]})", _CURVE[1]))
+        straight = np.asarray(curve[1](codes.astype(np.float64)).clip(0, 1), np.float32)
+    else:
+        straight = codes
+    vectors = _vectors(layer, codes, signed)
+    off = float((np.abs(colors.lengths(codes[covered]) - 1) > _OFF_LENGTH).mean()) if covered.any() else 0.0
+    if off > _OFF_SHARE and curve is None:
+        words = f"{off:.0%} of its vectors were not of unit length and were normalised"
+        found.append(("off-length", words, "painting, blurring and resizing as colours does that; look them over"))
+    normals = unit(vectors)
+    normals[alpha <= 0] = FLAT
+    now = _signature_now(straight, alpha, layer)
+    pose = find_pose(now, packed, unit(2 * straight - 1) if curve is not None else normals, covered)
+    found.extend(_pose_words(pose))
+    in_place = pose == replace(Pose(), moved=pose.moved, curl=pose.curl)
+    was_flat = None
+    if packed is not None and in_place and curve is None:
+        was_flat = _was_flat(packed, now, layer)
+    snapped = _flat_again(normals, alpha, was_flat, layer)
+    bent = int((np.abs(normals[..., :2][snapped]).max(axis=-1) > 2 * _HALF_STEP).sum())
+    normals[snapped] = FLAT
+    if bent:
+        repairs.append(f"{bent} nearly flat pixels made flat again")
+    found.extend(_editor_words(layer))
+    findings = tuple(WorkspaceFinding(code, layer.name, message, remedy) for code, message, remedy in found)
+    return Repaired(normals, alpha, findings, tuple(repairs))
+
+
+_HOLES = (
+    "not-a-number",
+    "holds NaN or infinite values; such pixels are left out",
+    "repair them in the program that made them",
+)
+_EIGHT = (
+    "eight-bit",
+    "was converted to 8 bits: smooth areas will show steps",
+    "set the document to 16 bits before pasting or saving; what was lost does not come back",
+)
+_PREMULTIPLIED = (
+    "premultiplied",
+    "its colours were multiplied by alpha along the edges; they were divided by it again",
+    "save with straight (unassociated) alpha",
+)
+_CURVE = (
+    "tone-curve",
+    "switch colour management off (assign no profile, never convert to one) and pack and edit again, or undo the curve",
+)
+
+
+def _not_finite(layer: WorkspaceLayer) -> Mask | None:
+    if layer.pixels.dtype != np.float32:
+        return None
+    bad: Mask = ~np.isfinite(layer.pixels).all(axis=-1) & (np.nan_to_num(layer.pixels[..., 3]) > 0)
+    return bad if bad.any() else None
+
+
+def _is_signed(layer: WorkspaceLayer) -> bool:
+    """Whether floats hold n: some are negative, or they are of unit length as they are."""
+    if layer.pixels.dtype != np.float32:
+        return False
+    color = layer.pixels[..., :3][layer.alpha > 0.5]
+    color = color[np.isfinite(color).all(axis=-1)][:: max(1, color.shape[0] // 100_000)].astype(np.float64)
+    if not len(color):
+        return False
+    if color.min() < -1e-3:
+        return True
+    return bool(np.abs(np.linalg.norm(color, axis=1) - 1).mean() <= np.abs(colors.lengths(color) - 1).mean())
+
+
+def _vectors(layer: WorkspaceLayer, codes: Float32, signed: bool) -> Float32:
+    """Vectors, not yet normalised; the exact flat code is exactly flat."""
+    vectors = 2 * codes - 1
+    if layer.pixels.dtype == np.float32:
+        return vectors
+    flat = codec.flat_codes(layer.max_code)["128"]
+    vectors[(layer.pixels[..., :3] == np.array(flat, layer.pixels.dtype)).all(axis=-1)] = FLAT
+    return vectors
+
+
+def _signature_now(codes: Float32, alpha: Float32, layer: WorkspaceLayer) -> Signature:
+    box = content_box(alpha, layer.left, layer.top)
+    rows = slice(box[1] - layer.top, box[1] - layer.top + box[3])
+    cols = slice(box[0] - layer.left, box[0] - layer.left + box[2])
+    covered = alpha > 0.5
+    spread = quantiles(codes, covered if covered.any() else np.ones_like(covered))
+    return Signature(box, cells(codes[rows, cols], alpha[rows, cols]), spread, 0.0)
+
+
+def signature_of(layer: WorkspaceLayer) -> Signature:
+    """A layer's signature as it is now, nothing repaired; its curl is left out."""
+    signed = layer.signed or _is_signed(layer)
+    return _signature_now(colors.shares(layer.pixels, signed), layer.alpha, layer)
+
+
+def _flat_again(normals: Float32, alpha: Float32, was_flat: Mask | None, layer: WorkspaceLayer) -> Mask:
+    """Where nearly flat normals are meant to be flat.
+
+    Within half a step of 16 bits anywhere; within what 8 bits and dither leave where the layer was flat when packed.
+    """
+    lean = np.maximum(np.abs(normals[..., 0]), np.abs(normals[..., 1]))
+    fine = _HALF_STEP if layer.pixels.dtype != np.float32 else 1e-6
+    near: Mask = lean <= fine
+    if was_flat is not None:
+        near |= (lean <= 2 * _EIGHT_BIT_STEP) & was_flat
+    return near & (lean > 0) & (alpha > 0)
+
+
+def _was_flat(packed: Signature, now: Signature, layer: WorkspaceLayer) -> Mask:
+    """(h, w): pixels in cells of the signature that were flat all over and are not as they were."""
+    # a slope of half a degree already takes this much off the mean of z
+    flat = (packed.cells[..., 2] >= 1 - 1.6e-5) & (packed.cells[..., 3] > 0)
+    touched = (np.abs(now.cells - packed.cells) > 1.6e-5).any(axis=-1)
+    left, top, cols, rows = now.box
+    spread = cv2.resize((flat & touched).astype(np.uint8), (cols, rows), interpolation=cv2.INTER_NEAREST)
+    out = np.zeros(layer.size, bool)
+    row, col = top - layer.top, left - layer.left
+    out[row : row + rows, col : col + cols] = spread > 0
+    return out
+
+
+def _pose_words(pose: Pose) -> Iterator[tuple[str, str, str]]:
+    if pose.turn != "none" and not pose.vectors_turned:
+        did, flags = _TURN_WORDS[pose.turn]
+        yield (
+            "turned",
+            f"{did} without its vectors: bumps are lit from the wrong side",
+            f"turn its vectors, too: nmap compose transform FILE -o OUT {flags} --vectors-only",
+        )
+    if pose.angle_deg is not None:
+        way = "counter-clockwise" if pose.angle_deg > 0 else "clockwise"
+        words = f"looks turned by {abs(pose.angle_deg):.0f} degrees {way} without its vectors"
+        proof = f"turning them takes mean |curl| from {pose.curl:.4f} to {pose.curl_if_turned:.4f}"
+        remedy = f"nmap compose transform FILE -o OUT --rotate {pose.angle_deg:.1f} --vectors-only"
+        yield ("turned-freely", f"{words}: {proof}", f"{remedy} (half a turn more if it stands on its head)")
+    if pose.stretched is not None:
+        sx, sy = pose.stretched
+        yield (
+            "stretched",
+            f"was scaled unevenly, {sx:.2f} times across and {sy:.2f} times down, without its slopes",
+            "scale it with nmap compose transform or paste, which divide the slopes",
+        )
+    if pose.moved is not None:
+        dx, dy = pose.moved
+        yield (
+            "moved",
+            f"was moved by {dx:+d} px across and {dy:+d} px down; its vectors stay right",
+            "nothing to do: the recipe has its new place",
+        )
+
+
+def _editor_words(layer: WorkspaceLayer) -> Iterator[tuple[str, str, str]]:
+    modes = [layer.blend_mode] + [group.blend_mode for group in layer.groups]
+    for mode in dict.fromkeys(modes):
+        if mode not in (NORMAL_BLEND, PASS_THROUGH):
+            yield (
+                "blend-mode",
+                f"has the blend mode {mode}, which computes with codes as if they were colours",
+                "set it to normal; say how vectors blend in the recipe: mode rnm, pd, whiteout, udn",
+            )
+    opacity = layer.opacity * float(np.prod([group.opacity for group in layer.groups]))
+    if opacity < 0.999:
+        yield (
+            "opacity",
+            f"has an opacity of {opacity:.0%}, which mixes codes, not vectors",
+            f"set it to 100 % and use strength, which fades slopes; the recipe says strength {opacity:.2g}",
+        )
+    if not layer.shown and layer.facts.get("visible") is not False:
+        yield ("hidden", "is hidden; it is kept and marked so", "delete it, or leave it: stack leaves it out")
+    for what in layer.facts.get("not_kept", ()):
+        yield (
+            "not-kept",
+            f"has {what}, which is not in its pixels",
+            "apply or rasterise it in the editor and save again",
+        )
