@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.relief import Job, run
-from bench.table import Surroundings, table, write_section
+from bench.table import Neighborhood, table, write_section
 
 SIZES = (20_000, 75_000, 300_000, 1_500_000)
 WHOLE = "all layers, ring, supersample 1"
@@ -57,14 +57,14 @@ class Measured:
 def _child(*arguments: str) -> tuple[dict[str, object], int]:
     """What ``bench.bake_stages`` says, run in a process of its own, and the peak of its resident memory in bytes."""
     command = [sys.executable, "-m", "bench.bake_stages", *arguments]
-    with tempfile.TemporaryFile() as said:
-        process = subprocess.Popen(command, cwd=Path(__file__).parents[1], stdout=said)
+    with tempfile.TemporaryFile() as stated:
+        process = subprocess.Popen(command, cwd=Path(__file__).parents[1], stdout=stated)
         _, status, usage = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0:
             raise RuntimeError(f"{' '.join(command)}: exit code {process.returncode}")
-        said.seek(0)
-        return json.load(said), usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+        stated.seek(0)
+        return json.load(stated), usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 
 
 def measure(source: str, wanted: int, repeat: int) -> Measured:
@@ -125,7 +125,7 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help="keep the results in results.md")
     options = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
-    surroundings = Surroundings("bench.bake")
+    surroundings = Neighborhood("bench.bake")
     sources = [(str(size), size) for size in options.sizes] + ([(options.mesh, 0)] if options.mesh else [])
     measured = [measure(source, wanted, options.repeat) for source, wanted in sources]
     with tempfile.TemporaryDirectory() as name:

@@ -127,14 +127,14 @@ def main() -> None:
     parser.add_argument("--output", type=Path, help="where `file` writes")
     options = parser.parse_args()
     mesh = load(options.source)
-    said: dict[str, object] = {"name": mesh.name, "faces": len(mesh.faces)}
+    stated: dict[str, object] = {"name": mesh.name, "faces": len(mesh.faces)}
     if options.part == "stages":
-        said["seconds"] = stages(mesh, options.repeat)
+        stated["seconds"] = stages(mesh, options.repeat)
     elif options.part == "peak":
         bake(mesh, BakeOptions(renderer="egl"))
     else:
         write_ply(options.output, mesh)
-    print(json.dumps(said))
+    print(json.dumps(stated))
 
 
 if __name__ == "__main__":

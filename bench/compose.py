@@ -13,7 +13,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.table import Surroundings, table, write_section
+from bench.table import Neighborhood, table, write_section
 
 SIZE = 4096
 MOST_IMAGES = 6.0
@@ -53,8 +53,8 @@ def measure(job: Job, size: int, repeat: int) -> dict[str, float]:
     """What `bench.compose_jobs` says of a job, run in a process of its own."""
     command = [sys.executable, "-m", "bench.compose_jobs", job.name, str(size), str(repeat)]
     done = subprocess.run(command, cwd=_ROOT, check=True, stdout=subprocess.PIPE)
-    said: dict[str, float] = json.loads(done.stdout)
-    return said
+    stated: dict[str, float] = json.loads(done.stdout)
+    return stated
 
 
 def _against(figure: float, goal: float | None) -> list[str]:
@@ -63,11 +63,11 @@ def _against(figure: float, goal: float | None) -> list[str]:
     return [f"{figure:.2f}", f"{goal:g}{' MISSED' if figure > goal else ''}"]
 
 
-def row_of(job: Job, said: dict[str, float]) -> list[str]:
+def row_of(job: Job, stated: dict[str, float]) -> list[str]:
     """Time, time over that of a copy, and peak, each beside its goal."""
-    cells = [*_against(said["seconds"], job.most_seconds), f"{said['slowest']:.2f}"]
-    copies = _against(said["seconds"] / said["copy"], job.most_copies)
-    return [job.name, *cells, *copies, *_against(said["images"], job.most_images)]
+    cells = [*_against(stated["seconds"], job.most_seconds), f"{stated['slowest']:.2f}"]
+    copies = _against(stated["seconds"] / stated["copy"], job.most_copies)
+    return [job.name, *cells, *copies, *_against(stated["images"], job.most_images)]
 
 
 def main() -> None:
@@ -79,7 +79,7 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help="keep the results in results.md")
     options = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
-    surroundings = Surroundings("bench.compose")
+    surroundings = Neighborhood("bench.compose")
     jobs = [job for job in JOBS if options.only in job.name]
     rows = [row_of(job, measure(job, options.size, options.repeat)) for job in jobs]
     preface = (

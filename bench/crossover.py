@@ -11,7 +11,7 @@ from bench.masks import FAMILIES, WEIGHTS
 from bench.patience import Patience
 from bench.runs import Job, Outcome, measure
 from bench.systems import Case
-from bench.table import Surroundings, table, write_section
+from bench.table import Neighborhood, table, write_section
 from nmaptool import ReliefOptions
 
 METHODS = ("multigrid", "dct", "amg", "dct + CG")
@@ -118,7 +118,7 @@ def main() -> None:
     parser.add_argument("--write", action="store_true", help="keep the results in results.md")
     options = parser.parse_args()
     options.sizes.sort()
-    surroundings, patience = Surroundings("bench.crossover"), Patience(options.limit)
+    surroundings, patience = Neighborhood("bench.crossover"), Patience(options.limit)
     results: Results = {}
     preface = (
         f"Milliseconds of setup and one solve to {_TOLERANCE:g}, in brackets the iterations; `...` would take over "

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.masks import statue
-from bench.table import Surroundings, table, write_section
+from bench.table import Neighborhood, table, write_section
 from nmaptool.core.arrays import Float32
 from nmaptool.core.grid import corner_sum
 from nmaptool.solver import QuadSystem
@@ -71,7 +71,7 @@ def compiled(folder: Path) -> tuple[Callable[[Float32, Float32, Float32], None],
     alone = folder / "alone.py"
     alone.write_text(_COMPILED + _ALONE, encoding="utf-8")
     for _ in range(2):  # the first fills the cache
-        said = subprocess.run([sys.executable, str(alone)], check=True, stdout=subprocess.PIPE, text=True).stdout
+        stated = subprocess.run([sys.executable, str(alone)], check=True, stdout=subprocess.PIPE, text=True).stdout
     module = folder / "compiled_pass.py"
     module.write_text(_COMPILED, encoding="utf-8")
     found = importlib.util.spec_from_file_location("compiled_pass", module)
@@ -79,7 +79,7 @@ def compiled(folder: Path) -> tuple[Callable[[Float32, Float32, Float32], None],
     made = importlib.util.module_from_spec(found)
     sys.modules["compiled_pass"] = made
     found.loader.exec_module(made)
-    imported, called = map(float, said.split())
+    imported, called = map(float, stated.split())
     return made.mixed, imported, called
 
 
@@ -111,7 +111,7 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=40, help="times are the best of this many (default 40)")
     parser.add_argument("--write", action="store_true", help="keep the results in results.md")
     options = parser.parse_args()
-    surroundings = Surroundings("bench.kernels")
+    surroundings = Neighborhood("bench.kernels")
     body = ["One pass of two 2x2 box sums over the finest level in float32, in milliseconds, the best of several."]
     with tempfile.TemporaryDirectory() as name:
         numba_pass = None

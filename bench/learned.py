@@ -7,7 +7,7 @@ import argparse
 import nmaptool as nm
 from bench.bake_stages import best, load
 from bench.reach import line
-from bench.table import Surroundings, table, write_section
+from bench.table import Neighborhood, table, write_section
 from nmaptool.filters.decompose import decompose_clean
 from nmaptool.filters.descriptor import Describer
 from nmaptool.meshes.clean import clean_mesh
@@ -42,7 +42,7 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=2, help="runs of each, the best counts (default 2)")
     parser.add_argument("--write", action="store_true", help="keep the results in results.md")
     options = parser.parse_args()
-    surroundings = Surroundings("bench.learned")
+    surroundings = Neighborhood("bench.learned")
     decompose_clean(clean_mesh(load("2000"))[0], nm.FilterOptions(filter="learned"))  # loads what the first one loads
     meshes = [clean_mesh(load(source))[0] for source in options.mesh or map(str, SIZES)]
     measured = [measure(mesh, options.repeat) for mesh in meshes]

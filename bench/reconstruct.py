@@ -7,7 +7,7 @@ import argparse
 import nmaptool as nm
 from bench.bake_stages import RING, best, load
 from bench.reach import line
-from bench.table import Surroundings, table, write_section
+from bench.table import Neighborhood, table, write_section
 from nmaptool.core.arrays import Float64
 from nmaptool.filters.decompose import decompose_clean
 from nmaptool.meshes.clean import clean_mesh
@@ -40,7 +40,7 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=2, help="runs of each, the best counts (default 2)")
     parser.add_argument("--write", action="store_true", help="keep the results in results.md")
     options = parser.parse_args()
-    surroundings = Surroundings("bench.reconstruct")
+    surroundings = Neighborhood("bench.reconstruct")
     nm.reconstruct(*_small())  # loads what is loaded with the first
     meshes = [clean_mesh(load(source))[0] for source in options.mesh or map(str, SIZES)]
     measured = [measure(mesh, options.repeat) for mesh in meshes]

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
-from bench.table import Surroundings, table, write_section
+from bench.table import Neighborhood, table, write_section
 
 MOST_BYTES = 1.2e9
 
@@ -114,9 +114,9 @@ def row_of(job: Job, runs: Runs) -> list[str]:
 
 def account_of(job: Job, report: Path) -> list[str]:
     """What the last run of a relief says of itself."""
-    said = json.loads(report.read_text(encoding="utf-8"))
-    seconds = [f"{said['seconds'][part]:.2f}" for part in ("setup", "solve")]
-    return [job.name, said["solver"], f"{said['unknowns']:,}", *seconds, str(said["iterations"])]
+    stated = json.loads(report.read_text(encoding="utf-8"))
+    seconds = [f"{stated['seconds'][part]:.2f}" for part in ("setup", "solve")]
+    return [job.name, stated["solver"], f"{stated['unknowns']:,}", *seconds, str(stated["iterations"])]
 
 
 def main() -> None:
@@ -125,8 +125,8 @@ def main() -> None:
     parser.add_argument("--size", default="1000x900", help="pixels across and down (default 1000x900)")
     parser.add_argument("--write", action="store_true", help="keep the results in results.md")
     options = parser.parse_args()
-    surroundings = Surroundings("bench.relief")
-    rows, accounts = [], []
+    surroundings = Neighborhood("bench.relief")
+    rows, layer_reports = [], []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         paths = folder / "masked.png", folder / "thin.png", folder / "full.png"
@@ -134,7 +134,7 @@ def main() -> None:
         for job in jobs_in(folder, *paths):
             rows.append(row_of(job, run(job)))
             if job.report is not None:
-                accounts.append(account_of(job, job.report))
+                layer_reports.append(account_of(job, job.report))
     preface = (
         f"`nmap` with its defaults on 16-bit PNG of {options.size} px; the motif covers {share:.0%} of it (alpha), "
         f"the thin lines {thin_share:.0%},\nthe full frame has no background. From the start of the process to its "
@@ -143,7 +143,7 @@ def main() -> None:
     )
     header = ("job", "runs", "wall s", "span s", "goal s", "of goal", "peak GB", "goal GB", "of goal")
     account_header = ("of which, by its own report", "solver", "unknowns", "setup s", "solve s", "iterations")
-    body = [surroundings.describe(), preface, table(header, rows), table(account_header, accounts)]
+    body = [surroundings.describe(), preface, table(header, rows), table(account_header, layer_reports)]
     print("\n\n".join(body))
     if options.write:
         write_section("relief", "\n\n".join(body))

@@ -83,11 +83,11 @@ def measure(jobs: Sequence[Job], limit: float, spend: float) -> list[Outcome]:
             timeout=limit,
             cwd=Path(__file__).parents[1],
         )
-        said, left = done.stdout, "out of memory" if done.returncode in (-9, 137) else f"failed: {_last(done.stderr)}"
+        stated, left = done.stdout, "out of memory" if done.returncode in (-9, 137) else f"failed: {_last(done.stderr)}"
     except subprocess.TimeoutExpired as stopped:
         printed = stopped.stdout or b""
-        said, left = printed.decode() if isinstance(printed, bytes) else printed, late
-    outcomes = [_read(line) for line in said.splitlines() if line.startswith("{")]
+        stated, left = printed.decode() if isinstance(printed, bytes) else printed, late
+    outcomes = [_read(line) for line in stated.splitlines() if line.startswith("{")]
     return outcomes + [Outcome(failure=left)] * (len(jobs) - len(outcomes))
 
 
@@ -96,9 +96,9 @@ def _last(text: str) -> str:
 
 
 def _read(line: str) -> Outcome:
-    said = json.loads(line)
-    answers = tuple(None if each is None else Answer(**each) for each in said["answers"])
-    return Outcome(**said | {"answers": answers})
+    stated = json.loads(line)
+    answers = tuple(None if each is None else Answer(**each) for each in stated["answers"])
+    return Outcome(**stated | {"answers": answers})
 
 
 def _carry_out(job: Job, problem: Problem, spend: float) -> Outcome:

@@ -12,7 +12,7 @@ import nmaptool as nm
 from bench.maps import Scene, scene
 from bench.masks import FAMILIES
 from bench.reach import line
-from bench.table import Surroundings, table, write_section
+from bench.table import Neighborhood, table, write_section
 
 _STEPS = 12
 _SLIDERS = ("mu", "beta", "delta", "height")
@@ -64,7 +64,7 @@ def main() -> None:
     parser.add_argument("--side", type=int, default=512, help="pixels on a side (default 512)")
     parser.add_argument("--write", action="store_true", help="keep the results in results.md")
     options = parser.parse_args()
-    surroundings = Surroundings("bench.session")
+    surroundings = Neighborhood("bench.session")
     rows, worst = [], dict.fromkeys(_SLIDERS, 0.0)
     measure(maps_of("statue", 64), nm.ReliefOptions(background="cut"))  # loads what is loaded with the first
     for family in MASKS:

@@ -12,7 +12,7 @@ from bench.reach import checks
 from bench.rivals import SOLVERS
 from bench.runs import Answer, Job, Outcome, measure
 from bench.systems import Case
-from bench.table import Surroundings, table, write_section
+from bench.table import Neighborhood, table, write_section
 
 TOLERANCES = (1e-6, 1e-10)
 Results = dict[tuple[Case, str], Outcome]
@@ -124,7 +124,7 @@ def _parsed() -> argparse.Namespace:
 def main() -> None:
     """Measure, print and, with --write, keep."""
     options = _parsed()
-    surroundings = Surroundings("bench.solver")
+    surroundings = Neighborhood("bench.solver")
     memory = bandwidth()
     body: list[str] = []
 

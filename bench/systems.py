@@ -9,7 +9,7 @@ import numpy as np
 from bench.maps import surface
 from bench.masks import FAMILIES, WEIGHTS, statue
 from nmaptool.core.arrays import Float32, Float64, Mask
-from nmaptool.core.grid import corner_sum, touching
+from nmaptool.core.grid import corner_sum, touching_vertices
 from nmaptool.solver import QuadSystem, slope_load
 
 _ROWS_AT_ONCE = 256
@@ -70,7 +70,7 @@ def state(case: Case) -> Problem:
     longer = max(case.rows, case.cols) / 1000
     beta = corner_sum(mask)
     beta *= case.beta / longer**2 / 4
-    held = touching(mask == 0) if case.background == "plane" else np.zeros(beta.shape, bool)
+    held = touching_vertices(mask == 0) if case.background == "plane" else np.zeros(beta.shape, bool)
     del mask
     load = slope_load(*_aimed(weight))
     load += beta * (_DELTA * longer)
@@ -98,7 +98,7 @@ def _aimed(weight: Float32) -> tuple[Float32, Float32]:
 
 def unknowns(system: QuadSystem) -> Mask:
     """(H+1, W+1) bool: vertices to solve for, found without leaving anything in the system's caches."""
-    return ~system.held & (touching(system.weight > 0) | (system.beta > 0))
+    return ~system.held & (touching_vertices(system.weight > 0) | (system.beta > 0))
 
 
 def relative_residual(problem: Problem, z: Float64) -> float:

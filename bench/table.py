@@ -34,7 +34,7 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join([line(header), line(rule), *(line(row) for row in rows)])
 
 
-class Surroundings:
+class Neighborhood:
     """What a run is measured on, from its start to `describe`: machine, versions, and who else used the cores.
 
     Parameters

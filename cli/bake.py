@@ -108,7 +108,7 @@ def bake(
         model = learned.read()
         source = nm.read_mesh(mesh, unit=reading.unit, max_faces=reading.max_faces)
         layer_sets = nm.bake_views(source, options, filter, model=model, progress=progress)
-    account: dict[str, Any] = {
+    metadata: dict[str, Any] = {
         "version": nm.__version__,
         "files": {"mesh": mesh} | learned.files,
         "reading": asdict(reading),
@@ -125,12 +125,12 @@ def bake(
         report=report,
         curl=outputs.curl,
         overwrite=outputs.overwrite,
-        account=account,
+        metadata=metadata,
     )
     _tell(session, source, layer_sets)
     say_written(session, written)
     if run.json or to_stdout:
-        session.data(account)
+        session.data(metadata)
 
 
 def destination(outputs: LayerOutputs) -> tuple[Path, Path | None, bool]:

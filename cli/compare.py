@@ -89,7 +89,7 @@ def compare(
         model = learned.read()
         source = nm.read_mesh(mesh, unit=reading.unit, max_faces=reading.max_faces)
         comparison = nm.compare(source, options, filter, rebuilding, model=model, progress=progress)
-    account: dict[str, Any] = {
+    metadata: dict[str, Any] = {
         "version": nm.__version__,
         "files": {"mesh": mesh} | learned.files,
         "reading": asdict(reading),
@@ -98,12 +98,12 @@ def compare(
         "unit_from": source.unit_from,
         **comparison.to_dict(),
     }
-    nm.write_comparison(comparison, files.figure, report=files.report, overwrite=files.overwrite, account=account)
+    nm.write_comparison(comparison, files.figure, report=files.report, overwrite=files.overwrite, metadata=metadata)
     _tell(session, comparison)
     for path in files.targets:
         session.say(f"  wrote {path}")
     if run.json or to_stdout:
-        session.data(account)
+        session.data(metadata)
 
 
 def _tell(session: Session, comparison: nm.Comparison) -> None:

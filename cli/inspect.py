@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from nmaptool.options import ReadOptions
-from nmaptool_cli.session import READING, RUN, RunOptions, Session, input_files, said_name
+from nmaptool_cli.session import READING, RUN, RunOptions, Session, display_name, input_files
 
 
 def inspect(
@@ -39,7 +39,7 @@ def inspect(
         assert source is not None
         chosen = nm.read_grey(mask_source, reading.max_megapixels) if mask_source is not None else None
         seen = nm.inspect_map(nm.read_raster(source, reading), reading, chosen)
-    seen = dataclasses.replace(seen, name=said_name(seen.name))
+    seen = dataclasses.replace(seen, name=display_name(seen.name))
     if run.json:
         session.data(seen.to_dict())
     elif not run.quiet:

@@ -15,7 +15,7 @@ from nmaptool._version import __version__
 from nmaptool.core.errors import UsageError
 from nmaptool_cli.compose import HELP as COMPOSE_HELP
 from nmaptool_cli.interrupt import interruptible
-from nmaptool_cli.session import STREAM, guarded
+from nmaptool_cli.session import STREAM, run_guarded
 
 HELP = """Meshes and normal maps in, carved bas-reliefs in exact millimetres out.
 
@@ -101,7 +101,7 @@ def _call(words: list[str]) -> Any:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     words = list(sys.argv[1:] if arguments is None else arguments)
-    code: int = guarded(lambda: _call(_plain_words(words)))
+    code: int = run_guarded(lambda: _call(_plain_words(words)))
     return code
 
 

@@ -51,7 +51,7 @@ def describe_comparison(comparison: Comparison) -> Iterator[str]:
             f"{each.hausdorff_mm:.4g} mm ({each.hausdorff_mm * share:.3f}%)"
         )
     for verdict in comparison.verdicts:
-        yield f"  the paper's claim {verdict.words}"
+        yield f"  the paper's claim {verdict.summary}"
 
 
 def describe_curves(comparison: Comparison) -> Iterator[str]:

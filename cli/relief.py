@@ -24,9 +24,9 @@ from nmaptool_cli.session import (
     STREAM,
     RunOptions,
     Session,
+    display_name,
     input_files,
     refuse_inputs,
-    said_name,
 )
 
 if TYPE_CHECKING:
@@ -139,20 +139,20 @@ def relief(
     names = (map, inputs.detail, inputs.mask, inputs.surface, inputs.mu_map, inputs.beta_map, inputs.delta_map)
     refuse_inputs(files.targets, names)
     with input_files(*names) as sources, named_inputs(inputs):
-        result, account = _solve(session, sources, options, reading)
+        result, metadata = _solve(session, sources, options, reading)
     import nmaptool as nm
 
     roles = ("original", "detail", "mask", "surface", "mu_map", "beta_map", "delta_map")
-    account["files"] = {role: name for role, name in zip(roles, names, strict=True) if name is not None}
-    account["reading"] = asdict(reading)
-    account["outputs"] = [str(path) for path in files.targets]
+    metadata["files"] = {role: name for role, name in zip(roles, names, strict=True) if name is not None}
+    metadata["reading"] = asdict(reading)
+    metadata["outputs"] = [str(path) for path in files.targets]
     nm.write_relief(
-        result, *files.outputs, preview=files.preview, report=files.report, overwrite=files.overwrite, account=account
+        result, *files.outputs, preview=files.preview, report=files.report, overwrite=files.overwrite, metadata=metadata
     )
     for path in files.targets:
         session.say(f"  wrote {path}{_png_range(path, result) if path in files.outputs else ''}")
     if run.json or to_stdout:
-        session.data(account)
+        session.data(metadata)
 
 
 def _png_range(path: Path, result: nm.Relief) -> str:
@@ -188,16 +188,16 @@ def _solve(
     report = dataclasses.replace(result.report, seconds={"reading": read_s, **result.report.seconds})
     result = dataclasses.replace(result, report=report)
     read = [
-        dataclasses.replace(m, name=said_name(m.name))
+        dataclasses.replace(m, name=display_name(m.name))
         for m in (original, detail, surface)
         if isinstance(m, nm.NormalMap)
     ]
-    _tell(session, read, nm.doubts(original), result)
+    _tell(session, read, nm.diagnose(original), result)
     inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in read]
     return result, {"version": nm.__version__, "inputs": inputs, **result.report.to_dict()}
 
 
-def _tell(session: Session, maps: list[nm.NormalMap], doubts: tuple[str, ...], result: nm.Relief) -> None:
+def _tell(session: Session, maps: list[nm.NormalMap], diagnose: tuple[str, ...], result: nm.Relief) -> None:
     from nmaptool_cli.wording import describe_decoding, describe_relief
 
     for each in maps:
@@ -205,7 +205,7 @@ def _tell(session: Session, maps: list[nm.NormalMap], doubts: tuple[str, ...], r
         session.say(f"{each.name}: {each.frame}, {describe_decoding(each.decoding, share)}")
         for warning in each.decoding.warnings:
             session.warn(f"{each.name}: {warning}")
-    for doubt in doubts:
+    for doubt in diagnose:
         session.warn(f"{maps[0].name}: {doubt}")
     for line in describe_relief(result.report):
         session.say(line)

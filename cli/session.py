@@ -197,7 +197,7 @@ def _is_same(path: Path, name: str) -> bool:
         return False
 
 
-def said_name(name: str) -> str:
+def display_name(name: str) -> str:
     """What to call an input in messages: standard input where it was read from there."""
     path = Path(name)
     return STREAM if path.name == STREAM and path.parent.parent == Path(tempfile.gettempdir()) else name
@@ -229,7 +229,7 @@ def interrupted() -> int:
     return _fail(f"interrupted; {left}", EXIT_INTERRUPTED)
 
 
-def guarded(command: Callable[[], Any]) -> int:
+def run_guarded(command: Callable[[], Any]) -> int:
     """Run a command; every failure is one line on stderr and an exit code, never a traceback."""
     if _ending.locked():  # by a command before, where one process runs several
         _ending.release()

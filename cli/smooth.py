@@ -90,7 +90,7 @@ def smooth(
         model = learned.read()
         source = nm.read_mesh(mesh, unit=reading.unit, max_faces=reading.max_faces)
         smoothed = nm.smooth(source, options, filter, rebuilding, model=model, progress=progress)
-    account: dict[str, Any] = {
+    metadata: dict[str, Any] = {
         "version": nm.__version__,
         "files": {"mesh": mesh} | learned.files,
         "reading": asdict(reading),
@@ -99,15 +99,15 @@ def smooth(
         "unit_from": source.unit_from,
         **smoothed.report.to_dict(),
     }
-    nm.write_mesh(smoothed.mesh, *files.outputs, report=files.report, overwrite=files.overwrite, account=account)
+    nm.write_mesh(smoothed.mesh, *files.outputs, report=files.report, overwrite=files.overwrite, metadata=metadata)
     _tell(session, source, smoothed)
     for path in files.targets:
         session.say(f"  wrote {path}{_unit_of(path, source) if path in files.outputs else ''}")
     if run.json or to_stdout:
-        session.data(account)
+        session.data(metadata)
 
 
-def _tell(session: Session, source: nm.Mesh, smoothed: nm.Smoothed) -> None:
+def _tell(session: Session, source: nm.Mesh, smoothed: nm.SmoothResult) -> None:
     from nmaptool_cli.mesh_wording import describe_reconstruction
     from nmaptool_cli.wording import describe_findings
 

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from nmaptool.core.errors import UsageError
 from nmaptool.options import FilterOptions, MeshReadOptions, TrainOptions
 from nmaptool.options.plain_values import plain_values
-from nmaptool_cli.each import spread
+from nmaptool_cli.per_input import spread
 from nmaptool_cli.session import FILTER, OUTPUTS, READING, RUN, STREAM, RunOptions, Session, refuse_inputs, size_of
 
 if TYPE_CHECKING:
@@ -118,11 +118,11 @@ def train(
 
     seconds = {}
     with session.progress() as progress:
-        tell = progress or (lambda word, share: None)
+        notify = progress or (lambda word, share: None)
         begun = time.perf_counter()
         examples = []
         for place, (name, target) in enumerate(zip(meshes, filters, strict=True)):
-            tell("targets", _TARGETS * place / len(meshes))
+            notify("targets", _TARGETS * place / len(meshes))
             mesh = nm.read_mesh(name, unit=reading.unit, max_faces=reading.max_faces)
             examples.append(nm.training_example(mesh, target))
         seconds["targets"] = time.perf_counter() - begun
@@ -132,22 +132,22 @@ def train(
             options,
             state=state,
             keep=files.keep,
-            progress=lambda word, share: tell(word, _TARGETS + (1 - _TARGETS) * share),
+            progress=lambda word, share: notify(word, _TARGETS + (1 - _TARGETS) * share),
         )
         seconds["training"] = time.perf_counter() - begun - seconds["targets"]
-    account = {"version": nm.__version__, "filter": model.digest, "options": plain_values(options), **model.account}
-    account["seconds"] = {stage: round(value, 4) for stage, value in seconds.items()}
-    account["outputs"] = [str(path) for path in files.targets]
-    files.write(model, account)
+    metadata = {"version": nm.__version__, "filter": model.digest, "options": plain_values(options), **model.metadata}
+    metadata["seconds"] = {stage: round(value, 4) for stage, value in seconds.items()}
+    metadata["outputs"] = [str(path) for path in files.targets]
+    files.write(model, metadata)
     if state is not None:
         session.say(f"  went on from {state.name}, where {len(state.losses)} networks were finished")
     _tell(session, examples, model)
-    session.detail(f"  losses {' '.join(f'{loss:.2e}' for loss in model.account['losses'])}")
+    session.detail(f"  losses {' '.join(f'{loss:.2e}' for loss in model.metadata['losses'])}")
     session.detail(f"  seconds {', '.join(f'{stage} {value:.2f}' for stage, value in seconds.items())}")
     for path in files.targets:
         session.say(f"  wrote {path}")
     if run.json or to_stdout:
-        session.data(account)
+        session.data(metadata)
 
 
 def _tell(session: Session, examples: Sequence[nm.TrainingExample], model: nm.FilterModel) -> None:

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
         LayerSet,
         Mesh,
         MeshFindings,
-        SolveReport,
+        ReliefReport,
         TrainingExample,
-        Unpacked,
+        UnpackResult,
     )
 
 
@@ -72,7 +72,7 @@ def _ratio(decoding: Decoding) -> str:
     return f"{ratio if decoding.green == 'up' else 1 / ratio:.1f}"
 
 
-def describe_relief(report: SolveReport) -> Iterator[str]:
+def describe_relief(report: ReliefReport) -> Iterator[str]:
     """A solve, a line each."""
     o = report.options
     reach = f"{report.reach_px:.1f} px = {report.reach_mm:.2f} mm" if report.reach_px < 1e9 else "any distance"
@@ -223,7 +223,7 @@ def _kind(facts: Mapping[str, Any]) -> str:
     return f"{codes}, green {facts['green']}"
 
 
-def describe_unpacked(unpacked: Unpacked) -> Iterator[str]:
+def describe_unpacked(unpacked: UnpackResult) -> Iterator[str]:
     """A workspace taken apart, a line each."""
     yield f"{unpacked.name}: {unpacked.frame}, {unpacked.bits} bit, {len(unpacked.layers)} layers, bottom to top"
     for layer in unpacked.layers:
@@ -233,7 +233,7 @@ def describe_unpacked(unpacked: Unpacked) -> Iterator[str]:
         yield f"  {layer.name}{groups}: {place}, {layer.mode}, strength {layer.strength:.3g}{more}"
         for repair in layer.repairs:
             yield f"    repaired: {repair}"
-    if not unpacked.has_words:
+    if not unpacked.has_metadata:
         yield "  nmaptool's own words are not in the file: moves, mirrorings and fitted curves cannot be told"
     for finding in unpacked.findings:
         yield f"! {f'{finding.layer}: ' if finding.layer is not None else ''}{finding.message}"
@@ -246,5 +246,5 @@ def describe_training(examples: Sequence[TrainingExample], model: FilterModel) -
     """A filter that was learned, a line each."""
     faces = sum(len(example.mesh.faces) for example in examples)
     yield f"learned from {len(examples)} meshes, {faces} faces: filter {model.digest}"
-    before, *after = model.account["mean_angle_deg"]
+    before, *after = model.metadata["mean_angle_deg"]
     yield f"  mean angle to the targets {before:.2f} degrees, after each stage {', '.join(f'{a:.2f}' for a in after)}"

@@ -23,7 +23,7 @@ def rows(name: str, comparison: nm.Comparison) -> list[str]:
     out = []
     for each in comparison.contenders.values():
         o = each.options
-        said = f"{o.scheme}, {o.steps} x, closeness {o.closeness:g}"
+        stated = f"{o.scheme}, {o.steps} x, closeness {o.closeness:g}"
         volume = "" if each.volume_share is None else f"{each.volume_share:+.2%}"
         cells = (
             f"{each.normal_mean_deg:.2f}",
@@ -33,7 +33,7 @@ def rows(name: str, comparison: nm.Comparison) -> list[str]:
             volume,
             f"{each.seconds:.1f}",
         )
-        out.append(f"| {name} | {said} | {' | '.join(cells)} |")
+        out.append(f"| {name} | {stated} | {' | '.join(cells)} |")
     return out
 
 
@@ -82,9 +82,9 @@ def trials(name: str, mesh: nm.Mesh) -> list[str]:
         targets /= np.linalg.norm(targets, axis=1, keepdims=True)
         report = nm.reconstruct(clean, targets, options).report
         volume = "open" if report.volume_share is None else f"{report.volume_share:+.2%}"
-        said = f"{options.scheme}, {options.steps} x, closeness {options.closeness:g}, gain {gain:g}"
+        stated = f"{options.scheme}, {options.steps} x, closeness {options.closeness:g}, gain {gain:g}"
         angle = f"{report.normal_deviation_deg:.3f}"
-        out.append(f"| {name} | {said} | {angle} | {report.folded_before} | {report.folded_after} | {volume} |")
+        out.append(f"| {name} | {stated} | {angle} | {report.folded_before} | {report.folded_after} | {volume} |")
     return out
 
 

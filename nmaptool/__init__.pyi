@@ -53,7 +53,7 @@ from .io.recipes.stacks import Stack as Stack
 from .io.recipes.stacks import read_stack as read_stack
 from .io.workspaces.files import read_workspace as read_workspace
 from .io.workspaces.files import write_workspace as write_workspace
-from .maps.conventions import doubts as doubts
+from .maps.conventions import diagnose as diagnose
 from .maps.decoding import decode_normal_map as decode_normal_map
 from .maps.inspect import inspect_map as inspect_map
 from .meshes.clean import clean_mesh as clean_mesh
@@ -90,8 +90,8 @@ from .types.comparison import Verdict as Verdict
 from .types.composition import ComposeReport as ComposeReport
 from .types.composition import Composition as Composition
 from .types.conversion import ConvertReport as ConvertReport
-from .types.depth_normals import DepthNormals as DepthNormals
-from .types.depth_normals import DepthReport as DepthReport
+from .types.depth import DepthReport as DepthReport
+from .types.depth import DepthResult as DepthResult
 from .types.height import Height as Height
 from .types.inspection import Finding as Finding
 from .types.inspection import Inspection as Inspection
@@ -113,12 +113,12 @@ from .types.recipe import RecipeLayer as RecipeLayer
 from .types.recipe import RecipeLink as RecipeLink
 from .types.reconstruction import Reconstruction as Reconstruction
 from .types.reconstruction import ReconstructReport as ReconstructReport
-from .types.reconstruction import Smoothed as Smoothed
 from .types.reconstruction import SmoothReport as SmoothReport
+from .types.reconstruction import SmoothResult as SmoothResult
 from .types.relief import Relief as Relief
-from .types.relief import SolveReport as SolveReport
-from .types.unpacked import Unpacked as Unpacked
+from .types.relief import ReliefReport as ReliefReport
 from .types.unpacked import UnpackedLayer as UnpackedLayer
+from .types.unpacked import UnpackResult as UnpackResult
 from .types.workspace import Workspace as Workspace
 from .types.workspace import WorkspaceFinding as WorkspaceFinding
 from .types.workspace import WorkspaceGroup as WorkspaceGroup

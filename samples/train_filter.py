@@ -38,7 +38,9 @@ def main() -> None:
     print(
         f"{time.perf_counter() - started - made_s:.0f} s: filter {model.digest}, {target.stat().st_size / 1e3:.0f} kB"
     )
-    print("mean angle to the targets, degrees:", ", ".join(f"{angle:.2f}" for angle in model.account["mean_angle_deg"]))
+    print(
+        "mean angle to the targets, degrees:", ", ".join(f"{angle:.2f}" for angle in model.metadata["mean_angle_deg"])
+    )
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 import numpy as np
 
 import nmaptool as nm
-from nmaptool.core.grid import height_slopes, touching
+from nmaptool.core.grid import height_slopes, touching_vertices
 from nmaptool.core.vectors import unit
 
 
@@ -32,7 +32,7 @@ def solve(original, detail=None, **changes):
 
 
 def foreground_heights(relief):
-    return relief.z_mm[touching(relief.foreground) & ~touching(~relief.foreground)]
+    return relief.z_mm[touching_vertices(relief.foreground) & ~touching_vertices(~relief.foreground)]
 
 
 def rolling(side=96):

@@ -70,4 +70,4 @@ def test_what_would_take_too_long_is_left_out():
 def test_goals_are_checked_against_their_limits():
     assert line("this", 1.5, 2, "s") == "check: this: 1.5 s, at most 2: ok"
     assert line("this", 2.5, 2, "s").endswith("MISSED")
-    assert all(said.endswith("not measured") for said in checks({}))
+    assert all(stated.endswith("not measured") for stated in checks({}))

@@ -79,8 +79,8 @@ def test_nobody_learns_where_a_stream_was_kept(place):
     recipe = nm.read_raster("out.exr").attributes["recipe"]
     assert json.loads(recipe)["layers"][0]["name"] == "standard input"
     assert b"  standard input: over at 10,5 px, 20 x 20, on 21% of the canvas\n" in done.stderr
-    for said in (done.stdout, done.stderr, recipe.encode()):
-        assert b"tmp" not in said
+    for stated in (done.stdout, done.stderr, recipe.encode()):
+        assert b"tmp" not in stated
 
 
 def test_the_report_says_what_was_read_done_and_written(made, place):
@@ -245,12 +245,14 @@ def test_a_detail_map_of_another_size_is_stretched_when_told(made, place):
 
 
 def test_words_on_stderr(made, run, place):
-    said = made("paste", "plate.png", "motif.exr", "-v").err.splitlines()
-    assert said[0].startswith("plate.png: 40 x 30, background flat (found), motif 0%")
-    assert said[2] == "  motif.exr: over at 10,5 px, 20 x 20, on 21% of the canvas"
-    assert said[3].startswith("  paste: 40 x 30, pitch 0.5 mm, mean |curl| ") and said[3].endswith("(before 0.0000)")
-    assert said[4].startswith("  seconds compose ")
-    assert said[5] == "  wrote out.exr"
+    stated = made("paste", "plate.png", "motif.exr", "-v").err.splitlines()
+    assert stated[0].startswith("plate.png: 40 x 30, background flat (found), motif 0%")
+    assert stated[2] == "  motif.exr: over at 10,5 px, 20 x 20, on 21% of the canvas"
+    assert stated[3].startswith("  paste: 40 x 30, pitch 0.5 mm, mean |curl| ") and stated[3].endswith(
+        "(before 0.0000)"
+    )
+    assert stated[4].startswith("  seconds compose ")
+    assert stated[5] == "  wrote out.exr"
     assert "seconds" not in made("paste", "plate.png", "motif.exr").err
     quiet = made("paste", "plate.png", "motif.exr", "-q", "-v")
     assert (quiet.out, quiet.err) == ("", "")

@@ -241,10 +241,10 @@ def test_ctrl_c_anywhere(refused, place, monkeypatch, where, start, out):
 
 
 @pytest.mark.parametrize(
-    ("out", "said"), [("out.exr", r"out\.exr"), ("old.exr", r"old\.exr"), ("-", "standard output")]
+    ("out", "stated"), [("out.exr", r"out\.exr"), ("old.exr", r"old\.exr"), ("-", "standard output")]
 )
 @pytest.mark.parametrize("count", [1, 2])
-def test_a_full_disk(refused, place, monkeypatch, out, said, count):
+def test_a_full_disk(refused, place, monkeypatch, out, stated, count):
     from nmaptool.io.output import maps as map_files
 
     begun = []
@@ -258,9 +258,9 @@ def test_a_full_disk(refused, place, monkeypatch, out, said, count):
         raise OutputError(f"{path}: cannot be written (is the disk full?)")
 
     monkeypatch.setattr(map_files, "write_pictures", failing)
-    said = said if count == 1 else r"c\.png"
+    stated = stated if count == 1 else r"c\.png"
     words = (*BLEND.split(), "-o", out, "--overwrite", "-q", "--curl", "c.png")
-    refused(OUTPUT, rf"error: {said}: cannot be written \(is the disk full\?\)", "compose", *words)
+    refused(OUTPUT, rf"error: {stated}: cannot be written \(is the disk full\?\)", "compose", *words)
 
 
 def test_a_folder_that_cannot_be_written_to(refused, place, monkeypatch):

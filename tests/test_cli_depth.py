@@ -40,10 +40,10 @@ def test_everything_is_written_and_said(run: Any, tmp_path: Path, depth_png: Pat
     assert picture.attributes["kind"] == "jumps"
     white = float(picture.attributes["white"])
     np.testing.assert_allclose(picture.pixels[..., 0] / 65535 * white, expected.jumps, atol=white / 65535)
-    account = json.loads(report.read_text())
-    assert account["files"] == {"image": str(depth_png), "mask": None}
-    assert account["jumps"] == np.count_nonzero(expected.jumps)
-    assert account["options"]["depth_scale"] == "60px"
+    metadata = json.loads(report.read_text())
+    assert metadata["files"] == {"image": str(depth_png), "mask": None}
+    assert metadata["jumps"] == np.count_nonzero(expected.jumps)
+    assert metadata["options"]["depth_scale"] == "60px"
     assert json.loads(nm.read_raster(out).attributes["recipe"])["command"] == "depth"
 
 
@@ -64,8 +64,8 @@ def test_standard_input(run: Any, tmp_path: Path, depth_png: Path, monkeypatch: 
 def test_words_and_heights(run: Any, tmp_path: Path, depth_png: Path) -> None:
     words = ("--jump", "4px", "--smooth", "0.5px", "--background", "flat", "--json")
     done = run("compose", "depth", depth_png, "-o", tmp_path / "map.exr", *words)
-    account = json.loads(done.out)
-    assert (account["jump_px"], account["tolerance_px"], account["background"]) == (4, 0.5, "flat")
+    metadata = json.loads(done.out)
+    assert (metadata["jump_px"], metadata["tolerance_px"], metadata["background"]) == (4, 0.5, "flat")
     assert nm.read_normal_map(tmp_path / "map.exr").coverage.min() == 1
     run("compose", "depth", depth_png, "-o", tmp_path / "motif.exr")
     assert nm.read_normal_map(tmp_path / "motif.exr").coverage.min() == 0

@@ -228,9 +228,9 @@ def test_a_full_disk(tree, clean_map, tmp_path):
     before = tree()
     done = in_a_process(FULL_DISK, clean_map, *paths)
     assert done.out.split() == [str(OUTPUT)] * len(paths)
-    said = done.err.splitlines()
-    assert len(said) == len(paths)
-    for path, line in zip(paths, said, strict=True):
+    stated = done.err.splitlines()
+    assert len(stated) == len(paths)
+    for path, line in zip(paths, stated, strict=True):
         assert re.fullmatch(rf"nmap: error: {path}: cannot be written \(.+\)", line)
         assert "None" not in line
     assert tree() == before

@@ -153,10 +153,10 @@ def test_compare_writes_a_figure_and_says_the_verdict(run, place, tree):
     done = run("compare", "plate.obj", "-o", "f.png", "--report", "f.json", "-v", *QUICK)
     assert (done.code, done.out) == (0, "")
     assert {"f.png", "f.json"} < set(tree())
-    said = [line for line in done.err.splitlines() if line.startswith("  the paper's claim ")]
+    stated = [line for line in done.err.splitlines() if line.startswith("  the paper's claim ")]
     found = json.loads((place / "f.json").read_text())
-    assert said == [f"  the paper's claim {verdict['words']}" for verdict in found["verdicts"]]
-    assert len(said) == 3
+    assert stated == [f"  the paper's claim {verdict['summary']}" for verdict in found["verdicts"]]
+    assert len(stated) == 3
     assert "  gsfg-gradient, 20 steps, closeness 0.01: normals " in done.err
     assert "  poisson, 20 solves: 20 steps, closeness 0.01: " in done.err
     assert found["unit_from"] == "assumed"

@@ -44,13 +44,13 @@ def test_it_writes_what_compose_gives(run, folder):
     assert np.array_equal(pixels(out), result.normal_map.normals)
     assert np.array_equal(pixels(folder / "placed.png")[..., 0], np.floor(result.placed * 65535.0 + 0.5))
     assert pixels(folder / "curl.png").shape == (60, 80, 3)
-    account = json.loads((folder / "scene.json").read_text())
-    assert [layer["name"] for layer in account["layers"]] == ["bunny", "ornaments", "parts/leaf.toml"]
-    assert len(account["layers"][1]["layers"]) == 2
-    assert account["hidden"] == [f"{folder / 'scene.toml'}: layer 5 (idea)"]
-    assert account["outside"] == []
-    assert account["files"]["recipes"] == ["parts/leaf.toml"]
-    assert account["options"]["width"] == "40mm"
+    metadata = json.loads((folder / "scene.json").read_text())
+    assert [layer["name"] for layer in metadata["layers"]] == ["bunny", "ornaments", "parts/leaf.toml"]
+    assert len(metadata["layers"][1]["layers"]) == 2
+    assert metadata["hidden"] == [f"{folder / 'scene.toml'}: layer 5 (idea)"]
+    assert metadata["outside"] == []
+    assert metadata["files"]["recipes"] == ["parts/leaf.toml"]
+    assert metadata["options"]["width"] == "40mm"
     assert f"layer 5 (idea): hidden, left out\nnmap: warning: {folder}/parts/leaf.toml: its canvas is left" in done.err
     assert "bunny: over, strength 0.8 at" in done.err
     assert f"wrote {out}" in done.err

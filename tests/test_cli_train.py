@@ -39,12 +39,12 @@ def test_a_filter_is_written_and_told_of(run, meshes, tree, tmp_path):
     assert f"learned from 2 meshes, 2304 faces: filter {model.digest}\n" in done.err
     assert "mean angle to the targets" in done.err
     assert f"wrote {tmp_path / 'f.npz'}\n" in done.err
-    account = json.loads(done.out)
-    assert account == json.loads((tmp_path / "r.json").read_text())
-    assert account["filter"] == model.digest
-    assert [mesh["sigma_s"] for mesh in account["meshes"]] == [2.0, "4%"]
-    assert account["options"]["hidden"] == 3
-    assert account["outputs"] == [str(tmp_path / "f.npz"), str(tmp_path / "r.json")]
+    metadata = json.loads(done.out)
+    assert metadata == json.loads((tmp_path / "r.json").read_text())
+    assert metadata["filter"] == model.digest
+    assert [mesh["sigma_s"] for mesh in metadata["meshes"]] == [2.0, "4%"]
+    assert metadata["options"]["hidden"] == 3
+    assert metadata["outputs"] == [str(tmp_path / "f.npz"), str(tmp_path / "r.json")]
     assert sorted(tree()) == ["f.npz", "r.json", "roof0.obj", "roof1.obj"]
 
 

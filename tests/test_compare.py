@@ -9,7 +9,7 @@ from mesh_cases import sphere
 import nmaptool as nm
 from nmaptool.core.errors import OutputError, UsageError
 from nmaptool.evaluate.sweep import CURVES, verdicts_of
-from nmaptool.evaluate.verdict import front, judged, reached
+from nmaptool.evaluate.verdict import compare_fronts, front, reached
 from nmaptool.figures.comparison import comparison_figure
 from nmaptool.meshes.distances import hausdorff
 
@@ -72,7 +72,7 @@ def test_json_tells_everything(compared):
     assert len(ours["histogram"]) == len(values["histogram_edges_deg"]) - 1
     assert list(values["curves"]) == list(CURVES)
     assert [verdict["holds"] in ("yes", "no", "in part") for verdict in values["verdicts"]] == [True] * 3
-    assert all(verdict["words"].startswith(("holds", "does not hold")) for verdict in values["verdicts"])
+    assert all(verdict["summary"].startswith(("holds", "does not hold")) for verdict in values["verdicts"])
 
 
 def test_fronts_and_what_they_reach():
@@ -83,24 +83,24 @@ def test_fronts_and_what_they_reach():
     assert reached([points], np.sqrt(2)) == pytest.approx(np.sqrt(8))  # half-way by logarithms
     assert reached([points], 50.0) == pytest.approx(1)
     assert reached([points, [(2.0, 1.5)]], 2.0) == pytest.approx(1.5)
-    ratios = [(p.normal, p.ratio) for p in judged([points], [(0.5, 9.0), (2.0, 4.0), (3.0, 0.5)])]
+    ratios = [(p.normal, p.ratio) for p in compare_fronts([points], [(0.5, 9.0), (2.0, 4.0), (3.0, 0.5)])]
     assert ratios == [(0.5, None), (2.0, pytest.approx(0.5)), (3.0, pytest.approx(2.0))]
 
 
 @pytest.mark.parametrize(
-    ("factor", "holds", "words"),
+    ("factor", "holds", "summary"),
     [
         (2.0, "yes", "holds against poisson, one solve: gSfG has smaller .* at all 3 points .* 0.50 to 0.50 of"),
         (0.5, "no", "does not hold against poisson, one solve: .* at none of 3 points .* 2.00 to 2.00 of"),
     ],
 )
-def test_the_verdict_is_plain(factor, holds, words):
+def test_the_verdict_is_plain(factor, holds, summary):
     ours = tuple(nm.CurvePoint(0.1, 20, angle, 1 / angle, 0) for angle in (1.0, 2.0, 4.0))
     rival = tuple(nm.CurvePoint(0.1, 1, angle, factor / angle, 0) for angle in (1.0, 2.0, 4.0))
     found = verdicts_of(dict(zip(CURVES, (ours, ours, ours, rival, rival), strict=True)))[0]
     assert found.holds == holds
-    with pytest.raises(ValueError, match=words):
-        raise ValueError(found.words)
+    with pytest.raises(ValueError, match=summary):
+        raise ValueError(found.summary)
 
 
 def test_a_verdict_in_part_says_where():
@@ -108,8 +108,8 @@ def test_a_verdict_in_part_says_where():
     rival = tuple(nm.CurvePoint(0.1, 1, *each, 0) for each in ((0.5, 9.0), (1.0, 1.5), (2.0, 0.4)))
     found = verdicts_of(dict(zip(CURVES, (ours, ours, ours, rival, rival), strict=True)))[1]
     assert (found.holds, found.points, found.held, found.held_deg) == ("in part", 3, 1, (1.0,))
-    assert "at 1 of 3 points of Poisson's front, normals 1.00 degrees off" in found.words
-    assert "at 1 Poisson's normals are nearer to their targets than any of gSfG's" in found.words
+    assert "at 1 of 3 points of Poisson's front, normals 1.00 degrees off" in found.summary
+    assert "at 1 Poisson's normals are nearer to their targets than any of gSfG's" in found.summary
 
 
 def test_the_figure_shows_both_in_one_scale(compared):
@@ -122,7 +122,7 @@ def test_the_figure_shows_both_in_one_scale(compared):
     half = len(left) // 2
     assert colored[:half].mean() > 0.03
     assert colored[half:].mean() > 0.03
-    shot = compared.shots["gsfg"]
+    shot = compared.rendered_views["gsfg"]
     assert shot.deviation_mm.shape == (140, 160)
     seen = np.isfinite(shot.deviation_mm)
     assert 0.3 < seen.mean() < 0.9

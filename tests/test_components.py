@@ -145,8 +145,8 @@ def test_a_constant_blue_that_cannot_be_z_is_ignored(tmp_path, dome, codes, png,
         assert (back.decoding.components, back.decoding.components_from) == ("xy", "found")
         assert back.decoding.green == "up"
         assert angle_deg(back.normals, d.normals)[d.inside].mean() < (0.4 if bits == 8 else 0.002)
-    said = nm.read_normal_map(tmp_path / "map.png", nm.ReadOptions(components="xyz"))
-    assert said.decoding.components == "xyz"
+    stated = nm.read_normal_map(tmp_path / "map.png", nm.ReadOptions(components="xyz"))
+    assert stated.decoding.components == "xyz"
 
 
 def test_a_constant_blue_that_is_z_is_kept(tmp_path, codes, png):

@@ -150,8 +150,8 @@ def test_vectors_off_unit_length_are_normalised_once(tmp_path, run, codes, png):
     again = nm.convert(tmp_path / "b.png", tmp_path / "c.png")
     assert again.report.off_length == 0
     assert np.array_equal(stored(tmp_path / "c.png"), stored(tmp_path / "b.png"))
-    said = run("compose", "convert", source, tmp_path / "d.png", "--green", "up").err
-    assert "6000 of 18000 vectors were off unit length, by up to 0.3: normalised" in said
+    stated = run("compose", "convert", source, tmp_path / "d.png", "--green", "up").err
+    assert "6000 of 18000 vectors were off unit length, by up to 0.3: normalised" in stated
 
 
 @pytest.mark.parametrize("components", ["xy", "octahedral"])
@@ -186,9 +186,14 @@ def test_what_the_file_says_of_itself_is_kept_and_the_conversion_noted(tmp_path,
     own = {"recipe": json.dumps(recipe), "layer": "detail", "view": "front"}
     nm.write_normal_map(tmp_path / "a.exr", as_map(facing(7), pitch_mm=0.125), attributes=own)
     nm.convert(tmp_path / "a.exr", tmp_path / f"b{ending}", writing=nm.WriteOptions(write_green="down"))
-    said = nm.read_raster(tmp_path / f"b{ending}").attributes
-    assert (said["layer"], said["view"], said["green"], said["pitch_mm"]) == ("detail", "front", "down", "0.125")
-    told = json.loads(said["recipe"])
+    stated = nm.read_raster(tmp_path / f"b{ending}").attributes
+    assert (stated["layer"], stated["view"], stated["green"], stated["pitch_mm"]) == (
+        "detail",
+        "front",
+        "down",
+        "0.125",
+    )
+    told = json.loads(stated["recipe"])
     assert (told["command"], told["before"]) == ("convert", recipe)
     assert told["options"]["write_green"] == "down"
 
@@ -199,8 +204,8 @@ def test_a_layers_name_and_a_recipe_that_is_no_json_are_kept(tmp_path, picture):
     source = picture(tmp_path / "a.exr", both, names, nmaptool__recipe="by hand")
     source = f"{source}:detail"
     nm.convert(source, tmp_path / "b.png", nm.ReadOptions(green="up"))
-    said = nm.read_raster(tmp_path / "b.png").attributes
-    assert (said["layer"], json.loads(said["recipe"])["before"]) == ("detail", "by hand")
+    stated = nm.read_raster(tmp_path / "b.png").attributes
+    assert (stated["layer"], json.loads(stated["recipe"])["before"]) == ("detail", "by hand")
 
 
 @pytest.mark.parametrize("recipe", ["[" * 200_000, "{", ""])

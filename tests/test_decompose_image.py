@@ -5,7 +5,7 @@ import pytest
 
 import nmaptool as nm
 from nmaptool.core.vectors import unit
-from nmaptool.filters.image import roll_image
+from nmaptool.filters.image import rolling_guidance_image
 
 FLAT = np.float32([0, 0, 1])
 
@@ -43,15 +43,17 @@ def rough(rows=44, cols=37, seed=0):
     return normals, cover.astype(np.float32)
 
 
-def roll(normals, coverage, sigma_s=4.0, sigma_r=0.4, iterations=4):
-    return roll_image(normals, coverage, sigma_s_px=sigma_s, sigma_r=sigma_r, iterations=iterations)
+def rolling_guidance(normals, coverage, sigma_s=4.0, sigma_r=0.4, iterations=4):
+    return rolling_guidance_image(normals, coverage, sigma_s_px=sigma_s, sigma_r=sigma_r, iterations=iterations)
 
 
 @pytest.mark.parametrize("sigma_s", [0.7, 2.0, 3.5])
 @pytest.mark.parametrize("sigma_r", [0.15, 0.5])
 def test_narrow_filters_are_the_definition_within_three_sigmas(sigma_s, sigma_r):
     normals, cover = rough()
-    error = angle_deg(roll(normals, cover, sigma_s, sigma_r), exact(normals, cover, sigma_s, sigma_r, 4, reach=3))
+    error = angle_deg(
+        rolling_guidance(normals, cover, sigma_s, sigma_r), exact(normals, cover, sigma_s, sigma_r, 4, reach=3)
+    )
     assert error.max() < 0.01
 
 
@@ -60,7 +62,7 @@ def test_narrow_filters_are_the_definition_within_three_sigmas(sigma_s, sigma_r)
 def test_every_filter_is_close_to_the_definition(sigma_s, sigma_r):
     normals, cover = rough()
     expected = exact(normals, cover, sigma_s, sigma_r, 4)
-    error = angle_deg(roll(normals, cover, sigma_s, sigma_r), expected)[cover > 0]
+    error = angle_deg(rolling_guidance(normals, cover, sigma_s, sigma_r), expected)[cover > 0]
     assert angle_deg(normals, expected)[cover > 0].mean() > 5
     assert error.mean() < 0.3
     assert np.percentile(error, 99) < 1.5
@@ -69,7 +71,10 @@ def test_every_filter_is_close_to_the_definition(sigma_s, sigma_r):
 @pytest.mark.parametrize("sigma_s", [0.01, 1.0, 6.0, 100.0])
 def test_one_pass_is_a_gaussian(sigma_s):
     normals, cover = rough()
-    assert angle_deg(roll(normals, cover, sigma_s, 0.3, 1), exact(normals, cover, sigma_s, 0.3, 1)).max() < 0.02
+    assert (
+        angle_deg(rolling_guidance(normals, cover, sigma_s, 0.3, 1), exact(normals, cover, sigma_s, 0.3, 1)).max()
+        < 0.02
+    )
 
 
 @pytest.mark.parametrize("sigma_s", [3.0, 9.0, 40.0])
@@ -77,7 +82,7 @@ def test_a_constant_map_stays(sigma_s):
     normals = np.broadcast_to(np.float32([0.48, -0.6, 0.64]), (40, 50, 3)).copy()
     cover = rough(40, 50)[1]
     expected = np.where(cover[..., None] > 0, normals, FLAT)
-    assert np.abs(roll(normals, cover, sigma_s) - expected).max() < 1e-6
+    assert np.abs(rolling_guidance(normals, cover, sigma_s) - expected).max() < 1e-6
 
 
 @pytest.mark.parametrize("sigma_s", [4.0, 8.0])
@@ -87,36 +92,36 @@ def test_bumps_go_and_the_crease_stays_sharp(sigma_s):
     p = np.where(x < 48, 0.7, -0.7) + 0.25 * np.sin(x * 1.6) * np.cos(y * 1.3)
     bumpy = from_slopes(p, 0.25 * np.cos(x * 1.6) * np.sin(y * 1.3))
     cover = np.ones((96, 96), np.float32)
-    base = roll(bumpy, cover, sigma_s, 0.35, 5)
+    base = rolling_guidance(bumpy, cover, sigma_s, 0.35, 5)
     assert angle_deg(bumpy, planes).mean() > 7
     assert angle_deg(base, planes).mean() < 0.4
     assert angle_deg(base, planes)[:, 44:52].mean() < 1.5
     # a Gaussian smears the crease over several pixels
-    assert angle_deg(roll(bumpy, cover, sigma_s, 0.35, 1), planes)[:, 44:52].mean() > 15
+    assert angle_deg(rolling_guidance(bumpy, cover, sigma_s, 0.35, 1), planes)[:, 44:52].mean() > 15
 
 
 @pytest.mark.parametrize("sigma_s", [3.0, 7.0, 20.0])
 def test_nothing_outside_counts(sigma_s):
     normals, cover = rough(seed=1)
     outside = cover == 0
-    expected = roll(np.where(outside[..., None], FLAT, normals), cover, sigma_s)
+    expected = rolling_guidance(np.where(outside[..., None], FLAT, normals), cover, sigma_s)
     assert (expected[outside] == FLAT).all()
     for seed in range(3):
         other = unit(np.random.default_rng(seed).normal(size=normals.shape))
         changed = np.where(outside[..., None], other, normals)
-        assert np.array_equal(roll(changed, cover, sigma_s), expected)
+        assert np.array_equal(rolling_guidance(changed, cover, sigma_s), expected)
     wider = np.pad(cover, ((9, 2), (0, 5)))
     framed = np.pad(normals, ((9, 2), (0, 5), (0, 0)), mode="edge")
-    assert np.array_equal(roll(framed, wider, sigma_s)[9:-2, :-5], expected)
+    assert np.array_equal(rolling_guidance(framed, wider, sigma_s)[9:-2, :-5], expected)
 
 
 def test_coverage_is_a_weight():
     rng = np.random.default_rng(3)
     normals = rough(30, 30)[0]
     cover = rng.uniform(0.05, 1, (30, 30)).astype(np.float32)
-    assert angle_deg(roll(normals, cover, 3.0), exact(normals, cover, 3.0, 0.4, 4, reach=3)).max() < 0.01
+    assert angle_deg(rolling_guidance(normals, cover, 3.0), exact(normals, cover, 3.0, 0.4, 4, reach=3)).max() < 0.01
     # only its proportions matter
-    assert np.abs(roll(normals, cover, 7.0) - roll(normals, cover / 256, 7.0)).max() < 1e-5
+    assert np.abs(rolling_guidance(normals, cover, 7.0) - rolling_guidance(normals, cover / 256, 7.0)).max() < 1e-5
 
 
 TURNS = {
@@ -131,8 +136,8 @@ TURNS = {
 def test_turning_the_map_turns_the_result(turn, sigma_s):
     move, turned = TURNS[turn]
     normals, cover = rough(61, 48)
-    expected = turned(move(roll(normals, cover, sigma_s)))
-    found = roll(np.ascontiguousarray(turned(move(normals))), np.ascontiguousarray(move(cover)), sigma_s)
+    expected = turned(move(rolling_guidance(normals, cover, sigma_s)))
+    found = rolling_guidance(np.ascontiguousarray(turned(move(normals))), np.ascontiguousarray(move(cover)), sigma_s)
     assert np.abs(found - expected).max() < 1e-5
 
 
@@ -141,46 +146,48 @@ def test_turning_the_map_turns_the_result(turn, sigma_s):
 def test_pictures_of_any_size(shape, sigma_s):
     normals = rough(*shape)[0]
     cover = np.ones(shape, np.float32)
-    error = angle_deg(roll(normals, cover, sigma_s), exact(normals, cover, min(sigma_s, 1e6), 0.4, 4))
+    error = angle_deg(rolling_guidance(normals, cover, sigma_s), exact(normals, cover, min(sigma_s, 1e6), 0.4, 4))
     assert error.mean() < 0.3
-    assert np.abs(np.linalg.norm(roll(normals, cover, sigma_s), axis=-1) - 1).max() < 1e-6
+    assert np.abs(np.linalg.norm(rolling_guidance(normals, cover, sigma_s), axis=-1) - 1).max() < 1e-6
 
 
 def test_extreme_range_sigmas():
     normals, cover = rough()
     covered = cover > 0
-    assert angle_deg(roll(normals, cover, 3.0, 1e6), exact(normals, cover, 3.0, 1e6, 4, reach=3)).max() < 0.01
+    assert (
+        angle_deg(rolling_guidance(normals, cover, 3.0, 1e6), exact(normals, cover, 3.0, 1e6, 4, reach=3)).max() < 0.01
+    )
     # no two normals of the first pass are alike, so nothing is averaged
-    assert angle_deg(roll(normals, cover, 3.0, 1e-300), normals)[covered].max() < 0.1
+    assert angle_deg(rolling_guidance(normals, cover, 3.0, 1e-300), normals)[covered].max() < 0.1
 
 
 def test_opposite_normals_that_cancel_out_stay():
     normals = np.float32([[[1, 0, 0], [-1, 0, 0]]])
-    assert np.array_equal(roll(normals, np.ones((1, 2), np.float32), 1e9, 0.5, 1), normals)
+    assert np.array_equal(rolling_guidance(normals, np.ones((1, 2), np.float32), 1e9, 0.5, 1), normals)
 
 
 def test_an_uncovered_picture_is_flat():
     normals = rough()[0]
-    assert (roll(normals, np.zeros(normals.shape[:2], np.float32)) == FLAT).all()
+    assert (rolling_guidance(normals, np.zeros(normals.shape[:2], np.float32)) == FLAT).all()
 
 
 def test_what_is_given_stays_and_runs_agree():
     normals, cover = rough()
     kept = normals.copy(), cover.copy()
-    first = roll(nm.NormalMap(normals, cover, nm.Frame(*cover.shape)).normals, cover, 7.0)
+    first = rolling_guidance(nm.NormalMap(normals, cover, nm.Frame(*cover.shape)).normals, cover, 7.0)
     assert first.dtype == np.float32
-    assert np.array_equal(first, roll(normals, cover, 7.0))
+    assert np.array_equal(first, rolling_guidance(normals, cover, 7.0))
     assert np.array_equal(normals, kept[0])
     assert np.array_equal(cover, kept[1])
     # memory in another order is the same map
-    assert np.array_equal(first, roll(np.asfortranarray(normals), np.asfortranarray(cover), 7.0))
+    assert np.array_equal(first, rolling_guidance(np.asfortranarray(normals), np.asfortranarray(cover), 7.0))
 
 
 @pytest.mark.parametrize("iterations", [1, 3])
 def test_progress_ends_at_one(iterations):
     normals, cover = rough()
     seen = []
-    roll_image(
+    rolling_guidance_image(
         normals, cover, sigma_s_px=7, sigma_r=0.4, iterations=iterations, progress=lambda *told: seen.append(told)
     )
     assert {stage for stage, _ in seen} == {"filtering"}
@@ -193,12 +200,12 @@ def test_progress_ends_at_one(iterations):
 @pytest.mark.parametrize("name", ["sigma_s_px", "sigma_r"])
 def test_sigmas_that_cannot_be_meant(name, value):
     with pytest.raises(nm.UsageError, match=f"{name} {value:g}: must be greater than zero"):
-        roll_image(*rough(), **{"sigma_s_px": 3.0, "sigma_r": 0.5, "iterations": 3, name: value})
+        rolling_guidance_image(*rough(), **{"sigma_s_px": 3.0, "sigma_r": 0.5, "iterations": 3, name: value})
 
 
 def test_iterations_that_cannot_be_meant():
     with pytest.raises(nm.UsageError, match="iterations 0: must be at least 1"):
-        roll(*rough(), iterations=0)
+        rolling_guidance(*rough(), iterations=0)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 3e38, 0.9])
@@ -206,7 +213,7 @@ def test_vectors_that_are_no_normals_are_refused(bad):
     normals, cover = rough()
     normals[0, 0] = (0, 0, bad)
     with pytest.raises(nm.InputError, match="normals must be finite and of unit length"):
-        roll(normals, cover)
+        rolling_guidance(normals, cover)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -0.1, 1.1])
@@ -214,16 +221,16 @@ def test_coverage_that_is_none_is_refused(bad):
     normals, cover = rough()
     cover[3, 4] = bad
     with pytest.raises(nm.InputError, match=r"coverage must lie in \[0, 1\]"):
-        roll(normals, cover)
+        rolling_guidance(normals, cover)
 
 
 def test_arrays_that_do_not_fit_are_refused():
     normals, cover = rough()
     with pytest.raises(nm.InputError, match=r"normals are float64 \(44, 37, 3\), expected float32 \(H, W, 3\)"):
-        roll(normals.astype(float), cover)
+        rolling_guidance(normals.astype(float), cover)
     with pytest.raises(nm.InputError, match=r"normals are float32 \(44, 37, 2\), expected"):
-        roll(normals[..., :2], cover)
+        rolling_guidance(normals[..., :2], cover)
     with pytest.raises(nm.InputError, match=r"coverage is float32 \(37, 44\), expected float32 \(44, 37\)"):
-        roll(normals, cover.T)
+        rolling_guidance(normals, cover.T)
     with pytest.raises(nm.InputError, match="without pixels"):
-        roll(normals[:0], cover[:0])
+        rolling_guidance(normals[:0], cover[:0])

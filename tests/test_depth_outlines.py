@@ -14,12 +14,12 @@ SMOOTHED = pytest.mark.parametrize("over", [1, 8], ids=["crisp", "smoothed"])
 UP = (0.0, 0.0, 1.0)
 
 
-def from_picture(scene: Ball, bits: int) -> nm.DepthNormals:
+def from_picture(scene: Ball, bits: int) -> nm.DepthResult:
     image, scale = coded(scene.heights, bits)
     return nm.depth_to_normals(image, nm.DepthOptions(depth_scale=scale, background="none"))
 
 
-def errors(scene: Ball, result: nm.DepthNormals) -> np.ndarray:
+def errors(scene: Ball, result: nm.DepthResult) -> np.ndarray:
     """Angle in degrees of every pixel to the normal of its own surface, sphere or plane."""
     normals = result.normal_map.normals
     sphere, plane = angles(normals, scene.normals), angles(normals, UP)

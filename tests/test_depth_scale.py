@@ -14,7 +14,7 @@ from depth_cases import angles, ball, grid, normals_of_slopes, picture
 import nmaptool as nm
 
 
-def slopes(result: nm.DepthNormals) -> tuple[Any, Any]:
+def slopes(result: nm.DepthResult) -> tuple[Any, Any]:
     n = result.normal_map.normals.astype(float)
     return -n[..., 0] / n[..., 2], -n[..., 1] / n[..., 2]
 

@@ -12,7 +12,7 @@ SIDE = 192
 STEP = 0.2
 
 
-def fitted(codes: np.ndarray, step: float = STEP, **more: object) -> nm.DepthNormals:
+def fitted(codes: np.ndarray, step: float = STEP, **more: object) -> nm.DepthResult:
     """8-bit codes of which each is ``step`` px high."""
     options = nm.DepthOptions(depth_scale=f"{255 * step}px", background="none", **more)
     return nm.depth_to_normals(picture(codes, 8), options)

@@ -24,7 +24,7 @@ def test_a_filter_comes_back_as_it_was(file, tmp_path):
     read = nm.read_filter_model(file)
     assert same(read, small_filter())
     assert read.descriptor == DESCRIPTOR
-    assert read.account == small_filter().account
+    assert read.metadata == small_filter().metadata
     nm.write_filter_model(read, tmp_path / "again.npz")
     assert (tmp_path / "again.npz").read_bytes() == file.read_bytes()
 
@@ -150,9 +150,9 @@ def test_the_shipped_filter_is_small_and_says_how_it_was_made():
 
     data = files("nmaptool.filters.learned").joinpath("filter.npz").read_bytes()
     assert len(data) < 2_000_000
-    account = nm.shipped_filter().account
-    assert len(account["meshes"]) >= 23
-    assert account["options"] == {name: getattr(nm.TrainOptions(), name) for name in account["options"]}
+    metadata = nm.shipped_filter().metadata
+    assert len(metadata["meshes"]) >= 23
+    assert metadata["options"] == {name: getattr(nm.TrainOptions(), name) for name in metadata["options"]}
     assert nm.shipped_filter().descriptor == nm.DescriptorOptions()
     assert len(nm.shipped_filter().stages) == 3
     assert {len(stage.networks) for stage in nm.shipped_filter().stages} == {4}

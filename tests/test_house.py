@@ -135,8 +135,8 @@ def test_every_option_of_a_layer_is_a_flag_of_paste_with_its_default(capsys, mon
     for name in set(defaults) - {"name"}:
         (line,) = (line for line in shown if line.startswith(f"│ --{name.replace('_', '-')} "))
         if defaults[name]:  # else the help need not speak of it
-            said = f"{defaults[name]:g}" if isinstance(defaults[name], float) else defaults[name]
-            assert f" {said} (default)" in line or f" {said} all (default)" in line or f"Default: {said}." in line
+            stated = f"{defaults[name]:g}" if isinstance(defaults[name], float) else defaults[name]
+            assert f" {stated} (default)" in line or f" {stated} all (default)" in line or f"Default: {stated}." in line
     assert [nm.LayerOptions(**flags) for flags in Placing().of_each(2)] == [nm.LayerOptions()] * 2
 
 

@@ -10,10 +10,10 @@ from mesh_cases import angles, divided, joined, sheet, sphere
 import nmaptool as nm
 from nmaptool.filters.descriptor import Describer
 from nmaptool.filters.learned.canonical import canonical_frames, in_frames
-from nmaptool.filters.learned.fitting import find_kinds, fit_network, kind_of
+from nmaptool.filters.learned.fitting import find_clusters, fit_network, nearest_cluster
 from nmaptool.filters.learned.model import FilterModel, Stage
-from nmaptool.filters.learned.network import Lesson, Network, Shape
-from nmaptool.filters.rolling import roll
+from nmaptool.filters.learned.network import Network, Shape, TrainingLoss
+from nmaptool.filters.rolling import rolling_guidance
 from nmaptool.filters.surface import gather_surface
 from nmaptool.meshes.clean import clean_mesh
 
@@ -81,7 +81,7 @@ def test_the_gradient_is_that_of_the_loss():
     more = np.random.default_rng(2).uniform(size=(5000, 2)).astype(np.float32)
     inputs, targets = np.hstack([directions(5000, 4).reshape(5000, -1), more]), directions(5000)
     shape = Shape(inputs=14, hidden=3, mixed=4)
-    lesson = Lesson(inputs, targets, inputs.mean(axis=0, dtype=float), inputs.std(axis=0, dtype=float))
+    lesson = TrainingLoss(inputs, targets, inputs.mean(axis=0, dtype=float), inputs.std(axis=0, dtype=float))
     flat = np.random.default_rng(1).normal(size=shape.weights) * 0.7
     _, slope = lesson.loss(flat, shape, 1e-3)
     for k in range(0, len(flat), 3):
@@ -93,7 +93,7 @@ def test_the_gradient_is_that_of_the_loss():
 
 def test_the_loss_is_that_of_the_normalised_normal():
     normals = directions(400, 4)
-    lesson = Lesson(normals.reshape(400, -1), normals[:, 1], np.zeros(12), np.ones(12))
+    lesson = TrainingLoss(normals.reshape(400, -1), normals[:, 1], np.zeros(12), np.ones(12))
     shape = Shape(inputs=12, hidden=2, mixed=4)
     flat = np.zeros(shape.weights)
     mean = normals.mean(axis=1)
@@ -127,8 +127,8 @@ def test_a_network_learns_which_of_its_normals_is_right():
 def test_kinds_are_the_nearest_centres():
     rng = np.random.default_rng(0)
     groups = (np.float32([[0, 0], [9, 0], [0, 9]])[:, None] + rng.normal(size=(3, 100, 2))).astype(np.float32)
-    centers = find_kinds(groups.reshape(-1, 2), 3, np.random.default_rng(1))
-    kinds = kind_of(groups.reshape(-1, 2), centers).reshape(3, 100)
+    centers = find_clusters(groups.reshape(-1, 2), 3, np.random.default_rng(1))
+    kinds = nearest_cluster(groups.reshape(-1, 2), centers).reshape(3, 100)
     assert all(len(set(kind)) == 1 for kind in kinds.tolist())
     assert len(set(kinds[:, 0])) == 3
 
@@ -141,7 +141,7 @@ def test_descriptors_are_filtered_normals():
     led = Describer(mesh, DESCRIPTOR)(found[:, 0, :3].astype(float))
     for place, (size, likeness) in enumerate((s, r) for s in DESCRIPTOR.sigma_s for r in DESCRIPTOR.sigma_r):
         gather = gather_surface(mesh, mesh.geometry, size * mesh.mean_edge, likeness)
-        exact = roll(normals, gather, 2)
+        exact = rolling_guidance(normals, gather, 2)
         assert angles(found[:, place, :3], exact).mean() < 0.5
         sums = gather(found[:, 0, :3].astype(float))
         length = np.linalg.norm(sums[:, :3], axis=1)
@@ -151,7 +151,7 @@ def test_descriptors_are_filtered_normals():
 
 
 def test_every_stage_comes_nearer_to_the_targets():
-    before, *after = small_filter().account["mean_angle_deg"]
+    before, *after = small_filter().metadata["mean_angle_deg"]
     assert after[0] < 0.7 * before
     assert after[1] < after[0] + 0.1
     new = nm.training_example(hilly(9), nm.FilterOptions(filter="grnf"))
@@ -196,7 +196,10 @@ def test_the_shipped_filter_takes_bumps_and_keeps_forms():
     box = clean_mesh(
         joined(
             *(
-                nm.Mesh(np.roll(side * [1, 1, s] * [s, 1, 1], k, axis=1), sheet(lambda x, y: 0 * x, 16, 16).faces)
+                nm.Mesh(
+                    np.roll(side * [1, 1, s] * [s, 1, 1], k, axis=1),
+                    sheet(lambda x, y: 0 * x, 16, 16).faces,
+                )
                 for k in range(3)
                 for s in (1.0, -1.0)
             )

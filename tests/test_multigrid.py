@@ -7,7 +7,7 @@ from solver_cases import free_system, mask_of
 import nmaptool as nm
 from bench import masks
 from nmaptool.core.errors import ConvergenceError
-from nmaptool.core.grid import corner_sum, touching
+from nmaptool.core.grid import corner_sum, touching_vertices
 from nmaptool.core.vectors import unit
 from nmaptool.solver import QuadSystem, prepare, slope_load
 from nmaptool.solver.multigrid import hierarchy as building
@@ -70,7 +70,7 @@ def test_agrees_with_amg_for_weights_that_span_much(family, span):
     held_z, load = rng.normal(size=held.shape), load_for(weight)
     found, expected = (prepare(system, name).solve(load, held_z, tolerance=1e-11).z for name in ("multigrid", "amg"))
     assert np.abs(found - expected).max() <= 1e-6 * np.ptp(expected)
-    assert np.array_equal(found[held & (touching(weight > 0))], held_z[held & touching(weight > 0)])
+    assert np.array_equal(found[held & (touching_vertices(weight > 0))], held_z[held & touching_vertices(weight > 0)])
 
 
 def test_agrees_with_dct_on_a_rectangle():
@@ -136,7 +136,7 @@ def test_wide_smooth_heights_keep_their_low_frequencies():
     weight = np.ones((side, side), np.float32)
     weight[700:800, 700:800] = 0
     system = free_system(weight)
-    inside = touching(weight > 0)
+    inside = touching_vertices(weight > 0)
     z = np.where(inside, z - z[inside].mean(), 0)
     found = prepare(system, "multigrid").solve(system.apply(z), tolerance=1e-10).z
     assert np.abs(found - z).max() <= 1e-6 * np.ptp(z)

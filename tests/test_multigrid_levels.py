@@ -34,18 +34,18 @@ def test_finest_level_is_the_system(held_share):
     assert energy == pytest.approx(float((z * expected).sum()), rel=1e-12)
 
 
-def prolongation(way, strays):
-    """P as a matrix: what comes up for each unit vector; strays' rows and columns last."""
+def prolongation(way, off_grid):
+    """P as a matrix: what comes up for each unit vector; off-grid vertices' rows and columns last."""
     coarse, fine = (shape[0] * shape[1] for shape in (way.coarse, way.fine))
-    kept = 0 if way.strays is None else way.strays.kept
-    matrix = np.zeros((fine + kept, coarse + strays))
+    kept = 0 if way.off_grid is None else way.off_grid.kept
+    matrix = np.zeros((fine + kept, coarse + off_grid))
     for number in range(coarse):
         unit, out = new_field(way.coarse, np.float64), new_field(way.fine, np.float64)
         inner(unit, way.coarse).flat[number] = 1
         way.prolong(unit, out)
         matrix[:fine, number] = inner(out, way.fine).ravel()
-    if way.strays is not None:
-        matrix[way.strays.rows, coarse:] = way.strays.weights.toarray()
+    if way.off_grid is not None:
+        matrix[way.off_grid.rows, coarse:] = way.off_grid.weights.toarray()
         matrix[fine + np.arange(kept), coarse + np.arange(kept)] = 1
     return matrix
 
@@ -53,7 +53,7 @@ def prolongation(way, strays):
 def full_matrix(level):
     """The matrix of a level over all its places."""
     small, places = assemble(level)
-    size = level.size + level.strays.count
+    size = level.size + level.off_grid.count
     spread = sparse.csr_matrix((np.ones(len(places)), (places, np.arange(len(places)))), shape=(size, len(places)))
     return (spread @ small @ spread.T).toarray()
 
@@ -67,11 +67,11 @@ def test_coarse_levels_are_galerkin(seed):
     matrix = np.zeros((finest.size, finest.size))
     matrix[np.ix_(places, places)] = assemble_system(system, system.unknown & ~anchors).toarray()
     level = finest
-    strays = 0
+    off_grid = 0
     for _ in range(3):
         way, below = coarsen(level)
-        p = prolongation(way, below.strays.count)
-        active = np.flatnonzero(np.concatenate([below.diagonal > 0, below.strays.diagonal > 0]))
+        p = prolongation(way, below.off_grid.count)
+        active = np.flatnonzero(np.concatenate([below.diagonal > 0, below.off_grid.diagonal > 0]))
         # ties are lumped: they are no part of the couplings
         ties = np.diag(matrix.sum(axis=1))
         couplings = p.T @ (matrix - ties) @ p
@@ -84,8 +84,8 @@ def test_coarse_levels_are_galerkin(seed):
         found_ties = full_matrix(below).sum(axis=1)[active]
         assert np.allclose(found_ties, np.maximum(rows, 0), rtol=0, atol=1e-9 * np.abs(found).max())
         level, matrix = below, full_matrix(below)
-        strays += below.strays.count
-    assert strays > 0  # or half of the above was not tried
+        off_grid += below.off_grid.count
+    assert off_grid > 0  # or half of the above was not tried
 
 
 def test_restriction_is_the_transpose_of_prolongation():
@@ -133,4 +133,4 @@ def test_islands_never_merge_and_free_constants_stay_free(family, beta):
             assert len(pairs) == len(set(islands)) == len({part for _, part in pairs})
         else:
             assert not level.tie.any()
-            assert not level.strays.tie.any()
+            assert not level.off_grid.tie.any()

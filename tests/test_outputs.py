@@ -11,7 +11,7 @@ import trimesh
 
 import nmaptool as nm
 from nmaptool.core.errors import InputError, OutputError, UsageError
-from nmaptool.core.grid import corner_mean, height_slopes, touching
+from nmaptool.core.grid import corner_mean, height_slopes, touching_vertices
 from nmaptool.core.vectors import unit
 from nmaptool.figures.preview import lambert
 
@@ -95,7 +95,7 @@ def test_meshes_have_the_exact_size_and_face_outwards(carved, tmp_path, ending):
     if ending == ".glb":  # in metres, as its specification says
         assert nm.read_mesh(path).mm_per_unit == 1000
         mesh.apply_scale(1000)
-    rows, cols = np.nonzero(touching(carved.mask))
+    rows, cols = np.nonzero(touching_vertices(carved.mask))
     pitch = 80 / COLS
     expected = [(cols.min() * pitch, cols.max() * pitch), ((ROWS - rows.max()) * pitch, (ROWS - rows.min()) * pitch)]
     assert np.allclose(mesh.bounds[:, :2].T, expected, atol=1e-5)
@@ -111,7 +111,7 @@ def test_mesh_heights_are_those_of_the_relief_right_way_up(carved, tmp_path):
     pitch = carved.pitch_mm
     col, row = np.rint(mesh.vertices[:, 0] / pitch).astype(int), ROWS - np.rint(mesh.vertices[:, 1] / pitch).astype(int)
     assert np.abs(mesh.vertices[:, 2] - carved.z_mm[row, col]).max() < 1e-5
-    assert len(mesh.vertices) == touching(carved.mask).sum()
+    assert len(mesh.vertices) == touching_vertices(carved.mask).sum()
 
 
 def test_mesh_outline_is_the_masks():

@@ -164,10 +164,10 @@ def test_two_processes_draw_at_once():
     )
     command = [sys.executable, "-c", script]
     both = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
-    said = [process.communicate(timeout=120)[0] for process in both]
+    stated = [process.communicate(timeout=120)[0] for process in both]
     assert [process.returncode for process in both] == [0, 0]
-    assert said[0] == said[1]
-    assert float(said[0]) > 20000
+    assert stated[0] == stated[1]
+    assert float(stated[0]) > 20000
 
 
 def test_no_context_says_what_to_install(monkeypatch):

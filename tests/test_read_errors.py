@@ -152,8 +152,8 @@ def test_a_signature_and_nothing_more(good, ending):
         nm.read_normal_map(good[ending])
 
 
-@pytest.mark.parametrize(("count", "said"), [(1, r"has 1 channel"), (2, r"has 2 channel")])
-def test_too_few_channels(tmp_path, dome, codes, png, picture, count, said):
+@pytest.mark.parametrize(("count", "stated"), [(1, r"has 1 channel"), (2, r"has 2 channel")])
+def test_too_few_channels(tmp_path, dome, codes, png, picture, count, stated):
     normals = dome().normals
     names = (("Y",), ("Y", "A"))[count - 1]
     paths = [
@@ -163,7 +163,7 @@ def test_too_few_channels(tmp_path, dome, codes, png, picture, count, said):
         picture(tmp_path / "xz.exr", normals[..., :count], ("N.X", "N.Z")[:count]),
     ]
     for path in paths:
-        with pytest.raises(nm.InputError, match=rf"{path.name}: {said}.*needs red, green and blue"):
+        with pytest.raises(nm.InputError, match=rf"{path.name}: {stated}.*needs red, green and blue"):
             nm.read_normal_map(path)
 
 

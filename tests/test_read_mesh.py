@@ -232,8 +232,8 @@ def test_units(read):
     assert {e: read(f"a.{e}", d).mm_per_unit for e, d in files.good().items()} == {
         "obj": 1, "ply": 1, "stl": 1, "off": 1, "glb": 1000, "gltf": 1000,
     }  # fmt: skip
-    said = {e: read(f"a.{e}", d).unit_from for e, d in files.good().items()}
-    assert [said[e] for e in files.ENDINGS] == ["assumed"] * 4 + ["file"] * 2
+    stated = {e: read(f"a.{e}", d).unit_from for e, d in files.good().items()}
+    assert [stated[e] for e in files.ENDINGS] == ["assumed"] * 4 + ["file"] * 2
     for unit, mm in (("mm", 1), ("cm", 10), ("in", 25.4), ("m", 1000)):
         for ending in ("stl", "glb"):
             mesh = read(f"a.{ending}", files.good()[ending], unit=unit)

@@ -144,9 +144,9 @@ def test_a_face_that_names_a_vertex_that_is_not_there(refused, index):
     faces = FACES.copy()
     faces[2, 1] = index
     for ending, make in (("obj", files.obj), ("ply", files.ply), ("off", files.off)):
-        said = index + (ending == "obj")
+        stated = index + (ending == "obj")
         refused(
-            f"a.{ending}", make(VERTICES, faces), rf"names vertex {said} of 4; the file is damaged: export it again$"
+            f"a.{ending}", make(VERTICES, faces), rf"names vertex {stated} of 4; the file is damaged: export it again$"
         )
     refused("a.ply", files.ply(VERTICES, faces, kind="ascii"), rf"names vertex {index} of 4")
     refused("a.glb", files.glb(tree(VERTICES, faces)), rf"names vertex {index} of 4")

@@ -44,13 +44,13 @@ def options(scheme, **changes):
 def test_gsfg_is_the_papers_two_equations():
     mesh = bumps()
     targets = tilted(mesh, 40)
-    wanted = [[] for _ in mesh.vertices]
+    target_shapes = [[] for _ in mesh.vertices]
     for face, n in zip(mesh.faces, targets, strict=True):
         c = mesh.vertices[face].mean(axis=0)
         for vertex in face:
             v = mesh.vertices[vertex]
-            wanted[vertex].append(v - ((v - c) @ n) * n)  # Eq. 2
-    expected = np.array([np.mean(each, axis=0) for each in wanted])  # Eq. 3
+            target_shapes[vertex].append(v - ((v - c) @ n) * n)  # Eq. 2
+    expected = np.array([np.mean(each, axis=0) for each in target_shapes])  # Eq. 3
     found = nm.reconstruct(mesh, targets, options("gsfg", steps=1, boundary="free"))
     assert found.report.folded_before == 0
     assert angles(mesh.geometry.normals, targets).max() < 60  # none is turned
@@ -161,7 +161,7 @@ def test_half_a_turn_lays_a_face_down_the_right_side_up():
     shapes = rng.normal(size=(3, 50, 3))
     shapes -= shapes.mean(axis=0)
     normals = shaping.normals_of(shapes)
-    laid = shaping.laid_down(shapes, normals, -normals)
+    laid = shaping.flattened_opposed(shapes, normals, -normals)
     np.testing.assert_allclose(shaping.normals_of(laid), -normals, atol=1e-12)
     for k in range(3):
         np.testing.assert_allclose(*(np.linalg.norm(s[k] - s[k - 1], axis=1) for s in (laid, shapes)), atol=1e-12)
@@ -176,10 +176,10 @@ def test_a_regular_face_half_a_turn_from_its_target_has_an_answer():
     angle = np.radians([90, 210, 330])
     shapes = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)[:, None]
     normals = shaping.normals_of(shapes)
-    laid = shaping.laid_down(shapes, normals, -normals)
+    laid = shaping.flattened_opposed(shapes, normals, -normals)
     np.testing.assert_allclose(shaping.normals_of(laid), -normals, atol=1e-12)
     # and so has a face that stands upright on its target
-    upright = shaping.laid_down(shapes, normals, np.array([[0.0, 1.0, 0.0]]))
+    upright = shaping.flattened_opposed(shapes, normals, np.array([[0.0, 1.0, 0.0]]))
     np.testing.assert_allclose(shaping.normals_of(upright), [[0, 1, 0]], atol=1e-12)
 
 
@@ -198,10 +198,10 @@ def test_the_boundary_stays_unless_it_is_freed():
 
 def test_volumes():
     ball = clean(sphere(30))
-    grown = 1.1 * ball.vertices + [3, 4, 5]
+    dilated = 1.1 * ball.vertices + [3, 4, 5]
     before = volume(ball.vertices, ball.faces)
     assert before == pytest.approx(4 / 3 * np.pi, rel=0.01)
-    assert volume_between(ball.vertices, grown, ball.faces) == pytest.approx((1.1**3 - 1) * before)
+    assert volume_between(ball.vertices, dilated, ball.faces) == pytest.approx((1.1**3 - 1) * before)
     flat, tent = clean(sheet(lambda x, y: 0 * x, 2, 2)), clean(sheet(lambda x, y: 3.0 * ((x == 0) & (y == 0)), 2, 2))
     far = np.array([100.0, -50, 20])
     # a pyramid-like tent over the six faces at the middle: one third of base 3 times height 3

@@ -8,9 +8,9 @@ from relief_cases import dome, foreground_heights, normal_map, solve
 
 import nmaptool as nm
 from nmaptool.core.errors import InputError
-from nmaptool.core.grid import height_slopes, touching
-from nmaptool.reliefs.domain import lay_out
-from nmaptool.reliefs.targets import Weights, aim
+from nmaptool.core.grid import height_slopes, touching_vertices
+from nmaptool.reliefs.domain import build_domain
+from nmaptool.reliefs.targets import Weights, build_targets
 from nmaptool.solver import QuadSystem, prepare
 
 
@@ -32,7 +32,7 @@ def test_larger_beta_is_flatter():
 
 def band_energies(relief):
     """Slope energy in the bumps' band and below it."""
-    z = np.where(touching(relief.foreground), relief.z_mm, 0)
+    z = np.where(touching_vertices(relief.foreground), relief.z_mm, 0)
     p, q = height_slopes(z)
     spectrum = sum(np.abs(np.fft.fft2(s * np.hanning(len(s))[:, None] * np.hanning(len(s)))) ** 2 for s in (p, q))
     frequency = np.hypot(*np.meshgrid(*[np.fft.fftfreq(len(p)) * len(p)] * 2))
@@ -66,7 +66,7 @@ def test_held_plate_is_flat_and_heights_are_linear_in_delta():
     at = [solve(original, delta=d, tolerance=1e-13).z_mm for d in (0.0, 7.0, 21.0)]
     assert np.abs((at[2] - at[0]) - 3 * (at[1] - at[0])).max() < 1e-9 * np.ptp(at[2])
     for z in at:
-        assert not z[touching(~original.foreground)].any()
+        assert not z[touching_vertices(~original.foreground)].any()
 
 
 def test_nothing_held_shifts_by_delta():
@@ -82,15 +82,15 @@ def test_held_outline_carves_no_groove():
     side = 96
     original = dome(side, base=2.0)[0]
     fg = original.foreground
-    domain = lay_out("plane", fg, fg)
+    domain = build_domain("plane", fg, fg)
     weights = Weights(0.0, 0.001 / 0.096**2, 20 * 0.096)
-    everywhere = dataclasses.replace(domain, acting=np.ones_like(fg), held=~touching(fg))
+    everywhere = dataclasses.replace(domain, acting=np.ones_like(fg), held=~touching_vertices(fg))
     depth = {}
     for name, layout in (("free outline", everywhere), ("held outline", domain)):
-        targets = aim(original, None, layout, weights, 3.0, "eq6")
+        targets = build_targets(original, None, layout, weights, 3.0, "eq6")
         solver = prepare(QuadSystem(targets.weight, targets.beta, layout.held))
         z = solver.solve(targets.shape_load(None) + weights.delta * targets.pull).z
-        rim = touching(fg) & touching(~fg)
+        rim = touching_vertices(fg) & touching_vertices(~fg)
         depth[name] = z[rim].min()
     assert depth["free outline"] < -0.2
     assert depth["held outline"] == 0

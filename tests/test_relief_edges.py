@@ -9,17 +9,17 @@ from relief_cases import dome, normal_map, rolling, solve
 import nmaptool as nm
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.grid import corner_sum, height_slopes
-from nmaptool.reliefs.domain import lay_out
-from nmaptool.reliefs.targets import Weights, aim
+from nmaptool.reliefs.domain import build_domain
+from nmaptool.reliefs.targets import Weights, build_targets
 
 
 def test_a_soft_edge_softens_the_detail_too():
     original, _, detail = dome(bumps=1)
     half = dataclasses.replace(original, coverage=(original.coverage * 0.6).astype(np.float32))
-    full_domain, half_domain = (lay_out("plane", m.foreground, m.foreground, m.coverage) for m in (original, half))
+    full_domain, half_domain = (build_domain("plane", m.foreground, m.foreground, m.coverage) for m in (original, half))
     weights = Weights(1.0, 0.01, 1.0)
-    whole = aim(original, detail, full_domain, weights, 3.0, "eq6")
-    soft = aim(half, detail, half_domain, weights, 3.0, "eq6")
+    whole = build_targets(original, detail, full_domain, weights, 3.0, "eq6")
+    soft = build_targets(half, detail, half_domain, weights, 3.0, "eq6")
     assert np.allclose(soft.p, 0.6 * whole.p, atol=1e-6)
     assert np.allclose(soft.beta, 0.6 * whole.beta, rtol=1e-6)
 
@@ -38,8 +38,8 @@ def test_soft_edges_on_a_curved_background_lean_as_it_does():
     roll = rolling()
     original = normal_map(*height_slopes(roll))
     soft = (0.5 + 0.5 * dome()[0].foreground).astype(np.float32)
-    domain = lay_out("surface", soft >= 0.5, soft >= 0.5, soft, roll)
-    targets = aim(original, None, domain, Weights(0, 0.01, 1.0), 3.0, "eq6")
+    domain = build_domain("surface", soft >= 0.5, soft >= 0.5, soft, roll)
+    targets = build_targets(original, None, domain, Weights(0, 0.01, 1.0), 3.0, "eq6")
     assert np.abs(targets.p - height_slopes(roll)[0]).max() < 1e-6
 
 

@@ -8,9 +8,9 @@ from relief_cases import dome, normal_map, rolling, solve
 
 import nmaptool as nm
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.core.grid import corner_sum, height_slopes, touching
-from nmaptool.reliefs.domain import lay_out
-from nmaptool.reliefs.targets import Weights, aim
+from nmaptool.core.grid import corner_sum, height_slopes, touching_vertices
+from nmaptool.reliefs.domain import build_domain
+from nmaptool.reliefs.targets import Weights, build_targets
 
 
 def test_eq4_is_eq6_in_other_units():
@@ -97,7 +97,7 @@ def test_mask_chooses_the_motif_and_feathers_it():
     mask = dome()[0].foreground
     relief = solve(original, mask=mask)
     assert np.array_equal(relief.foreground, mask)
-    assert not relief.z_mm[touching(~mask)].any()
+    assert not relief.z_mm[touching_vertices(~mask)].any()
     centre = (np.arange(96) + 0.5 - 48) / 40
     soft = np.clip((1 - np.hypot(centre[:, None], centre)) * 3, 0, 1).astype(np.float32)
     p_hard, p_soft = (height_slopes(solve(original, mask=m, beta=1e-5).z_mm)[0] for m in (soft >= 0.5, soft))
@@ -120,7 +120,7 @@ def test_surface_background_is_held_and_delta_counts_from_it(as_height):
     assert np.abs(same.z_mm - roll * pitch).max() < 1e-6 * np.ptp(roll)
     raised = solve(original, background="surface", surface=background, mask=foreground, delta=20.0, beta=1.0)
     above = raised.z_mm / pitch - roll
-    assert np.abs(above[touching(~foreground)]).max() < 1e-6
+    assert np.abs(above[touching_vertices(~foreground)]).max() < 1e-6
     assert above[48, 48] == pytest.approx(20 * 0.096, rel=0.02)
     exact = solve(original, background="surface", surface=background, mask=foreground, height=nm.length("3mm"))
     assert np.ptp(exact.z_mm - roll * pitch) == pytest.approx(3, abs=1e-6)
@@ -166,11 +166,11 @@ def test_report_says_what_was_done():
     relief = solve(original, detail, mu=0.2, beta=0.01, delta=10.0)
     report = relief.report
     assert report.solver == "multigrid"
-    assert report.unknowns == (touching(relief.foreground) & ~touching(~relief.foreground)).sum()
+    assert report.unknowns == (touching_vertices(relief.foreground) & ~touching_vertices(~relief.foreground)).sum()
     assert (report.islands, report.floating_islands) == (1, 0)
     assert report.reach_px == pytest.approx(np.sqrt(1.2 / 0.01) * 0.096)
     assert report.reach_mm == pytest.approx(report.reach_px * relief.pitch_mm)
-    inside = relief.z_mm[touching(relief.foreground)]
+    inside = relief.z_mm[touching_vertices(relief.foreground)]
     assert report.below_background_share == (inside < 0).mean()
     assert report.to_dict()["options"]["mu"] == 0.2
     assert solve(original, beta=0.0, background="cut").report.to_dict()["reach_px"] is None
@@ -222,12 +222,12 @@ def test_domain_of_each_background():
     foreground[1:4, 2:5] = True
     covered = np.ones((5, 6), bool)
     covered[0] = False
-    plane = lay_out("plane", foreground, covered)
+    plane = build_domain("plane", foreground, covered)
     assert plane.surface.all()
     assert (~plane.held).sum() == 4  # the inner vertices of 3 x 3 faces
-    cut, free = lay_out("cut", foreground, covered), lay_out("free", foreground, covered)
+    cut, free = build_domain("cut", foreground, covered), build_domain("free", foreground, covered)
     assert np.array_equal(cut.acting, foreground)
     assert np.array_equal(free.acting, covered)
     assert not (cut.held.any() or free.held.any())
-    targets = aim(normal_map(*np.zeros((2, 5, 6))), None, free, Weights(0, 0.4, 1.0), 3.0, "eq6")
+    targets = build_targets(normal_map(*np.zeros((2, 5, 6))), None, free, Weights(0, 0.4, 1.0), 3.0, "eq6")
     assert np.array_equal(targets.beta, np.float32(0.4) / 4 * corner_sum(foreground.astype(np.float32)))

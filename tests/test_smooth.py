@@ -8,7 +8,7 @@ from mesh_cases import angles, sheet, sphere
 
 import nmaptool as nm
 from nmaptool.filters.rolling import Decomposition
-from nmaptool.reconstruction.smooth import mixed
+from nmaptool.reconstruction.smooth import target_normals
 
 
 def knobbly(steps=40, size=0.03):
@@ -52,10 +52,10 @@ def test_targets_are_unit_vectors_even_where_base_and_detail_cancel_out():
     normals = np.array([[0.0, 0, 1], [0, 0, 1]])
     base = np.array([[0.0, 0, -1], [0, 0.6, 0.8]])
     split = Decomposition(normals, base, base, normals - base, np.ones(2, bool), None)
-    half = mixed(split, 0.5)
+    half = target_normals(split, 0.5)
     np.testing.assert_allclose(half[0], base[0])
     np.testing.assert_allclose(half[1], np.array([0, 0.3, 0.9]) / np.hypot(0.3, 0.9))
-    np.testing.assert_allclose(mixed(split, 1.0), normals)
+    np.testing.assert_allclose(target_normals(split, 1.0), normals)
 
 
 def test_what_is_dropped_is_told_and_faces_keep_their_order():

@@ -109,8 +109,8 @@ def test_the_command_writes_layers_that_relief_takes(run, bumpy, tmp_path):
     out = tmp_path / "layers"
     done = run("compose", "split", source, "-o", out, "--sigma-s", "4px", "--plot", tmp_path / "p.png", "--json")
     assert done.code == 0, done.err
-    account = json.loads(done.out)
-    assert account["layers"][0]["sigma_s_px"] == 4
+    metadata = json.loads(done.out)
+    assert metadata["layers"][0]["sigma_s_px"] == 4
     assert {p.name for p in out.iterdir()} == {"original.exr", "base.exr", "detail.exr", "coverage.exr", "sheet.png"}
     original, base = (nm.read_normal_map(out / f"{name}.exr") for name in ("original", "base"))
     assert np.array_equal(original.normals, bumpy[0].normals)

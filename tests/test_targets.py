@@ -5,10 +5,10 @@ import pytest
 from relief_cases import dome, normal_map, rolling
 from scipy import ndimage
 
-from nmaptool.core.grid import corner_sum, grown, height_slopes
+from nmaptool.core.grid import corner_sum, dilated, height_slopes
 from nmaptool.core.vectors import slopes
-from nmaptool.reliefs.domain import lay_out
-from nmaptool.reliefs.targets import Weights, aim, lean
+from nmaptool.reliefs.domain import build_domain
+from nmaptool.reliefs.targets import Weights, build_targets, capped_slopes
 from nmaptool.solver import slope_load
 
 
@@ -26,9 +26,9 @@ def test_bands_and_float32_state_the_same_system(shape, energy):
     (original, detail), motif, share, mu, beta, delta = randoms(*shape)
     base = np.random.default_rng(1).normal(size=np.add(shape, 1))
     motif.flat[0] = True
-    domain = lay_out("surface", motif, motif, share, base)
+    domain = build_domain("surface", motif, motif, share, base)
     weights = Weights(0.7, 0.02, 5.0, mu, beta, delta)
-    found = aim(original, detail, domain, weights, 1.2, energy)
+    found = build_targets(original, detail, domain, weights, 1.2, energy)
 
     acting, soft = motif.astype(float), motif * share.astype(float)
     m = 0.7 * mu.astype(float) * acting
@@ -55,9 +55,11 @@ def test_bands_and_float32_state_the_same_system(shape, energy):
 def test_no_base_is_a_base_of_0_and_no_delta_map_one_of_1():
     (original, detail), motif, share, *_ = randoms(50, 60)
     ones = np.ones((50, 60), np.float32)
-    bare = aim(original, detail, lay_out("plane", motif, motif, share), Weights(1.0, 0.1, 2.0), 3.0, "eq6")
-    zero = lay_out("plane", motif, motif, share, np.zeros((51, 61)))
-    full = aim(original, detail, zero, Weights(1.0, 0.1, 2.0, ones, ones, ones), 3.0, "eq6")
+    bare = build_targets(
+        original, detail, build_domain("plane", motif, motif, share), Weights(1.0, 0.1, 2.0), 3.0, "eq6"
+    )
+    zero = build_domain("plane", motif, motif, share, np.zeros((51, 61)))
+    full = build_targets(original, detail, zero, Weights(1.0, 0.1, 2.0, ones, ones, ones), 3.0, "eq6")
     assert bare.pull is bare.beta
     for name in ("weight", "p", "q", "beta", "pull"):
         assert np.array_equal(getattr(bare, name), getattr(full, name))
@@ -66,12 +68,12 @@ def test_no_base_is_a_base_of_0_and_no_delta_map_one_of_1():
 
 def test_slopes_that_are_known_are_not_changed():
     original, _, detail = dome(64, bumps=1)
-    known = lean(original.normals, 3.0), lean(detail.normals, 3.0)
+    known = capped_slopes(original.normals, 3.0), capped_slopes(detail.normals, 3.0)
     before = [a.copy() for each in known for a in (each.p, each.q, each.steep)]
-    domain = lay_out("surface", original.foreground, original.foreground, None, rolling(64))
+    domain = build_domain("surface", original.foreground, original.foreground, None, rolling(64))
     weights = Weights(0.5, 0.1, 2.0)
-    found = aim(original, detail, domain, weights, 3.0, "eq6", known)
-    assert np.array_equal(found.p, aim(original, detail, domain, weights, 3.0, "eq6").p)
+    found = build_targets(original, detail, domain, weights, 3.0, "eq6", known)
+    assert np.array_equal(found.p, build_targets(original, detail, domain, weights, 3.0, "eq6").p)
     after = [a for each in known for a in (each.p, each.q, each.steep)]
     assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=True))
 
@@ -81,4 +83,4 @@ def test_slopes_that_are_known_are_not_changed():
 def test_a_mask_grows_in_both_directions(shape, px):
     mask = np.random.default_rng(2).random(shape) > 0.97
     mask.flat[-1] = True
-    assert np.array_equal(grown(mask, px), ndimage.binary_dilation(mask, np.ones((3, 3)), iterations=px))
+    assert np.array_equal(dilated(mask, px), ndimage.binary_dilation(mask, np.ones((3, 3)), iterations=px))

@@ -31,7 +31,7 @@ def test_a_training_goes_on_from_every_state_to_the_same_filter(tmp_path):
         more = []
         again = nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR, state=read, keep=more.append)
         assert same(again, small_filter())
-        assert again.account == small_filter().account
+        assert again.metadata == small_filter().metadata
         assert len(more) == len(kept) - number - 1  # nothing that is finished is done again
 
 
@@ -46,13 +46,13 @@ def test_a_state_of_another_training_is_refused():
 
 
 def test_the_account_says_how_a_filter_was_made():
-    account = small_filter().account
-    assert account["options"]["seed"] == OPTIONS.seed
-    assert [mesh["name"] for mesh in account["meshes"]] == ["roof 0", "roof 1"]
-    assert [mesh["faces"] for mesh in account["meshes"]] == [1152, 1152]
-    assert account["meshes"][0]["filter"] == "grnf"
-    assert len(account["losses"]) == OPTIONS.stages * OPTIONS.clusters
-    assert len(account["mean_angle_deg"]) == 1 + OPTIONS.stages
+    metadata = small_filter().metadata
+    assert metadata["options"]["seed"] == OPTIONS.seed
+    assert [mesh["name"] for mesh in metadata["meshes"]] == ["roof 0", "roof 1"]
+    assert [mesh["faces"] for mesh in metadata["meshes"]] == [1152, 1152]
+    assert metadata["meshes"][0]["filter"] == "grnf"
+    assert len(metadata["losses"]) == OPTIONS.stages * OPTIONS.clusters
+    assert len(metadata["mean_angle_deg"]) == 1 + OPTIONS.stages
 
 
 def test_examples_are_the_base_of_grnf():

@@ -55,8 +55,8 @@ def test_png_masks_names_and_the_report(maps, run, png):
     assert {p.name for p in (maps / "out").iterdir()} == {"Grund.png", "Blatt.png", "Blatt.mask.png", "recipe.toml"}
     assert nm.read_raster(maps / "out" / "Grund.png").bits == 16
     assert nm.read_grey(maps / "out" / "Blatt.mask.png") == pytest.approx(128 / 255, abs=1e-4)
-    account = json.loads(report.read_text())
-    assert (account["bits"], account["findings"], account["has_words"]) == (8, [], True)
+    metadata = json.loads(report.read_text())
+    assert (metadata["bits"], metadata["findings"], metadata["has_words"]) == (8, [], True)
     assert tomllib.loads((maps / "out" / "recipe.toml").read_text())["layer"][1]["mask"] == "Blatt.mask.png"
 
 

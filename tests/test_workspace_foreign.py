@@ -155,7 +155,7 @@ def test_an_ora_as_krita_writes_it(tmp_path, png):
     assert np.array_equal(layer.mask.values, pixels[..., 0])
     assert workspace.skipped == (("vector", "layer of kind .svg"),)
     assert workspace.metadata is None
-    assert not nm.unpack(workspace).has_words
+    assert not nm.unpack(workspace).has_metadata
 
 
 def test_a_tiff_as_gimp_writes_it(tmp_path):

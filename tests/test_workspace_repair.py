@@ -19,7 +19,7 @@ def test_a_workspace_that_nobody_touched():
     workspace = packed()
     unpacked = nm.unpack(workspace)
     assert unpacked.findings == ()
-    assert unpacked.has_words
+    assert unpacked.has_metadata
     assert [layer.repairs for layer in unpacked.layers] == [(), ()]
     step = np.abs(unpacked.layers[0].normal_map.normals - bumpy().normals)
     assert step.max() < 2 / 65535
@@ -44,12 +44,12 @@ TURNS = {
 
 @pytest.mark.parametrize("turn", TURNS)
 def test_turned_without_its_vectors(turn):
-    picture, words, remedy = TURNS[turn]
+    picture, metadata, remedy = TURNS[turn]
     pixels = np.ascontiguousarray(picture(packed().layers[0].pixels))
     workspace = packed(pixels=pixels)
     assert codes_found(workspace) == {("turned", "bumpy")}
     finding = message(workspace, "turned")
-    assert words in finding.message
+    assert metadata in finding.message
     assert remedy in finding.remedy
 
 
@@ -75,7 +75,7 @@ def test_turned_by_a_free_angle_without_its_vectors(degrees):
 def test_a_free_angle_is_told_without_the_packed_words():
     workspace = replace(packed(pixels=turned_freely(packed().layers[0].pixels, 20)), metadata=None)
     assert codes_found(workspace) == {("turned-freely", "bumpy")}
-    assert not nm.unpack(workspace).has_words
+    assert not nm.unpack(workspace).has_metadata
 
 
 def test_moved():
@@ -118,7 +118,7 @@ def encode_srgb(x):
 
 
 @pytest.mark.parametrize(
-    ("curve", "words"),
+    ("curve", "expected"),
     [
         (encode_srgb, "linear to sRGB"),
         (lambda x: x**2.2, "sRGB to linear|gamma 2.2"),
@@ -126,11 +126,11 @@ def encode_srgb(x):
         (lambda x: (x * x * (3 - 2 * x) + x) / 2, "a curve of its own"),
     ],
 )
-def test_a_tone_curve(curve, words):
+def test_a_tone_curve(curve, expected):
     workspace = packed(pixels=recolored(packed(), curve))
     assert codes_found(workspace) == {("tone-curve", "bumpy")}
     found = message(workspace, "tone-curve").message
-    assert any(word in found for word in words.split("|"))
+    assert any(word in found for word in expected.split("|"))
 
 
 def test_a_tone_curve_does_not_hide_a_flip():

@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from nmaptool.options import BlendOptions, ReadOptions, WriteOptions
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, read_map, say_composition, say_map
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, read_map, report_header, say_composition, say_map
 from nmaptool_cli.session import COMPOSING, INPUTS, OUTPUTS, READING, RUN, RunOptions, Session, input_files
 
 
@@ -49,6 +49,6 @@ def blend(
     for each in (below, above):
         say_map(session, each)
     files = {"base": base, "detail": detail, "mask": mask}
-    writer.write_composition(result, account_of((below, above), files=files, reading=dataclasses.asdict(reading)))
+    writer.write_composition(result, report_header((below, above), files=files, reading=dataclasses.asdict(reading)))
     say_composition(session, result)
     writer.finish()

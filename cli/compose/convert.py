@@ -10,8 +10,8 @@ from cyclopts import Parameter
 
 from nmaptool.core.errors import UsageError
 from nmaptool.options import ReadOptions, WriteOptions
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
-from nmaptool_cli.session import OUTPUTS, READING, RUN, RunOptions, Session, input_files, said_name
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, report_header, say_composition, say_map
+from nmaptool_cli.session import OUTPUTS, READING, RUN, RunOptions, Session, display_name, input_files
 
 
 def convert(
@@ -52,13 +52,13 @@ def convert(
     with input_files(map) as (source,):
         assert source is not None
         image = nm.read_raster(source, reading)
-        image = dataclasses.replace(image, name=said_name(image.name))
+        image = dataclasses.replace(image, name=display_name(image.name))
         result, settled = convert_image(image, bits_of(writer.files.output, writing), reading, writing)
     writer.files = dataclasses.replace(writer.files, options=settled)
     say_map(session, result.normal_map)
     for line in describe_conversion(result.report):
         session.say(line)
-    account = account_of((result.normal_map,), files={"map": map}, reading=dataclasses.asdict(reading))
-    writer.write_composition(result, account, conversion_recipe(image, result.report), kept_attributes(image))
+    metadata = report_header((result.normal_map,), files={"map": map}, reading=dataclasses.asdict(reading))
+    writer.write_composition(result, metadata, conversion_recipe(image, result.report), kept_attributes(image))
     say_composition(session, result)
     writer.finish()

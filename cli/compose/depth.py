@@ -13,7 +13,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length, length
 from nmaptool.options import DepthOptions, ReadOptions, WriteOptions
 from nmaptool_cli.compose.outputs import MapOutputs, MapWriter
-from nmaptool_cli.session import COMPOSING, INPUTS, OUTPUTS, RUN, RunOptions, Session, input_files, said_name
+from nmaptool_cli.session import COMPOSING, INPUTS, OUTPUTS, RUN, RunOptions, Session, display_name, input_files
 
 
 def _height(name: str, text: str) -> Length | str:
@@ -78,14 +78,14 @@ def depth(
         chosen = None if mask_file is None else nm.read_grey(mask_file, max_megapixels)
         result = nm.depth_to_normals(picture, options, mask=chosen, progress=progress)
     recipe = json.dumps({"command": "depth", "options": plain_values(options)})
-    account = {
+    metadata = {
         "version": nm.__version__,
         "files": {"image": image, "mask": mask},
         **result.report.to_dict(),
         "writing": asdict(writing),
     }
-    writer.write(result.normal_map, {"jumps": lambda: jumps_picture(result.jumps)}, account, recipe)
-    name = said_name(picture.name)
+    writer.write(result.normal_map, {"jumps": lambda: jumps_picture(result.jumps)}, metadata, recipe)
+    name = display_name(picture.name)
     session.say(f"{name}: {result.normal_map.frame}")
     for warning in result.report.warnings:
         session.warn(f"{name}: {warning}")

@@ -20,8 +20,8 @@ from nmaptool_cli.session import (
     STREAM,
     RunOptions,
     Session,
+    display_name,
     refuse_inputs,
-    said_name,
     standard_output,
 )
 
@@ -124,14 +124,14 @@ class MapWriter:
         self,
         normal_map: nm.NormalMap,
         pictures: Mapping[str, Callable[[], Picture]],
-        account: Mapping[str, Any],
+        metadata: Mapping[str, Any],
         recipe: str,
         attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write everything."""
         from nmaptool.io.output.maps import write_map_files
 
-        self._account = {**account, "outputs": self.named_targets}
+        self._account = {**metadata, "outputs": self.named_targets}
         with self._placed_files() as files:
             write_map_files(files, normal_map, pictures, self._account, recipe, attributes)
             if self.map_to_stdout:
@@ -141,14 +141,14 @@ class MapWriter:
     def write_composition(
         self,
         composition: nm.Composition,
-        account: Mapping[str, Any],
+        metadata: Mapping[str, Any],
         recipe: str | None = None,
         attributes: Mapping[str, str] | None = None,
     ) -> None:
         """Write a composition, with its picture of where layers lie."""
         from nmaptool.io.output.maps import composition_recipe, placed_picture
 
-        everything = {**account, **composition.report.to_dict()}
+        everything = {**metadata, **composition.report.to_dict()}
         recipe = composition_recipe(composition) if recipe is None else recipe
         pictures = {"placed": lambda: placed_picture(composition)}
         self.write(composition.normal_map, pictures, everything, recipe, attributes)
@@ -167,7 +167,7 @@ def read_map(file: str | None, reading: ReadOptions, like: nm.NormalMap | None =
 
     assert file is not None  # the map is no option
     normal_map = nm.read_normal_map(file, reading, like=like)
-    name = said_name(normal_map.name)
+    name = display_name(normal_map.name)
     return normal_map if name == normal_map.name else replace(normal_map, name=name)
 
 
@@ -193,7 +193,7 @@ def say_composition(session: Session, composition: nm.Composition) -> None:
     session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in composition.report.seconds.items())}")
 
 
-def account_of(maps: tuple[nm.NormalMap, ...], **more: Any) -> dict[str, Any]:
+def report_header(maps: tuple[nm.NormalMap, ...], **more: Any) -> dict[str, Any]:
     """The part of a report that says what was read."""
     from dataclasses import asdict
 

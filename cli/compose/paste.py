@@ -13,8 +13,8 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length
 from nmaptool.options import LayerOptions, ReadOptions, WriteOptions
 from nmaptool.options.plain_values import plain_values
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, read_map, say_composition, say_map
-from nmaptool_cli.each import spread
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, read_map, report_header, say_composition, say_map
+from nmaptool_cli.per_input import spread
 from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files
 
 # repeatable flags, whose defaults are those of LayerOptions
@@ -138,7 +138,7 @@ def paste(
         say_map(session, normal_map)
     named = {"background": background, "layers": layers, "masks": [mask for mask in masks if mask is not None]}
     flags = [plain_values(option) for option in options]
-    account = account_of((ground, *maps), files=named, reading=dataclasses.asdict(reading), placing=flags)
-    writer.write_composition(result, account)
+    metadata = report_header((ground, *maps), files=named, reading=dataclasses.asdict(reading), placing=flags)
+    writer.write_composition(result, metadata)
     say_composition(session, result)
     writer.finish()

@@ -46,7 +46,7 @@ def split(
         assert source is not None
         original = nm.read_normal_map(source, reading)
         layers = nm.split(original, options, progress=progress)
-    account: dict[str, Any] = {
+    metadata: dict[str, Any] = {
         "version": nm.__version__,
         "files": {"map": map},
         "reading": asdict(reading),
@@ -61,7 +61,7 @@ def split(
         report=report,
         curl=outputs.curl,
         overwrite=outputs.overwrite,
-        account=account,
+        metadata=metadata,
     )
     say_map(session, original)
     for line in describe_split(layers.report):
@@ -69,4 +69,4 @@ def split(
     session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in layers.report.seconds.items())}")
     say_written(session, written)
     if run.json or to_stdout:
-        session.data(account)
+        session.data(metadata)

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.units import Length
 from nmaptool.options import CanvasOptions, ReadOptions, WriteOptions
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, say_composition, say_map
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, report_header, say_composition, say_map
 from nmaptool_cli.session import COMPOSING, INPUTS, OUTPUTS, READING, RUN, STREAM, RunOptions, Session, input_files
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def stack(
     for each in layers.maps:
         say_map(session, each)
     _tell(session, layers)
-    account = account_of(
+    metadata = report_header(
         layers.maps,
         files={"recipe": recipe, "recipes": read.sources, "layers": read.files},
         reading=dataclasses.asdict(reading),
@@ -80,7 +80,7 @@ def stack(
         hidden=read.hidden,
         notes=read.notes,
     )
-    writer.write_composition(result, account, nm.to_toml(layers.recipe))
+    writer.write_composition(result, metadata, nm.to_toml(layers.recipe))
     say_composition(session, result)
     writer.finish()
 

@@ -8,7 +8,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from nmaptool.options import ReadOptions, TransformOptions, WriteOptions
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, account_of, read_map, say_composition, say_map
+from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, read_map, report_header, say_composition, say_map
 from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files
 
 
@@ -39,6 +39,8 @@ def transform(
         original = read_map(source, reading)
         result = nm.transform(original, options, max_megapixels=reading.max_megapixels)
     say_map(session, original)
-    writer.write_composition(result, account_of((original,), files={"map": map}, reading=dataclasses.asdict(reading)))
+    writer.write_composition(
+        result, report_header((original,), files={"map": map}, reading=dataclasses.asdict(reading))
+    )
     say_composition(session, result)
     writer.finish()

@@ -72,17 +72,17 @@ def unpack(
     from nmaptool_cli.wording import describe_unpacked
 
     unpacked = nm.unpack(nm.read_workspace(workspace, max_megapixels))
-    account: dict[str, Any] = {"version": nm.__version__, **unpacked.to_dict()}
+    metadata: dict[str, Any] = {"version": nm.__version__, **unpacked.to_dict()}
     written = nm.write_unpacked(
         unpacked,
         outputs.output,
         format=outputs.format,
         report=report,
         overwrite=outputs.overwrite,
-        account=account,
+        metadata=metadata,
     )
     if to_stdout:
-        session.data({**account, "outputs": [str(path) for path in written]})
+        session.data({**metadata, "outputs": [str(path) for path in written]})
     elif not run.quiet:
         print("\n".join(describe_unpacked(unpacked)))
     for path in written:

@@ -27,7 +27,7 @@ from nmaptool.options.plain_values import filter_values, plain_values
 from nmaptool.reconstruction.reconstruct import reconstruct
 from nmaptool.render.camera import Camera, frame_camera
 from nmaptool.render.corners import corner_normals
-from nmaptool.render.face_buffer import Sight, look
+from nmaptool.render.face_buffer import FaceBuffer, draw_face_buffer
 from nmaptool.render.rendering import rendering
 from nmaptool.types.layer_set import LayerReport, LayerSet
 from nmaptool.types.mesh import Mesh
@@ -92,7 +92,7 @@ def bake_views(
 ) -> tuple[LayerSet, ...]:
     """`bake` for each view of ``options.view``, in order; the mesh is filtered once."""
     options = options or BakeOptions()
-    tell = progress or (lambda word, share: None)
+    notify = progress or (lambda word, share: None)
     asked = filter or FilterOptions()
     work = _Work(options, asked, model_of(asked, model))
     with work.timed("clean"):
@@ -104,15 +104,15 @@ def bake_views(
     with rendering(options.renderer) as renderer:
         draw, platform = renderer
         with work.timed("filter"):
-            split = decompose_clean(clean, work.filter, lambda word, share: tell(word, 0.1 + 0.6 * share), work.model)
+            split = decompose_clean(clean, work.filter, lambda word, share: notify(word, 0.1 + 0.6 * share), work.model)
             shown, split = _updated(clean, split) if options.geometry == "updated" else (clean, split)
             fields = _fields(shown, split, options)
         for number, (view, camera) in enumerate(zip(options.views, cameras, strict=True)):
-            tell("drawing", 0.7 + 0.3 * number / len(cameras))
+            notify("drawing", 0.7 + 0.3 * number / len(cameras))
             with work.timed("draw"):
-                sight = look(shown, camera, draw, options.supersample)
+                face_buffer = draw_face_buffer(shown, camera, draw, options.supersample)
             with work.timed("layers"):
-                drawn = _Drawn(clean, source_faces, findings, view, sight, platform)
+                drawn = _Drawn(clean, source_faces, findings, view, face_buffer, platform)
                 made.append(_layer_set(work, drawn, split, fields))
     seconds = {key: round(value, 4) for key, value in work.seconds.items()}
     return tuple(dataclasses.replace(s, report=dataclasses.replace(s.report, seconds=seconds)) for s in made)
@@ -142,7 +142,7 @@ class _Drawn:
     source_faces: NDArray[np.int64]
     findings: MeshFindings
     view: str
-    sight: Sight
+    face_buffer: FaceBuffer
     platform: str
 
 
@@ -175,14 +175,14 @@ def _fields(mesh: Mesh, split: Decomposition, options: BakeOptions) -> tuple[Flo
 
 
 def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[Float64, Float64]) -> LayerSet:
-    options, sight, camera = work.options, drawn.sight, drawn.sight.camera
-    original, coverage = sight.normal_layer(fields[0])
+    options, face_buffer, camera = work.options, drawn.face_buffer, drawn.face_buffer.camera
+    original, coverage = face_buffer.normal_layer(fields[0])
     if not coverage.any():
         raise InputError(
             f"{drawn.mesh.name}: nothing of it is seen in the {drawn.view} view; choose another --view, --pitch or "
             "--target"
         )
-    base, _ = sight.normal_layer(fields[1])
+    base, _ = face_buffer.normal_layer(fields[1])
     seen = coverage > 0
     detail = encode_detail(original, base, options.detail_encoding)
     pitch_mm, pitch_from = camera.unit_per_px * drawn.mesh.mm_per_unit, drawn.mesh.unit_from
@@ -191,7 +191,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
     if options.width is not None:
         pitch_mm, pitch_from = options.width.to_mm(1.0, 1) / camera.cols, "given"
     frame = Frame(camera.rows, camera.cols, pitch_mm)
-    pixel_faces = sight.pixel_faces()
+    pixel_faces = face_buffer.pixel_faces()
     report = LayerReport(
         options=plain_values(options) | filter_values(work.filter),
         mixture=split.mixture,
@@ -205,7 +205,7 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         sigma_s_px=0.0 if work.model else sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
         model=work.model.digest if work.model else "",
         renderer=drawn.platform,
-        camera=_account(camera),
+        camera=_camera_metadata(camera),
         curl=mean_abs_curls({"original": original, "base": base, "detail": detail}, seen),
         warnings=_warnings(drawn, work, coverage),
     )
@@ -214,11 +214,11 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
         for name, normals in (("original", original), ("base", base), ("detail", detail))
     }
     source = np.where(pixel_faces >= 0, drawn.source_faces[pixel_faces], -1).astype(np.int32)
-    depth_mm = sight.depth(pixel_faces) * np.float32(pitch_mm / camera.unit_per_px)
+    depth_mm = face_buffer.depth(pixel_faces) * np.float32(pitch_mm / camera.unit_per_px)
     return LayerSet(**maps, report=report, depth_mm=depth_mm, faces=source)
 
 
-def _account(camera: Camera) -> dict[str, Any]:
+def _camera_metadata(camera: Camera) -> dict[str, Any]:
     return {
         "rotation": camera.rotation.tolist(),
         "center": camera.center.tolist(),

@@ -52,7 +52,7 @@ def blend(
     """
     options = options or BlendOptions()
     start = time.perf_counter()
-    warnings = _doubts(base, detail)
+    warnings = _warnings(base, detail)
     detail = _of_one_size(base, detail, options.fit)
     strength: np.ndarray | float = options.strength
     if mask is not None:
@@ -89,16 +89,16 @@ def _flat_outside(normals: Float32, base: NormalMap) -> Float32:
     return normals
 
 
-def _doubts(base: NormalMap, detail: NormalMap) -> tuple[str, ...]:
+def _warnings(base: NormalMap, detail: NormalMap) -> tuple[str, ...]:
     """What may not be meant: heights kept under a stretched detail."""
     across, down = (a / b for a, b in zip(detail.frame.shape[::-1], base.frame.shape[::-1], strict=True))
     if not is_uneven((across, down)):
         return ()
-    said = (
+    stated = (
         f"{detail.name}: is stretched unevenly, so its heights stay and its slopes change by {across:.3g} across and "
         f"{down:.3g} down; --strength makes up for it"
     )
-    return (said,)
+    return (stated,)
 
 
 def _of_one_size(base: NormalMap, detail: NormalMap, fit: bool) -> NormalMap:

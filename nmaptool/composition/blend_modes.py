@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float32
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 
 # detail that grazes or faces away is brought down to this slope where slopes are added or faded
 _STEEPEST = 50.0
@@ -169,7 +169,7 @@ def blend(base: Float32, detail: Float32, mode: str = "rnm", strength: float | N
             rows = work[:, : chunk.stop - chunk.start]
             _blend_chunk(a[chunk], b[chunk], MODES[mode], weight if each is None else each[chunk], o[chunk], rows)
 
-    each_band(len(a), _VECTORS_AT_ONCE * _CHUNKS_OF_A_BAND, part)
+    for_each_band(len(a), _VECTORS_AT_ONCE * _CHUNKS_OF_A_BAND, part)
     return out
 
 

@@ -121,22 +121,22 @@ def _composed(
     before = mean_abs_curl(canvas.normals, canvas.coverage >= 0.5) if begun else None
     done = 0
 
-    def tell(name: str) -> None:
+    def notify(name: str) -> None:
         nonlocal done
         if progress is not None:
             progress("composing", done / _count(layers))
         done += 1
 
-    compose_onto(canvas, layers, lowest=lowest, progress=tell)
+    compose_onto(canvas, layers, lowest=lowest, progress=notify)
     result = NormalMap(canvas.normals, canvas.coverage, canvas.frame, canvas.foreground, name=command)
     report = ComposeReport(
         command=command,
         options=plain_values(options),
-        layers=tuple(canvas.accounts),
+        layers=tuple(canvas.layer_reports),
         curl_before=before,
         curl_after=mean_abs_curl(result.normals, result.coverage >= 0.5),
         seconds={"compose": round(time.perf_counter() - start, 4)},
-        warnings=tuple(_doubts(layers, canvas.frame)),
+        warnings=tuple(_warnings(layers, canvas.frame)),
     )
     return Composition(result, canvas.placed, report)
 
@@ -186,12 +186,12 @@ def is_ground(layer: Layer | LayerGroup, frame: Frame, canvas: CanvasOptions) ->
     )
 
 
-def _doubts(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
+def _warnings(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
     """What may not be meant: pixels of another size taken pixel for pixel, heights kept under a stretched picture."""
     doubts: list[str] = []
     for layer in layers:
         if isinstance(layer, LayerGroup):
-            doubts += _doubts(layer.layers, frame)
+            doubts += _warnings(layer.layers, frame)
             continue
         own, o = layer.normal_map.frame.pitch_mm, layer.options
         if own is not None and frame.pitch_mm is not None and o.scale == "1":

@@ -48,7 +48,7 @@ class Canvas:
     coverage: Float32
     foreground: Mask
     placed: Float32
-    accounts: list[dict[str, Any]]
+    layer_reports: list[dict[str, Any]]
 
 
 def clear_canvas(frame: Frame, ground: str) -> Canvas:
@@ -102,7 +102,7 @@ def compose_onto(
                 check_mask(layer.mask, layer.name, canvas.frame.shape, layer.mask_name)
                 shown = own * layer.mask
             piece = Piece(inner.normals, shown, inner.foreground)
-            within = {"layers": inner.accounts}
+            within = {"layers": inner.layer_reports}
         else:
             (piece, own), within = place(layer, canvas.frame), {}
         o = layer.options
@@ -110,8 +110,8 @@ def compose_onto(
         share = _lay(canvas, piece, own, layer, clip, counts=number > 0 or not lowest)
         rows, cols = piece.coverage.shape
         box = [piece.left, piece.top, cols, rows]
-        account = {"name": layer.name, "mode": o.mode, "strength": o.strength, "box_px": box, "share": share}
-        canvas.accounts.append({**account, **within})
+        metadata = {"name": layer.name, "mode": o.mode, "strength": o.strength, "box_px": box, "share": share}
+        canvas.layer_reports.append({**metadata, **within})
     return canvas
 
 
@@ -204,7 +204,7 @@ def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, 
         outcome = below if clip else below + shown * (1 - below)
         with np.errstate(invalid="ignore", divide="ignore"):
             share = np.where(outcome > 0, shown / outcome, 0).astype(np.float32).clip(0, 1)
-        canvas.normals[window] = mixed(canvas.normals[window], piece.normals, share)
+        canvas.normals[window] = mix_normals(canvas.normals[window], piece.normals, share)
         motif = np.where(share >= 0.5, piece.foreground, canvas.foreground[window])
     else:
         # what is not clipped widens the surface by what reaches beyond it
@@ -224,7 +224,7 @@ def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, 
     return float(shown.sum(dtype=np.float64) / canvas.coverage.size)
 
 
-def mixed(below: Float32, above: Float32, share: Float32) -> Float32:
+def mix_normals(below: Float32, above: Float32, share: Float32) -> Float32:
     """Unit normals on the way from ``below`` to ``above``; the ends in every bit."""
     out = np.where((share >= 1)[..., None], above, below)
     soft = (share > 0) & (share < 1)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from nmaptool.composition.interpolation import border, interpolated
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import LimitError, UsageError
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 from nmaptool.core.units import Length
 from nmaptool.core.vectors import FLAT, unit
 from nmaptool.types.picture import Frame
@@ -221,7 +221,7 @@ def _copy_in_tiles(source: NDArray[Any], out: NDArray[Any]) -> None:
         for first in range(0, out.shape[1], _TILE):
             out[band, first : first + _TILE] = source[band, first : first + _TILE]
 
-    each_band(len(out), _TILE, copy)
+    for_each_band(len(out), _TILE, copy)
 
 
 def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int], height_factor: float) -> Piece:
@@ -265,7 +265,7 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
             shown = cv2.warpAffine(motif, moved, size, flags=cv2.INTER_LINEAR, borderMode=border(box))
             out.foreground[band] = (shown >= 0.5 * coverage) & (coverage > 0)
 
-    each_band(rows, max(1, _PIXELS_AT_ONCE // cols), fill)
+    for_each_band(rows, max(1, _PIXELS_AT_ONCE // cols), fill)
     return out
 
 

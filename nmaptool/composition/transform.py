@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from nmaptool.composition.compositor import mixed
+from nmaptool.composition.compositor import mix_normals
 from nmaptool.composition.placement import (
     Piece,
     bounds,
@@ -87,23 +87,23 @@ def transform(
         curl_before=before,
         curl_after=mean_abs_curl(result.normals, result.coverage >= 0.5),
         seconds={"transform": round(time.perf_counter() - start, 4)},
-        warnings=_doubts(linear, o),
+        warnings=_warnings(linear, o),
     )
     return Composition(result, result.coverage, report)
 
 
-def _doubts(linear: Float64, o: TransformOptions) -> tuple[str, ...]:
+def _warnings(linear: Float64, o: TransformOptions) -> tuple[str, ...]:
     """What may not be meant: heights kept under a stretched picture."""
     scales = np.linalg.svd(linear, compute_uv=False)
     if o.height_factor is not None or not is_uneven(scales):
         return ()
     across, down = (1 / float(np.linalg.norm(linear[:, axis])) for axis in range(2))
     even = float(np.sqrt(scales.prod()))
-    said = (
+    stated = (
         f"the picture is stretched, so its heights stay and its slopes change by {across:.3g} across and {down:.3g} "
         f"down; --height-factor {even:.3g} keeps them on the whole"
     )
-    return (said,)
+    return (stated,)
 
 
 def _has_flat_background(normal_map: NormalMap) -> bool:
@@ -172,7 +172,7 @@ def _on_plate(piece: Piece) -> Piece:
     """A piece on a flat plate, which is a defined part of the map."""
     flat = np.empty_like(piece.normals)
     flat[...] = FLAT
-    normals = mixed(flat, piece.normals, piece.coverage)
+    normals = mix_normals(flat, piece.normals, piece.coverage)
     return replace(piece, normals=normals, coverage=np.ones_like(piece.coverage))
 
 

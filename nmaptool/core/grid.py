@@ -50,7 +50,7 @@ def places(mask: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     return rows, cols
 
 
-def touching(faces: Mask) -> Mask:
+def touching_vertices(faces: Mask) -> Mask:
     """(H+1, W+1) bool: vertices that touch a face of the (H, W) mask."""
     rows, cols = faces.shape
     out = np.zeros((rows + 1, cols + 1), bool)
@@ -61,10 +61,10 @@ def touching(faces: Mask) -> Mask:
     return out
 
 
-def grown(mask: Mask, px: int) -> Mask:
+def dilated(mask: Mask, px: int) -> Mask:
     """(H, W) bool: what lies within so many rows and columns of an (H, W) mask.
 
-    >>> grown(np.array([[True, False, False]]), 1).tolist()
+    >>> dilated(np.array([[True, False, False]]), 1).tolist()
     [[True, True, False]]
     """
     down = mask.copy()

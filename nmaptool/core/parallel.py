@@ -20,7 +20,7 @@ _Result = TypeVar("_Result")
 _here = threading.local()
 
 
-def each_band(rows: int, rows_at_once: int, work: Callable[[slice], object]) -> None:
+def for_each_band(rows: int, rows_at_once: int, work: Callable[[slice], object]) -> None:
     """Call ``work`` with every band of ``rows``, in no order.
 
     Parameters
@@ -31,10 +31,10 @@ def each_band(rows: int, rows_at_once: int, work: Callable[[slice], object]) -> 
     work : callable
         Given the band as a slice; its bands must not depend on each other. What it raises is raised here.
     """
-    each_of([slice(first, min(first + rows_at_once, rows)) for first in range(0, rows, rows_at_once)], work)
+    map_parallel([slice(first, min(first + rows_at_once, rows)) for first in range(0, rows, rows_at_once)], work)
 
 
-def each_of(
+def map_parallel(
     tasks: Sequence[_Task], work: Callable[[_Task], _Result], most_threads: int = _MOST_THREADS
 ) -> list[_Result]:
     """What ``work`` gives for each task, in their order; several at a time.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float32, Float64, Mask
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 
 FLAT = (0.0, 0.0, 1.0)
 # bands that stay in the cache
@@ -35,7 +35,7 @@ def unit(vectors: NDArray[Any]) -> Float32:
     """
     out = np.array(vectors, np.float32, order="C")
     flat = out.reshape(-1, 3)
-    each_band(len(flat), _VECTORS_AT_ONCE, lambda band: _scale_to_unit(flat[band]))
+    for_each_band(len(flat), _VECTORS_AT_ONCE, lambda band: _scale_to_unit(flat[band]))
     return out
 
 
@@ -130,7 +130,7 @@ def mean_abs_curl(normals: Float32, mask: Mask, cap: float = 1.0) -> float:
         first = ends[band.start - 1] if band.start else 0
         found[first : ends[band.stop - 1]] = size[inside[band]]
 
-    each_band(len(inside), max(1, _VECTORS_AT_ONCE // mask.shape[1]), fill)
+    for_each_band(len(inside), max(1, _VECTORS_AT_ONCE // mask.shape[1]), fill)
     return float(found.mean())
 
 

@@ -24,7 +24,7 @@ from nmaptool.depth.steps import JumpRule
 from nmaptool.depth.values import GreyValues, grey_values, noise_of, step_of
 from nmaptool.maps.masks import check_mask
 from nmaptool.options import DepthOptions
-from nmaptool.types.depth_normals import DepthNormals, DepthReport
+from nmaptool.types.depth import DepthReport, DepthResult
 from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import Frame, RasterImage
 
@@ -68,7 +68,7 @@ def depth_to_normals(
     *,
     mask: Float32 | None = None,
     progress: Progress | None = None,
-) -> DepthNormals:
+) -> DepthResult:
     """Turn a depth or height picture into a normal map.
 
     Jumps, where one part hides another, are found and never sloped across; stepped or noisy heights are fitted by the
@@ -144,7 +144,7 @@ def depth_to_normals(
         seconds=stages.seconds,
         warnings=normal_map.decoding.warnings,
     )
-    return DepthNormals(normal_map, jumps, report)
+    return DepthResult(normal_map, jumps, report)
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,13 +242,13 @@ def _descent(tolerance: float, source: _Source) -> int:
 
 def _ground(options: DepthOptions, source: _Source, heights: Float32, slack: Float32) -> tuple[Mask | None, str]:
     """The flat background, and what kinds of background there are."""
-    words = ["empty"] if source.grey.nothing else []
+    kinds = ["empty"] if source.grey.nothing else []
     if options.background != "none":
         ground = find_ground(heights, source.lowest, source.grey.known, slack if source.unsure else None)
         if ground.any():
-            words.append("flat" if options.background == "flat" else "cut")
-            return ground, ", ".join(words)
-    return None, ", ".join(words) or "none"
+            kinds.append("flat" if options.background == "flat" else "cut")
+            return ground, ", ".join(kinds)
+    return None, ", ".join(kinds) or "none"
 
 
 def _map(source: _Source, normals: Float32, ground: Mask | None, word: str) -> NormalMap:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.grid import places
-from nmaptool.core.parallel import each_of
+from nmaptool.core.parallel import map_parallel
 from nmaptool.core.vectors import unit
 from nmaptool.depth.tiles import along
 from nmaptool.depth.window import DOWN, RIGHT, WINDOW_X, WINDOW_Y, around, reached
@@ -89,7 +89,7 @@ def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | N
         part = slice(start, start + _CHUNK)
         return _continued(normals, state, row[part], col[part], clean)
 
-    found = each_of(range(0, len(row), _CHUNK), work, _MOST_THREADS)
+    found = map_parallel(range(0, len(row), _CHUNK), work, _MOST_THREADS)
     if found:
         normals[row, col] = np.concatenate(found)
 

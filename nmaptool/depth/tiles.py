@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
 
-from nmaptool.core.parallel import each_of
+from nmaptool.core.parallel import map_parallel
 
 _SIDE = 384
 _MOST_THREADS = 4
@@ -58,7 +58,7 @@ def for_tiles(shape: tuple[int, int], halo: int, work: Callable[[Tile], object],
         Tile((rows[0], cols[0]), (rows[1], cols[1]), (rows[2], cols[2]))
         for rows, cols in product(_spans(shape[0], halo, side), _spans(shape[1], halo, side))
     ]
-    each_of(tiles, work, _MOST_THREADS)
+    map_parallel(tiles, work, _MOST_THREADS)
 
 
 def along(axis: int, start: int | None, stop: int | None) -> Window:

@@ -22,12 +22,12 @@ from nmaptool.meshes.distances import hausdorff
 from nmaptool.options import BakeOptions, CompareOptions, FilterOptions, ReconstructOptions
 from nmaptool.options.bake import VIEWS
 from nmaptool.reconstruction.reconstruct import reconstruct
-from nmaptool.reconstruction.smooth import mixed
+from nmaptool.reconstruction.smooth import target_normals
 from nmaptool.render.camera import Camera, frame_camera
-from nmaptool.render.face_buffer import look
+from nmaptool.render.face_buffer import draw_face_buffer
 from nmaptool.render.numpy_raster import Draw
 from nmaptool.render.rendering import rendering
-from nmaptool.types.comparison import Comparison, Contender, CurvePoint, Shot
+from nmaptool.types.comparison import Comparison, Contender, CurvePoint, RenderedView
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.reconstruction import Reconstruction
 
@@ -81,21 +81,21 @@ def compare(
     ours = reconstruct_options or ReconstructOptions()
     if ours.scheme == "poisson":
         raise UsageError("--scheme poisson: is what gSfG is compared with; use one of the others")
-    tell = progress or (lambda word, share: None)
+    notify = progress or (lambda word, share: None)
     begun = time.perf_counter()
     clean, _, _ = clean_mesh(mesh)
     camera = frame_camera(clean, _bake_options(options), *VIEWS[options.view])
     with rendering(options.renderer) as (draw, _):
-        split = decompose_clean(clean, chosen, lambda word, share: tell(word, 0.1 * share), model)
-        bench = _Bench(clean, mixed(split, 0.0))
+        split = decompose_clean(clean, chosen, lambda word, share: notify(word, 0.1 * share), model)
+        bench = _Bench(clean, target_normals(split, 0.0))
         found = {"gsfg": bench.run(ours)}
         curves = {}
         for number, name in enumerate(CURVES):
-            curves[name] = sweep(name, bench.point, ours, _part(tell, number))
-        tell("measuring", 0.9)
+            curves[name] = sweep(name, bench.point, ours, _part(notify, number))
+        notify("measuring", 0.9)
         found["poisson"] = bench.run(_matched(curves[POISSON_ONCE], bench.point_of(found["gsfg"], ours), ours))
         contenders = {name: bench.contender(each) for name, each in found.items()}
-        shots = {name: _shot(each, camera, draw) for name, each in contenders.items()}
+        rendered_views = {name: _rendered_view(each, camera, draw) for name, each in contenders.items()}
     edges = bench.edges(list(found.values()))
     contenders = {
         name: dataclasses.replace(each, histogram=bench.histogram(found[name], edges))
@@ -112,7 +112,7 @@ def compare(
         contenders=contenders,
         curves=curves,
         verdicts=(as_shown(contenders["gsfg"], contenders["poisson"]), *verdicts_of(curves)),
-        shots=shots,
+        rendered_views=rendered_views,
         seconds={"whole": round(time.perf_counter() - begun, 2)},
     )
 
@@ -187,8 +187,8 @@ class _Bench:
         return angles_deg(found.mesh.geometry.normals, self.targets)
 
 
-def _part(tell: Progress, number: int) -> Callable[[float], None]:
-    return lambda share: tell("sweeping", 0.1 + 0.8 * (number + share) / len(CURVES))
+def _part(notify: Progress, number: int) -> Callable[[float], None]:
+    return lambda share: notify("sweeping", 0.1 + 0.8 * (number + share) / len(CURVES))
 
 
 def _matched(points: tuple[CurvePoint, ...], ours: CurvePoint, options: ReconstructOptions) -> ReconstructOptions:
@@ -207,13 +207,13 @@ def _bake_options(options: CompareOptions) -> BakeOptions:
     return BakeOptions(view=options.view, up=options.up, size=options.size, renderer=options.renderer)
 
 
-def _shot(contender: Contender, camera: Camera, draw: Draw) -> Shot:
-    sight = look(contender.mesh, camera, draw, 2)
-    face, off = sight.sampled_faces, contender.deviation_mm
+def _rendered_view(contender: Contender, camera: Camera, draw: Draw) -> RenderedView:
+    face_buffer = draw_face_buffer(contender.mesh, camera, draw, 2)
+    face, off = face_buffer.sampled_faces, contender.deviation_mm
     by_face = off.take(contender.mesh.faces).mean(axis=1)
     light = _LIGHT / np.linalg.norm(_LIGHT)
-    normals = np.where(sight.normals[:, 2:] < 0, -sight.normals, sight.normals)
+    normals = np.where(face_buffer.normals[:, 2:] < 0, -face_buffer.normals, face_buffer.normals)
     shade = 0.25 + 0.75 * (normals @ light).clip(0, 1)
     seen = face >= 0
     deviation = np.where(seen, by_face[face], np.nan).astype(np.float32)
-    return Shot(deviation, np.where(seen, shade[face], 0).astype(np.float32))
+    return RenderedView(deviation, np.where(seen, shade[face], 0).astype(np.float32))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping
 
-from nmaptool.evaluate.verdict import Judged, judged
+from nmaptool.evaluate.verdict import FrontPoint, compare_fronts
 from nmaptool.options import ReconstructOptions
 from nmaptool.types.comparison import Contender, CurvePoint, Verdict
 
@@ -24,7 +24,7 @@ def sweep(
     name: str,
     point: Callable[[ReconstructOptions], CurvePoint],
     options: ReconstructOptions,
-    tell: Callable[[float], None],
+    notify: Callable[[float], None],
 ) -> tuple[CurvePoint, ...]:
     """The points of a curve; the boundary is treated as the options say."""
     runs: list[dict[str, object]]
@@ -40,7 +40,7 @@ def sweep(
         runs = [{"scheme": "poisson", "steps": _AGAIN, "closeness": c} for c in _COARSER]
     found = []
     for number, changes in enumerate(runs):
-        tell(number / len(runs))
+        notify(number / len(runs))
         found.append(point(dataclasses.replace(options, **changes)))  # type: ignore[arg-type]
     return tuple(found)
 
@@ -49,29 +49,29 @@ def as_shown(ours: Contender, rival: Contender) -> Verdict:
     """The two runs that the figure shows: gSfG's options, and Poisson's that comes nearest to it."""
     ratio = ours.rms_mm / rival.rms_mm if rival.rms_mm > 0 else 1.0
     held = ratio < 1 and ours.normal_mean_deg <= rival.normal_mean_deg
-    words = (
+    summary = (
         f"{'holds' if held else 'does not hold'} as shown: gSfG's vertex deviation is {ratio:.2f} of Poisson's, its "
         f"normals are {ours.normal_mean_deg:.2f} degrees off, Poisson's {rival.normal_mean_deg:.2f}"
     )
     deg = (rival.normal_mean_deg,) if held else ()
-    return Verdict("poisson, as shown", "yes" if held else "no", 1, int(held), deg, ratio, ratio, words)
+    return Verdict("poisson, as shown", "yes" if held else "no", 1, int(held), deg, ratio, ratio, summary)
 
 
 def verdicts_of(curves: Mapping[str, tuple[CurvePoint, ...]]) -> tuple[Verdict, ...]:
     """gSfG, whichever variant is best, against each of Poisson's curves."""
     pairs = {name: [(p.normal_deg, p.rms_mm) for p in points] for name, points in curves.items()}
     ours = [pairs[name] for name in (_GRADIENTS, _SHAPES, _PAPER)]
-    return tuple(_verdict(rival, judged(ours, pairs[rival])) for rival in (POISSON_ONCE, POISSON_AGAIN))
+    return tuple(_verdict(rival, compare_fronts(ours, pairs[rival])) for rival in (POISSON_ONCE, POISSON_AGAIN))
 
 
-def _verdict(rival: str, points: list[Judged]) -> Verdict:
+def _verdict(rival: str, points: list[FrontPoint]) -> Verdict:
     ratios = [p.ratio for p in points if p.ratio is not None]
     held = tuple(p.normal for p in points if p.ratio is not None and p.ratio < 1)
     count = len(points)
     holds = "yes" if len(held) == count else "in part" if held else "no"
     low, high = (min(ratios), max(ratios)) if ratios else (None, None)
     better = "smaller vertex deviation at equal or smaller normal deviation"
-    words = {
+    summary = {
         "yes": f"holds against {rival}: gSfG has {better} at all {count} points of Poisson's front",
         "in part": (
             f"holds in part against {rival}: gSfG has {better} at {len(held)} of {count} points of Poisson's front"
@@ -79,9 +79,9 @@ def _verdict(rival: str, points: list[Judged]) -> Verdict:
         "no": f"does not hold against {rival}: gSfG has {better} at none of {count} points of Poisson's front",
     }[holds]
     if holds == "in part":
-        words += f", normals {', '.join(f'{normal:.2f}' for normal in held)} degrees off"
+        summary += f", normals {', '.join(f'{normal:.2f}' for normal in held)} degrees off"
     if low is not None and high is not None:
-        words += f"; its vertex deviation is {low:.2f} to {high:.2f} of Poisson's"
+        summary += f"; its vertex deviation is {low:.2f} to {high:.2f} of Poisson's"
     if len(ratios) < count:
-        words += f"; at {count - len(ratios)} Poisson's normals are nearer to their targets than any of gSfG's"
-    return Verdict(rival, holds, count, len(held), held, low, high, words)
+        summary += f"; at {count - len(ratios)} Poisson's normals are nearer to their targets than any of gSfG's"
+    return Verdict(rival, holds, count, len(held), held, low, high, summary)

@@ -35,7 +35,7 @@ def reached(curves: Sequence[Sequence[Point]], normal: float) -> float | None:
 
 
 @dataclass(frozen=True)
-class Judged:
+class FrontPoint:
     """A point of the rival's front: its normal deviation, and our vertex deviation there over its own.
 
     None where we do not come down to that normal deviation.
@@ -45,10 +45,10 @@ class Judged:
     ratio: float | None
 
 
-def judged(ours: Sequence[Sequence[Point]], rival: Sequence[Point]) -> list[Judged]:
+def compare_fronts(ours: Sequence[Sequence[Point]], rival: Sequence[Point]) -> list[FrontPoint]:
     """Each point of the rival's front, with the least that any of our curves has there."""
     found = []
     for normal, size in front(rival):
         here = reached(ours, normal) if normal > 0 and size > 0 else None
-        found.append(Judged(normal, None if here is None else here / size))
+        found.append(FrontPoint(normal, None if here is None else here / size))
     return found

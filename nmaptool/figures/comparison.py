@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.types.comparison import Comparison, Shot
+from nmaptool.types.comparison import Comparison, RenderedView
 
 _COLORS = {"gsfg": "tab:blue", "poisson": "tab:orange"}
 _CURVES = (
@@ -46,15 +46,15 @@ def comparison_figure(comparison: Comparison) -> NDArray[np.uint8]:
     # the largest deviation is one vertex's: colours end where one vertex in 200 goes beyond
     top = max(float(np.percentile(each.deviation_mm, 99.5)) for each in comparison.contenders.values())
     for row, (name, each) in enumerate(comparison.contenders.items()):
-        shot, share = comparison.shots[name], 100 / comparison.diagonal_mm
-        _show(figure.add_subplot(pictures[row, 0]), _grey(shot), _title(comparison, name))
+        view, share = comparison.rendered_views[name], 100 / comparison.diagonal_mm
+        _show(figure.add_subplot(pictures[row, 0]), _grey(view), _title(comparison, name))
         first = f"vertex deviation: rms {each.rms_mm:.3g}, largest {each.max_mm:.3g} mm"
         hausdorff = f"Hausdorff {each.hausdorff_mm:.3g} mm"
         second = (
             f"{hausdorff}; rms {each.rms_mm * share:.3g}%, Hausdorff {each.hausdorff_mm * share:.3g}% of the diagonal"
         )
         caption = f"{first}\n{second}"
-        _show(figure.add_subplot(pictures[row, 1]), _colored(shot, top), caption)
+        _show(figure.add_subplot(pictures[row, 1]), _colored(view, top), caption)
     numbers = ScalarFormatter()
     numbers.set_powerlimits((-2, 4))
     bar = figure.colorbar(_scale(top), cax=figure.add_subplot(scale[0]), extend="max", format=numbers)
@@ -63,8 +63,8 @@ def comparison_figure(comparison: Comparison) -> NDArray[np.uint8]:
     _curves(figure.add_subplot(plots[1]), comparison)
     title = f"{PurePath(comparison.name).name}: {comparison.faces} faces, diagonal {comparison.diagonal_mm:.4g} mm"
     figure.suptitle(f"{title}; both rebuilt to the same base normals", fontsize=14, y=0.965)
-    words = [f"The paper's claim {verdict.words}." for verdict in comparison.verdicts]
-    text = "\n".join(line for each in words for line in textwrap.wrap(each, 190))
+    summary = [f"The paper's claim {verdict.summary}." for verdict in comparison.verdicts]
+    text = "\n".join(line for each in summary for line in textwrap.wrap(each, 190))
     figure.text(0.03, 0.125, text, fontsize=11, va="top", linespacing=1.5)
     canvas.draw()
     return np.array(canvas.buffer_rgba())[..., :3]
@@ -73,10 +73,10 @@ def comparison_figure(comparison: Comparison) -> NDArray[np.uint8]:
 def _title(comparison: Comparison, name: str) -> str:
     each = comparison.contenders[name]
     o = each.options
-    said = "gSfG" if name == "gsfg" else "Poisson"
+    stated = "gSfG" if name == "gsfg" else "Poisson"
     pull = "" if o.scheme == "gsfg" else f", closeness {o.closeness:g}"
     steps = "one solve" if o.steps == 1 else f"{o.steps} steps"
-    return f"{said} ({o.scheme}, {steps}{pull})\nnormals {each.normal_mean_deg:.2f} degrees off on average"
+    return f"{stated} ({o.scheme}, {steps}{pull})\nnormals {each.normal_mean_deg:.2f} degrees off on average"
 
 
 def _show(axes: Any, picture: NDArray[np.float32], title: str) -> None:
@@ -93,20 +93,20 @@ def _halved(samples: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(samples[: 2 * rows, : 2 * cols].reshape(rows, 2, cols, 2, -1).mean(axis=(1, 3)))
 
 
-def _grey(shot: Shot) -> NDArray[np.float32]:
-    seen = np.isfinite(shot.deviation_mm)
-    light = np.where(seen, shot.shade, 1)[..., None] ** 0.8
+def _grey(view: RenderedView) -> NDArray[np.float32]:
+    seen = np.isfinite(view.deviation_mm)
+    light = np.where(seen, view.shade, 1)[..., None] ** 0.8
     return _halved(np.repeat(light, 3, axis=2).astype(np.float32)).clip(0, 1)
 
 
-def _colored(shot: Shot, top: float) -> NDArray[np.float32]:
+def _colored(view: RenderedView, top: float) -> NDArray[np.float32]:
     from matplotlib import colormaps
 
-    seen = np.isfinite(shot.deviation_mm)
-    share = np.where(seen, shot.deviation_mm, 0) / max(top, 1e-300)
+    seen = np.isfinite(view.deviation_mm)
+    share = np.where(seen, view.deviation_mm, 0) / max(top, 1e-300)
     color = colormaps[_MAP](share.clip(0, 1))[..., :3]
     # enough light to see the form, not so much shade that colours lie
-    lit = color * (0.55 + 0.45 * shot.shade[..., None])
+    lit = color * (0.55 + 0.45 * view.shade[..., None])
     return _halved(np.where(seen[..., None], lit, 1).astype(np.float32)).clip(0, 1)
 
 
@@ -120,8 +120,8 @@ def _scale(top: float) -> Any:
 def _histograms(axes: Any, comparison: Comparison) -> None:
     edges = comparison.edges_deg
     for name, each in comparison.contenders.items():
-        said = "gSfG" if name == "gsfg" else "Poisson"
-        label = f"{said}: mean {each.normal_mean_deg:.2f}, median {each.normal_median_deg:.2f} degrees"
+        stated = "gSfG" if name == "gsfg" else "Poisson"
+        label = f"{stated}: mean {each.normal_mean_deg:.2f}, median {each.normal_median_deg:.2f} degrees"
         axes.stairs(100 * each.histogram, edges, color=_COLORS[name], fill=True, alpha=0.25)
         axes.stairs(100 * each.histogram, edges, color=_COLORS[name], label=label, linewidth=1.5)
     axes.set_xlim(0, edges[-1])

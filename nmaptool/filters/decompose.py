@@ -12,7 +12,7 @@ from nmaptool.filters.learned.cascade import refine
 from nmaptool.filters.learned.model import FilterModel
 from nmaptool.filters.learned.shipped import shipped_filter
 from nmaptool.filters.ring import gather_ring
-from nmaptool.filters.rolling import Decomposition, roll, separate
+from nmaptool.filters.rolling import Decomposition, rolling_guidance, split_residuals
 from nmaptool.filters.surface import gather_surface
 from nmaptool.meshes.clean import clean_mesh
 from nmaptool.options import FilterOptions
@@ -68,13 +68,13 @@ def decompose_clean(
     model = model_of(options, model)
     if model is not None:
         learned = refine(model, geometry.normals, Describer(mesh, model.descriptor), progress)
-        return separate(geometry.normals, learned, geometry.areas)
+        return split_residuals(geometry.normals, learned, geometry.areas)
     sigma_s = sigma_s_of(mesh, options)
     gather = {"ring": gather_ring, "surface": gather_surface}[options.neighborhood](
         mesh, geometry, sigma_s, options.sigma_r
     )
-    filtered = roll(geometry.normals, gather, options.iterations, progress)
-    return separate(geometry.normals, filtered, geometry.areas, keep_small=options.filter == "grnf")
+    filtered = rolling_guidance(geometry.normals, gather, options.iterations, progress)
+    return split_residuals(geometry.normals, filtered, geometry.areas, keep_small=options.filter == "grnf")
 
 
 def model_of(options: FilterOptions, model: FilterModel | None) -> FilterModel | None:

@@ -7,10 +7,10 @@ import itertools
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64
-from nmaptool.core.parallel import each_of
+from nmaptool.core.parallel import map_parallel
 from nmaptool.core.progress import Progress
 from nmaptool.filters.rolling import Gather, mean_normals
-from nmaptool.filters.surface import Roughness, Surroundings
+from nmaptool.filters.surface import Neighborhood, Roughness
 from nmaptool.options import DescriptorOptions
 from nmaptool.types.mesh import Mesh
 
@@ -32,7 +32,7 @@ class Describer:
         self.options = options
         self._normals = mesh.geometry.normals
         sizes = [size * mesh.mean_edge for size in options.sigma_s]
-        self._surroundings = each_of(sizes, lambda size: Surroundings(mesh, mesh.geometry, size))
+        self._surroundings = map_parallel(sizes, lambda size: Neighborhood(mesh, mesh.geometry, size))
 
     def __call__(self, guide: Float64 | None = None, progress: Progress | None = None) -> Float32:
         """Descriptors.
@@ -54,7 +54,7 @@ class Describer:
         widths, ranges = range(len(options.sigma_s)), range(len(options.sigma_r))
         out = np.empty((len(self._normals), options.size, 4), np.float32)
         # the first pass without a guide is the same for all ranges
-        blurred = None if guide is not None else each_of(widths, lambda width: self._gather(width, 0)(None))
+        blurred = None if guide is not None else map_parallel(widths, lambda width: self._gather(width, 0)(None))
         passes = options.passes if guide is None else 1
         done = itertools.count(1)  # threads count together
 
@@ -72,7 +72,7 @@ class Describer:
                 progress("describing", next(done) / options.size)
 
         # the narrow ones are the most work: first, so that no thread is left with one at the end
-        each_of([(width, place) for width in widths for place in ranges], describe)
+        map_parallel([(width, place) for width in widths for place in ranges], describe)
         return out
 
     def _gather(self, width: int, place: int) -> Gather:

@@ -215,7 +215,7 @@ def _check(normals: Float32, coverage: Float32, sigma_s_px: float, sigma_r: floa
         raise InputError("coverage must lie in [0, 1]")
 
 
-def roll_image(
+def rolling_guidance_image(
     normals: Float32,
     coverage: Float32,
     *,

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from nmaptool.core.arrays import Float32, Float64
-from nmaptool.filters.rolling import Gather, summands
+from nmaptool.filters.rolling import Gather, weighted_normals
 from nmaptool.types.mesh import FaceGeometry, Faces, Mesh
 
 # rows of the pair list that are weighted at a time
@@ -41,7 +41,7 @@ def gather_ring(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: flo
     start, other = _pairs_once(neighbor_pairs(mesh.faces, len(mesh.vertices)))
     middle = (geometry.centroids.min(axis=0) + geometry.centroids.max(axis=0)) / 2
     where = ((geometry.centroids - middle) / sigma_s).astype(np.float32)
-    weighted = summands(geometry.normals, geometry.areas).astype(np.float32)
+    weighted = weighted_normals(geometry.normals, geometry.areas).astype(np.float32)
     near = _kernel(where, start, other, 1.0)
 
     def gather(guide: Float64 | None) -> Float64:

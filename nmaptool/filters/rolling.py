@@ -51,7 +51,7 @@ class Decomposition:
     mixture: Mixture
 
 
-def roll(normals: Float64, gather: Gather, iterations: int, progress: Progress | None = None) -> Float64:
+def rolling_guidance(normals: Float64, gather: Gather, iterations: int, progress: Progress | None = None) -> Float64:
     """Rolling guidance (paper, Eq. 1): the original normals are averaged again and again, led by the last average.
 
     Parameters
@@ -92,13 +92,13 @@ def mean_normals(normals: Float64, sums: Float64) -> tuple[Float64, Float64]:
     return found, (length / np.maximum(sums[:, 3], _LEAST_WEIGHT)).clip(0, 1)
 
 
-def summands(normals: Float64, areas: Float64) -> Float64:
+def weighted_normals(normals: Float64, areas: Float64) -> Float64:
     """(M, 4) float64: what each face adds to the sums around it, its area times its normal, and its area."""
     relative = areas[:, None] / areas.mean()
     return np.hstack([normals * relative, relative])
 
 
-def separate(normals: Float64, filtered: Float64, weights: Float64, keep_small: bool = True) -> Decomposition:
+def split_residuals(normals: Float64, filtered: Float64, weights: Float64, keep_small: bool = True) -> Decomposition:
     """Split normals by the length of their residuals.
 
     Parameters

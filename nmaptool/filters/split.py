@@ -11,7 +11,7 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.progress import Progress
 from nmaptool.core.units import Length
 from nmaptool.core.vectors import mean_abs_curls, mean_angle_deg
-from nmaptool.filters.image import roll_image
+from nmaptool.filters.image import rolling_guidance_image
 from nmaptool.filters.mixture import fit_mixture
 from nmaptool.maps.detail import encode_detail
 from nmaptool.options import SplitOptions
@@ -55,7 +55,7 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
     if not seen.any():
         raise InputError(f"{normal_map.name}: covers nothing; there is nothing to split")
     sigma_s_px = _in_px(options.sigma_s, normal_map)
-    filtered = roll_image(
+    filtered = rolling_guidance_image(
         original,
         coverage,
         sigma_s_px=sigma_s_px,

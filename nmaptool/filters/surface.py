@@ -16,7 +16,7 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Float64
 from nmaptool.filters.cells import Labels, Reach, face_neighbors, patches, reach
 from nmaptool.filters.principal import principal_axes
-from nmaptool.filters.rolling import Gather, summands
+from nmaptool.filters.rolling import Gather, weighted_normals
 from nmaptool.types.mesh import FaceGeometry, Mesh, sum_by
 
 RADIUS = 2.5  # sigma_s
@@ -47,7 +47,7 @@ class Roughness:
 EXACT = Roughness(0.5, np.inf)
 
 
-class Surroundings:
+class Neighborhood:
     """What can be reached from every face along the surface within 2.5 sigma_s; one serves many fields of normals.
 
     Places and normals are taken along the mesh's own axes, so that turning or mirroring the mesh turns or mirrors sums.
@@ -76,7 +76,7 @@ class Surroundings:
 
     def gather(self, normals: Float64, sigma_r: float, rough: Roughness = EXACT) -> Gather:
         """Sums of (M, 3) unit normals, led by a guide whose differences count in units of ``sigma_r``."""
-        parts = summands(normals @ self._axes.T, self._areas)
+        parts = weighted_normals(normals @ self._axes.T, self._areas)
 
         def sums(guide: Float64 | None) -> Float64:
             lead = np.zeros_like(self._where) if guide is None else guide @ self._axes.T / sigma_r
@@ -110,7 +110,7 @@ def gather_surface(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: 
     sigma_r : float
         Of differences of unit normals.
     """
-    return Surroundings(mesh, geometry, sigma_s).gather(geometry.normals, sigma_r)
+    return Neighborhood(mesh, geometry, sigma_s).gather(geometry.normals, sigma_r)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +131,7 @@ class _Nodes:
     of_face: Labels
     large: Labels
     places: Float32
-    summands: Float32
+    weighted_normals: Float32
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,8 +178,8 @@ def _pair_sums(nodes: _Nodes, around: Reach) -> Float32:
     """(K, 28) float32: at each node the weighted sums (4), and their first moments in place and guide (24)."""
     count = len(nodes.large)
     moments = np.empty((count + 1, 28), np.float32)
-    moments[:count, :4] = nodes.summands
-    moments[:count, 4:] = (nodes.summands[:, :, None] * nodes.places[:, None, :]).reshape(count, 24)
+    moments[:count, :4] = nodes.weighted_normals
+    moments[:count, 4:] = (nodes.weighted_normals[:, :, None] * nodes.places[:, None, :]).reshape(count, 24)
     moments[count] = 0  # a node that adds nothing, to fill up shorter lists of sources
     places = np.zeros((count + 1, 8), np.float32)
     places[:count, :6] = nodes.places

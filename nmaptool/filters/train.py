@@ -18,9 +18,9 @@ from nmaptool.core.progress import Progress
 from nmaptool.core.vectors import mean_angle_deg
 from nmaptool.filters.decompose import decompose_clean
 from nmaptool.filters.descriptor import Describer
-from nmaptool.filters.learned.canonical import framed
+from nmaptool.filters.learned.canonical import in_canonical_frame
 from nmaptool.filters.learned.cascade import apply_stage
-from nmaptool.filters.learned.fitting import find_kinds, fit_network, kind_of
+from nmaptool.filters.learned.fitting import find_clusters, fit_network, nearest_cluster
 from nmaptool.filters.learned.model import FilterModel, Stage, TrainingState
 from nmaptool.meshes.clean import clean_mesh
 from nmaptool.options import DescriptorOptions, FilterOptions, TrainOptions
@@ -47,7 +47,7 @@ class TrainingExample:
 
     mesh: Mesh
     targets: Float64
-    account: dict[str, Any] = field(default_factory=dict)
+    metadata: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.targets.shape != (len(self.mesh.faces), 3):
@@ -133,14 +133,14 @@ def train(
             state = work.fit(faces_described, state, keep)
         normals = [apply_stage(state.stages[number], *described) for described in faces_described]
         angles.append(_mean_angle(examples, normals))
-    account = {
+    metadata = {
         "version": __version__,
         "options": plain_values(options),
-        "meshes": [{"faces": len(e.mesh.faces), **e.account} for e in examples],
+        "meshes": [{"faces": len(e.mesh.faces), **e.metadata} for e in examples],
         "losses": [round(loss, 8) for loss in state.losses],
         "mean_angle_deg": [round(angle, 4) for angle in angles],
     }
-    return FilterModel(descriptor, state.stages, account)
+    return FilterModel(descriptor, state.stages, metadata)
 
 
 def fingerprint(examples: Sequence[TrainingExample], options: TrainOptions, descriptor: DescriptorOptions) -> str:
@@ -172,7 +172,7 @@ class _Work:
         self.examples, self.options, self.descriptor, self.number = examples, options, descriptor, number
         self._progress = progress
 
-    def tell(self, word: str, share: float) -> None:
+    def notify(self, word: str, share: float) -> None:
         """Tell the share done of the whole training."""
         if self._progress is not None:
             self._progress(f"stage {self.number + 1}, {word}", (self.number + share) / self.options.stages)
@@ -181,9 +181,9 @@ class _Work:
         """Frames and inputs of every face of every mesh."""
         out = []
         for place, (example, field_) in enumerate(zip(self.examples, normals, strict=True)):
-            self.tell("describing", 0.4 * place / len(self.examples))
+            self.notify("describing", 0.4 * place / len(self.examples))
             descriptors = Describer(example.mesh, self.descriptor)(field_ if self.number else None)
-            out.append(framed(field_, descriptors))
+            out.append(in_canonical_frame(field_, descriptors))
         return out
 
     def fit(
@@ -199,23 +199,23 @@ class _Work:
         if centers is None:
             # told by the normals alone
             normals = np.ascontiguousarray(inputs[:, : 3 * (1 + self.descriptor.size)])
-            centers = find_kinds(normals, options.clusters, np.random.default_rng([options.seed, self.number, 1]))
-        kinds = kind_of(inputs, centers)
+            centers = find_clusters(normals, options.clusters, np.random.default_rng([options.seed, self.number, 1]))
+        clusters = nearest_cluster(inputs, centers)
         for kind in range(len(state.networks), options.clusters):
             begun = 0.4 + 0.6 * kind / options.clusters
 
-            def tell(done: float, begun: float = begun) -> None:
-                self.tell("fitting", begun + 0.6 * done / options.clusters)
+            def notify(done: float, begun: float = begun) -> None:
+                self.notify("fitting", begun + 0.6 * done / options.clusters)
 
             network, loss = fit_network(
-                inputs[kinds == kind],
-                targets[kinds == kind],
+                inputs[clusters == kind],
+                targets[clusters == kind],
                 mixed=1 + self.descriptor.size,
                 hidden=options.hidden,
                 steps=options.steps,
                 weight_decay=options.weight_decay,
                 rng=np.random.default_rng([options.seed, self.number, 2, kind]),
-                step_done=tell,
+                step_done=notify,
             )
             networks, losses = (*state.networks, network), (*state.losses, loss)
             state = dataclasses.replace(state, centers=centers, networks=networks, losses=losses)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Mask
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 from nmaptool.maps.codec import flat_codes
 from nmaptool.types.picture import RasterImage
 
@@ -43,7 +43,7 @@ class Background:
     kind: str
     mask: Mask
     codes: tuple[float, ...] | None = None
-    doubt: str | None = None
+    warning: str | None = None
 
 
 def alpha_is_data(image: RasterImage) -> bool:
@@ -84,7 +84,7 @@ def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
         for channel, code in enumerate(codes):
             near[band] &= np.abs(xyz[band, :, channel].astype(np.float32) - np.float32(code)) <= slack
 
-    each_band(len(near), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
+    for_each_band(len(near), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
     return near
 
 
@@ -101,7 +101,7 @@ def _exactly_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
         for codes in flat_codes(image.max_code).values():
             found[band] |= (x == codes[0]) & (y == codes[1]) & (z == codes[2])
 
-    each_band(len(found), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
+    for_each_band(len(found), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
     return found
 
 
@@ -189,8 +189,8 @@ def _find_odd(image: RasterImage, xyz: NDArray[Any], order: tuple[int, ...]) -> 
     name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - low) / step) for c in range(3)))
     if abs(np.linalg.norm(vector) - 1) >= _ODD_LENGTH:
         return Background(name, mask, codes)
-    doubt = f"{mask.mean():.0%} of the picture is {name}; if that is background, say --background-color '{name}'"
-    return Background("none", np.zeros(mask.shape, bool), doubt=doubt)
+    warning = f"{mask.mean():.0%} of the picture is {name}; if that is background, say --background-color '{name}'"
+    return Background("none", np.zeros(mask.shape, bool), warning=warning)
 
 
 def find_background(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import UsageError
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 from nmaptool.types.picture import RasterImage
 
 ZERO_CODES = ("127", "127.5", "128")
@@ -120,7 +120,7 @@ def decode_codes(rgb: NDArray[Any], zero_code: str) -> Float32:
         np.take(table, codes, out=vectors[band], mode="clip")
         vectors[band][(codes[..., 0] == x) & (codes[..., 1] == y) & (codes[..., 2] == z)] = (0, 0, 1)
 
-    each_band(len(rgb), max(1, _CODES_AT_ONCE // max(1, rgb[0].size)), look_up)
+    for_each_band(len(rgb), max(1, _CODES_AT_ONCE // max(1, rgb[0].size)), look_up)
     return vectors
 
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
-from nmaptool.core.grid import grown
+from nmaptool.core.grid import dilated
 from nmaptool.core.vectors import mean_abs_curl
 from nmaptool.types.normal_map import Decoding, NormalMap
 
@@ -63,7 +63,7 @@ def outline_sign(normals: Float32, foreground: Mask) -> float | None:
     smooth = cv2.GaussianBlur(foreground.astype(np.float32), (25, 25), 3.0, borderType=cv2.BORDER_REPLICATE)
     down, across = np.gradient(smooth)
     size = np.hypot(down, across)
-    at = foreground & grown(~foreground, 3) & (size > 0.02)
+    at = foreground & dilated(~foreground, 3) & (size > 0.02)
     if at.sum() < _OUTLINE_PIXELS:
         return None
     outward = (normals[..., 1] * down - normals[..., 0] * across)[at] / size[at]
@@ -124,7 +124,7 @@ def is_inverted(sign: float | None) -> bool:
     return sign is not None and sign < _INVERTED
 
 
-def doubts(normal_map: NormalMap, code_step: float = 2 / 255) -> tuple[str, ...]:
+def diagnose(normal_map: NormalMap, code_step: float = 2 / 255) -> tuple[str, ...]:
     """What speaks against the way a map was read, each with its remedy, for a warning before it is used.
 
     Parameters

@@ -87,12 +87,12 @@ def _to_vectors(image: RasterImage, xyz: NDArray[Any], options: ReadOptions, fac
         unsigned = options.encoding == "unsigned" or (options.encoding == "auto" and is_unsigned_float(xyz))
         facts.update(encoding="unsigned" if unsigned else "signed", zero_code="0.5" if unsigned else "0")
         return xyz.astype(np.float32) * 2 - 1 if unsigned else xyz.astype(np.float32)
-    said = image.attributes.get("zero_code")
-    found = codec.detect_zero_code(xyz) if options.zero_code == "auto" and said not in codec.ZERO_CODES else None
+    stated = image.attributes.get("zero_code")
+    found = codec.detect_zero_code(xyz) if options.zero_code == "auto" and stated not in codec.ZERO_CODES else None
     if options.zero_code != "auto":
         facts.update(zero_code=options.zero_code, zero_code_from="given")
-    elif said in codec.ZERO_CODES:
-        facts.update(zero_code=said, zero_code_from="file")
+    elif stated in codec.ZERO_CODES:
+        facts.update(zero_code=stated, zero_code_from="file")
     elif found is not None:
         facts.update(zero_code=found, zero_code_from="found")
     else:
@@ -101,12 +101,12 @@ def _to_vectors(image: RasterImage, xyz: NDArray[Any], options: ReadOptions, fac
 
 
 def _settle_green(image: RasterImage, options: ReadOptions, facts: dict[str, Any], ratio: float | None) -> None:
-    said = image.attributes.get("green")
+    stated = image.attributes.get("green")
     facts["curl_ratio"] = ratio
     if options.green != "auto":
         facts.update(green=options.green, green_from="given")
-    elif said in ("up", "down"):
-        facts.update(green=said, green_from="file")
+    elif stated in ("up", "down"):
+        facts.update(green=stated, green_from="file")
     elif options.swizzle is not None:  # a swizzle already says which way y points
         facts.update(green="up", green_from="given")
     elif ratio is not None and ratio < 1 / SURE_CURL_RATIO:
@@ -165,8 +165,8 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     alpha = image.alpha
     if options.background_color not in ("auto", "none") and not found.mask.any():
         facts["warnings"] += (f"no background is {options.background_color}: every pixel is taken for surface",)
-    if found.doubt is not None:
-        facts["warnings"] += (found.doubt,)
+    if found.warning is not None:
+        facts["warnings"] += (found.warning,)
     if alpha is not None and options.background_color == "auto" and bg.alpha_is_data(image):
         facts["warnings"] += ("alpha looks like data (a height or gloss channel), not coverage: ignored",)
     vectors, coverage, outside = _cover(vectors, stored, found, alpha, facts, _decode_like(image, facts))

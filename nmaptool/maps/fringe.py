@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
-from nmaptool.core.grid import grown
+from nmaptool.core.grid import dilated
 
 # every rim has this width at least; wider ones are followed inwards while vectors stay short
 _RIM_PX = 2
@@ -56,7 +56,7 @@ def repair_rim(
     """
     mixed = vectors if mixed is None else mixed
     coverage = (~outside).astype(np.float32)
-    near = grown(outside, _RIM_PX) & ~outside
+    near = dilated(outside, _RIM_PX) & ~outside
     if not near.any():
         return vectors, coverage, 0
     length = np.sqrt(np.einsum("ijk,ijk->ij", vectors, vectors))
@@ -64,7 +64,7 @@ def repair_rim(
     begun = near & ~sound
     wide = begun
     if begun.any():
-        zone = grown(outside, _WIDEST_RIM_PX) & ~outside
+        zone = dilated(outside, _WIDEST_RIM_PX) & ~outside
         count, patches = cv2.connectedComponents((zone & ~sound).view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
         joined = np.zeros(count, bool)
         joined[patches[begun]] = True

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Mask
 from nmaptool.core.errors import InputError
-from nmaptool.meshes.winding import is_wound_alike, repeated, to_turn
+from nmaptool.meshes.winding import duplicate_faces, faces_to_flip, is_consistently_wound
 from nmaptool.types.mesh import Faces, Mesh, cross, face_geometry
 from nmaptool.types.mesh_findings import MeshFindings
 
@@ -63,7 +63,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     if not solid.any():
         raise InputError(f"{mesh.name}: none of its {len(mesh.faces)} faces has an area; export it again")
     source = np.flatnonzero(solid)
-    alike, once, turned = _wound_alike(vertices, faces.take(source, axis=0))
+    alike, once, turned = _consistently_wound(vertices, faces.take(source, axis=0))
     welded = Mesh(vertices, alike, mesh.mm_per_unit, mesh.unit_from, mesh.name)
     findings = MeshFindings(
         vertices=len(mesh.vertices),
@@ -79,14 +79,14 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     return _without_unused(welded), source[once], findings
 
 
-def _wound_alike(vertices: NDArray[np.float64], faces: Faces) -> tuple[Faces, Mask, int]:
+def _consistently_wound(vertices: NDArray[np.float64], faces: Faces) -> tuple[Faces, Mask, int]:
     """Faces each once and wound like their neighbours; which of the given ones they are; how many were turned."""
     once = np.ones(len(faces), bool)
-    if is_wound_alike(faces):
+    if is_consistently_wound(faces):
         return faces, once, 0
-    once = ~repeated(faces)
+    once = ~duplicate_faces(faces)
     alike = faces[once]
-    turn = to_turn(alike, face_geometry(Mesh(vertices, alike)).areas)
+    turn = faces_to_flip(alike, face_geometry(Mesh(vertices, alike)).areas)
     alike[turn] = alike[turn][:, ::-1]
     return alike, once, int(turn.sum())
 

@@ -9,7 +9,7 @@ from nmaptool.core.arrays import Float64, Mask
 from nmaptool.types.mesh import Faces, directed_edges, edge_keys
 
 
-def is_wound_alike(faces: Faces) -> bool:
+def is_consistently_wound(faces: Faces) -> bool:
     """Whether no two faces run along an edge in the same direction; faces that lie twice do."""
     first, second = directed_edges(faces)
     keys = first << 32 | second
@@ -17,7 +17,7 @@ def is_wound_alike(faces: Faces) -> bool:
     return not (keys[1:] == keys[:-1]).any()
 
 
-def repeated(faces: Faces) -> Mask:
+def duplicate_faces(faces: Faces) -> Mask:
     """(M,) bool: faces with the same three vertices, in whatever order, as one before them."""
     corners = np.sort(faces, axis=1)
     order = np.lexsort(corners.T)
@@ -27,7 +27,7 @@ def repeated(faces: Faces) -> Mask:
     return out
 
 
-def to_turn(faces: Faces, areas: Float64) -> Mask:
+def faces_to_flip(faces: Faces, areas: Float64) -> Mask:
     """Which faces to turn over, so that all that hang together over edges of two faces are wound alike.
 
     Parameters

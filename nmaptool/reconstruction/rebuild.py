@@ -11,7 +11,7 @@ from nmaptool.core.progress import Progress
 from nmaptool.options import ReconstructOptions
 from nmaptool.reconstruction.boundary import boundary_vertices
 from nmaptool.reconstruction.folds import relaxed
-from nmaptool.reconstruction.shaping import normals_of, opposed, rotated, shapes_of, wanted
+from nmaptool.reconstruction.shaping import is_opposed, normals_of, rotated, shapes_of, target_shapes
 from nmaptool.reconstruction.stitching import Average, ShapeStitch, Stitch, gradient_stiffness
 from nmaptool.types.mesh import Mesh
 
@@ -75,7 +75,7 @@ def rebuild(mesh: Mesh, targets: Float64, options: ReconstructOptions, progress:
     held = boundary if options.boundary == "hold" else np.zeros_like(boundary)
     shapes = shapes_of(start, faces)
     normals = normals_of(shapes)
-    folded = opposed(normals, targets)
+    folded = is_opposed(normals, targets)
     if progress is not None:
         progress("setting up", 0.0)
     stitch = _stitch(mesh, options, shapes, folded, held)
@@ -87,17 +87,17 @@ def rebuild(mesh: Mesh, targets: Float64, options: ReconstructOptions, progress:
         shapes = shapes_of(vertices, faces)
         normals = normals_of(shapes)
         if step % _UNFOLD_EVERY == 0 and options.scheme != "poisson":
-            over = opposed(normals, targets)
+            over = is_opposed(normals, targets)
             if over.any():
                 vertices = relaxed(vertices, faces, over, held)
                 shapes = shapes_of(vertices, faces)
                 normals = normals_of(shapes)
-        shaped = (rotated if options.scheme == "poisson" else wanted)(shapes, normals, targets)
+        shaped = (rotated if options.scheme == "poisson" else target_shapes)(shapes, normals, targets)
         shaped -= shapes
         move = stitch.move(shaped, vertices - start)
         vertices = vertices + move
         moves.append(float(np.sqrt(np.einsum("ij,ij->i", move, move).mean())) / mesh.mean_edge)
-    after = opposed(normals_of(shapes_of(vertices, faces)), targets)
+    after = is_opposed(normals_of(shapes_of(vertices, faces)), targets)
     return Rebuilt(vertices, int(folded.sum()), int(after.sum()), boundary, tuple(moves))
 
 

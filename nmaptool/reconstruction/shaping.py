@@ -33,7 +33,7 @@ def normals_of(shapes: Float64) -> Float64:
     return twice
 
 
-def opposed(normals: Float64, targets: Float64) -> Mask:
+def is_opposed(normals: Float64, targets: Float64) -> Mask:
     """(M,) bool: whose normal is more than a right angle from its target."""
     return np.asarray(np.einsum("ij,ij->i", normals, targets) < 0)
 
@@ -52,7 +52,7 @@ def projected(shapes: Float64, targets: Float64) -> Float64:
 
 
 def rotated(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
-    """Corners turned by the least rotation that takes the normal to its target; opposed ones are `laid_down`.
+    """Corners turned by the least rotation that takes the normal to its target; opposed ones are `flattened_opposed`.
 
     Parameters
     ----------
@@ -69,11 +69,11 @@ def rotated(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
         out[corner] += once + cross(axis, once) * share
     past = np.flatnonzero(cosine < _OPPOSED)
     if len(past):
-        out[:, past] = laid_down(shapes[:, past], normals[past], targets[past])
+        out[:, past] = flattened_opposed(shapes[:, past], normals[past], targets[past])
     return out
 
 
-def wanted(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
+def target_shapes(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
     """Corners projected; those of a face more than 60 degrees from its target turned.
 
     A projection halves such a face and worse, and leaves one that looks the other way looking so.
@@ -85,7 +85,7 @@ def wanted(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
     return out
 
 
-def laid_down(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
+def flattened_opposed(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
     """The shapes on the planes of their targets, the right side up, corners as near as that allows.
 
     Half a turn from its target a face has no least rotation: any axis in its plane would do. The one is taken that

@@ -16,7 +16,7 @@ from nmaptool.options import FilterOptions, ReconstructOptions, SmoothOptions
 from nmaptool.reconstruction.reconstruct import reconstruct
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.mesh_findings import MeshFindings
-from nmaptool.types.reconstruction import ReconstructReport, Smoothed, SmoothReport
+from nmaptool.types.reconstruction import ReconstructReport, SmoothReport, SmoothResult
 
 # share of the faces that may end folded over before it is worth a word
 _FEW_FOLDED = 0.001
@@ -32,7 +32,7 @@ def smooth(
     *,
     model: FilterModel | None = None,
     progress: Progress | None = None,
-) -> Smoothed:
+) -> SmoothResult:
     """Rebuild a mesh to unit(N_B + gain N_D), its base normals and so much of its detail (paper, Sec. 3 and 4.1).
 
     Parameters
@@ -60,14 +60,16 @@ def smooth(
         As `reconstruct`.
     """
     options, chosen = options or SmoothOptions(), filter or FilterOptions()
-    tell = progress or (lambda word, share: None)
+    notify = progress or (lambda word, share: None)
     begun = time.perf_counter()
     clean, source_faces, findings = clean_mesh(mesh)
     cleaned = time.perf_counter()
-    split = decompose_clean(clean, chosen, lambda word, share: tell(word, 0.5 * share), model)
+    split = decompose_clean(clean, chosen, lambda word, share: notify(word, 0.5 * share), model)
     filtered = time.perf_counter()
-    targets = mixed(split, options.detail_gain)
-    rebuilt = reconstruct(clean, targets, reconstruct_options, progress=lambda word, share: tell(word, 0.5 + share / 2))
+    targets = target_normals(split, options.detail_gain)
+    rebuilt = reconstruct(
+        clean, targets, reconstruct_options, progress=lambda word, share: notify(word, 0.5 + share / 2)
+    )
     seconds = {"clean": cleaned - begun, "filter": filtered - cleaned, "rebuild": time.perf_counter() - filtered}
     report = SmoothReport(
         detail_gain=options.detail_gain,
@@ -78,10 +80,10 @@ def smooth(
         seconds={name: round(value, 4) for name, value in seconds.items()},
         warnings=(*_dropped(findings), *long_edges(clean, chosen), *_warnings(rebuilt.report)),
     )
-    return Smoothed(rebuilt.mesh, source_faces, report)
+    return SmoothResult(rebuilt.mesh, source_faces, report)
 
 
-def mixed(split: Decomposition, gain: float) -> Float64:
+def target_normals(split: Decomposition, gain: float) -> Float64:
     """(M, 3) float64: unit(N_B + gain N_D); the base where the two cancel out."""
     out = split.base + gain * split.residual
     length = np.sqrt(np.einsum("ij,ij->i", out, out))

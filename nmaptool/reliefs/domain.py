@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64, Mask
-from nmaptool.core.grid import touching
+from nmaptool.core.grid import touching_vertices
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class Domain:
     share: Float32 | None = None
 
 
-def lay_out(
+def build_domain(
     mode: str,
     foreground: Mask,
     covered: Mask,
@@ -74,6 +74,6 @@ def lay_out(
     if mode in ("plane", "surface"):
         everywhere = np.ones(foreground.shape, bool) if ground is None else ground | foreground
         # faces between held vertices only have no say: leaving them out keeps separate motifs separate
-        return Domain(everywhere, foreground, pulled, touching(~foreground), base_px, share)
+        return Domain(everywhere, foreground, pulled, touching_vertices(~foreground), base_px, share)
     acting = foreground if mode == "cut" else covered | foreground
     return Domain(acting, acting, pulled, np.zeros((rows + 1, cols + 1), bool), base_px)

@@ -10,7 +10,7 @@ from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs.fit import factor_for_range
-from nmaptool.reliefs.heights import Account, Asked, SystemHeights
+from nmaptool.reliefs.heights import SolveSettings, SolveStatistics, SystemHeights
 from nmaptool.reliefs.layout import Layout
 
 
@@ -36,7 +36,7 @@ class FinishedHeights:
     below_share: float
     delta_px: float
     scale: float
-    account: Account
+    statistics: SolveStatistics
 
 
 def finish(
@@ -45,8 +45,8 @@ def finish(
     delta: float,
     options: ReliefOptions,
     pitch_mm: float,
-    asked: Asked,
-    near: SystemHeights | None,
+    settings: SolveSettings,
+    warm_start: SystemHeights | None,
 ) -> FinishedHeights:
     """Heights z = base + h0 + delta h1 with the exact range that was asked for.
 
@@ -73,13 +73,13 @@ def finish(
     if options.height is not None:
         wanted_px = options.height.to_mm(pitch_mm, max(layout.motif.shape)) / pitch_mm
     if wanted_px is None or options.fit == "scale":
-        above, account = heights.at(delta, asked, near)
+        above, statistics = heights.at(delta, settings, warm_start)
         scale = 1.0
         if wanted_px is not None:
             scale = _factor(above, layout, wanted_px, options)
             above *= scale
-        return _finished(above, layout, pitch_mm, delta, scale, account)
-    first, second, account = heights.parts(asked, near)
+        return _finished(above, layout, pitch_mm, delta, scale, statistics)
+    first, second, statistics = heights.parts(settings, warm_start)
     slope, inside = 1.0, layout.inside
     if options.fit == "slope":
         slope = factor_for_range(delta * inside(second), inside(first), wanted_px, "the slopes", pitch_mm)
@@ -88,7 +88,7 @@ def finish(
         delta = side * factor_for_range(inside(first), side * inside(second), wanted_px, "delta", pitch_mm)
     above = slope * first
     above += delta * second
-    return _finished(above, layout, pitch_mm, delta, slope, account)
+    return _finished(above, layout, pitch_mm, delta, slope, statistics)
 
 
 def _factor(above: Float64, layout: Layout, wanted_px: float, options: ReliefOptions) -> float:
@@ -102,7 +102,7 @@ def _factor(above: Float64, layout: Layout, wanted_px: float, options: ReliefOpt
 
 
 def _finished(
-    above: Float64, layout: Layout, pitch_mm: float, delta: float, scale: float, account: Account
+    above: Float64, layout: Layout, pitch_mm: float, delta: float, scale: float, statistics: SolveStatistics
 ) -> FinishedHeights:
     """The heights in mm, in the array of those in px above the background."""
     low, high = layout.range_of(above)
@@ -112,4 +112,4 @@ def _finished(
         above += layout.domain.base_px
         low, high = layout.range_of(above)
     above *= pitch_mm
-    return FinishedHeights(above, (low * pitch_mm, high * pitch_mm), relief_range_mm, below, delta, scale, account)
+    return FinishedHeights(above, (low * pitch_mm, high * pitch_mm), relief_range_mm, below, delta, scale, statistics)

@@ -9,7 +9,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64
 from nmaptool.core.errors import ConvergenceError
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 from nmaptool.core.progress import Progress
 from nmaptool.solver import DirectMethod, Solver
 
@@ -23,7 +23,7 @@ _VERTICES_AT_ONCE = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class SolveSettings:
     """How well and how long to solve."""
 
     tolerance: float
@@ -32,17 +32,17 @@ class Asked:
 
 
 @dataclass(frozen=True, eq=False)
-class Account:
+class SolveStatistics:
     """The solver's iterations for one answer, and how well that answer solves the system."""
 
     residual: float
     iterations: int = 0
     history: tuple[float, ...] = ()
 
-    def after(self, *others: Account) -> Account:
+    def after(self, *others: SolveStatistics) -> SolveStatistics:
         """The answer, reached after others."""
         everything = (*others, self)
-        return Account(
+        return SolveStatistics(
             self.residual, sum(a.iterations for a in everything), sum((a.history for a in everything), start=())
         )
 
@@ -83,7 +83,9 @@ class SystemHeights:
         self._squares: tuple[Float64, Float64, Float64] | None = None
         self._out_of_reach = 0.0
 
-    def at(self, delta: float, asked: Asked, near: SystemHeights | None = None) -> tuple[Float64, Account]:
+    def at(
+        self, delta: float, settings: SolveSettings, warm_start: SystemHeights | None = None
+    ) -> tuple[Float64, SolveStatistics]:
         """Heights in px above the background; the array is nobody else's.
 
         The first delta is solved as it is; a second one splits the heights into their parts, and then every delta is
@@ -103,22 +105,24 @@ class SystemHeights:
             If the solver does not reach its tolerance.
         """
         whole = self._whole
-        spent: tuple[Account, ...] = ()
-        if whole is not None and whole.delta == delta and whole.residual <= asked.tolerance:
-            return whole.above.copy(), Account(whole.residual)
+        spent: tuple[SolveStatistics, ...] = ()
+        if whole is not None and whole.delta == delta and whole.residual <= settings.tolerance:
+            return whole.above.copy(), SolveStatistics(whole.residual)
         if self._kept and (self._parts is not None or (whole is not None and whole.delta != delta)):
-            spent = self._split_closer(asked, near)
+            spent = self._split_closer(settings, warm_start)
             residual = self._residual_at(delta)
-            if residual <= asked.tolerance:
-                return self._sum(delta), Account(residual).after(*spent)
-        solved, account = self._solve_whole(delta, asked, near)
+            if residual <= settings.tolerance:
+                return self._sum(delta), SolveStatistics(residual).after(*spent)
+        solved, statistics = self._solve_whole(delta, settings, warm_start)
         if not self._kept:
             self._release()
-            return solved.above, account
+            return solved.above, statistics
         self._whole = solved
-        return solved.above.copy(), account.after(*spent)
+        return solved.above.copy(), statistics.after(*spent)
 
-    def parts(self, asked: Asked, near: SystemHeights | None = None) -> tuple[Float64, Float64, Account]:
+    def parts(
+        self, settings: SolveSettings, warm_start: SystemHeights | None = None
+    ) -> tuple[Float64, Float64, SolveStatistics]:
         """(h0, h1): heights above the background for delta = 0, and what delta = 1 adds. Not to be written to.
 
         Raises
@@ -126,13 +130,13 @@ class SystemHeights:
         ConvergenceError
             If the solver does not reach its tolerance.
         """
-        spent = self._split(asked, near)
+        spent = self._split(settings, warm_start)
         assert self._parts is not None
         first, second = self._parts
         if not self._kept:
             self._release()
         residual = max(first.residual, second.residual)
-        return first.above, second.above, Account(residual).after(*spent)
+        return first.above, second.above, SolveStatistics(residual).after(*spent)
 
     def _release(self) -> None:
         """Give up what the heights were solved with: nothing more will be asked."""
@@ -150,7 +154,9 @@ class SystemHeights:
         out += self._parts[0].above
         return out
 
-    def _solve_whole(self, delta: float, asked: Asked, near: SystemHeights | None) -> tuple[_Solved, Account]:
+    def _solve_whole(
+        self, delta: float, settings: SolveSettings, warm_start: SystemHeights | None
+    ) -> tuple[_Solved, SolveStatistics]:
         assert self._load is not None
         load = self._load
         if self._kept:
@@ -162,53 +168,53 @@ class SystemHeights:
         def add(band: slice) -> None:
             load[band] += np.multiply(pull[band], delta, dtype=np.float64)
 
-        each_band(len(load), max(1, _VERTICES_AT_ONCE // load.shape[1]), add)
+        for_each_band(len(load), max(1, _VERTICES_AT_ONCE // load.shape[1]), add)
         start = self.guess(delta)
-        if start is None and near is not None:
-            start = near.guess(delta)
-        return self._solve(load, self._base, asked, start, delta)
+        if start is None and warm_start is not None:
+            start = warm_start.guess(delta)
+        return self._solve(load, self._base, settings, start, delta)
 
-    def _split_closer(self, asked: Asked, near: SystemHeights | None) -> tuple[Account, ...]:
+    def _split_closer(self, settings: SolveSettings, warm_start: SystemHeights | None) -> tuple[SolveStatistics, ...]:
         """Solve the parts so well that their sums are as good as asked."""
-        closer = min(asked.tolerance, max(asked.tolerance / _CLOSER, _CLOSEST))
+        closer = min(settings.tolerance, max(settings.tolerance / _CLOSER, _CLOSEST))
         if closer <= self._out_of_reach:
             return ()
         try:
-            spent = self._split(replace(asked, tolerance=closer), near)
+            spent = self._split(replace(settings, tolerance=closer), warm_start)
         except ConvergenceError as error:  # the whole may be within reach where its parts are not
             self._out_of_reach = closer
-            return (Account(math.inf, len(error.history), error.history),)
+            return (SolveStatistics(math.inf, len(error.history), error.history),)
         self._whole = None
         return spent
 
-    def _split(self, asked: Asked, near: SystemHeights | None) -> tuple[Account, ...]:
+    def _split(self, settings: SolveSettings, warm_start: SystemHeights | None) -> tuple[SolveStatistics, ...]:
         """Solve the parts that are not there, or not as well as asked."""
         first, second = self._parts or (None, None)
         spent = []
-        if second is None or second.residual > asked.tolerance:
+        if second is None or second.residual > settings.tolerance:
             start = second.above if second is not None else None
-            if start is None and near is not None and near._parts is not None:
-                start = near._parts[1].above
-            second, account = self._solve(self._pull.astype(np.float64), None, asked, start)
-            spent.append(account)
-        if first is None or first.residual > asked.tolerance:
+            if start is None and warm_start is not None and warm_start._parts is not None:
+                start = warm_start._parts[1].above
+            second, statistics = self._solve(self._pull.astype(np.float64), None, settings, start)
+            spent.append(statistics)
+        if first is None or first.residual > settings.tolerance:
             assert self._load is not None
             if first is not None:
                 start = first.above
             elif self._whole is not None:
                 start = self._whole.above - self._whole.delta * second.above
             else:
-                start = None if near is None else near.guess(0.0)
-            first, account = self._solve(self._load, self._base, asked, start)
-            spent.insert(0, account)
+                start = None if warm_start is None else warm_start.guess(0.0)
+            first, statistics = self._solve(self._load, self._base, settings, start)
+            spent.insert(0, statistics)
         if not self._kept:
             self._load = None
         self._parts = first, second
         return tuple(spent)
 
     def _solve(
-        self, load: Float64, held_z: Float64 | None, asked: Asked, start: Float64 | None, delta: float = 0.0
-    ) -> tuple[_Solved, Account]:
+        self, load: Float64, held_z: Float64 | None, settings: SolveSettings, start: Float64 | None, delta: float = 0.0
+    ) -> tuple[_Solved, SolveStatistics]:
         if isinstance(self.solver.method, DirectMethod):
             start = None  # it has the answer at once
         elif start is not None and held_z is not None:
@@ -217,15 +223,15 @@ class SystemHeights:
             load,
             held_z,
             start=start,
-            tolerance=asked.tolerance,
-            max_iterations=asked.max_iterations,
-            progress=asked.progress,
+            tolerance=settings.tolerance,
+            max_iterations=settings.max_iterations,
+            progress=settings.progress,
         )
         above = solution.z
         if held_z is not None:
             above -= held_z
-        account = Account(solution.residual, solution.iterations, solution.history)
-        return _Solved(above, solution.residual, delta), account
+        statistics = SolveStatistics(solution.residual, solution.iterations, solution.history)
+        return _Solved(above, solution.residual, delta), statistics
 
     def _residual_at(self, delta: float) -> float:
         """What the residual of the parts' sum is at most, relative to its load; the largest over the islands."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.core.grid import touching
+from nmaptool.core.grid import touching_vertices
 from nmaptool.maps.masks import check_mask, check_sizes, require_map
 from nmaptool.options import ReliefOptions
 from nmaptool.options.checks import LARGEST_WEIGHT
@@ -151,7 +151,7 @@ def motif_of(original: NormalMap, mask: Float32 | None, fading: bool) -> Mask:
     return both
 
 
-def pulled_part(original: NormalMap, motif: Mask, mask: Float32 | None) -> Mask:
+def height_term_mask(original: NormalMap, motif: Mask, mask: Float32 | None) -> Mask:
     """Where the height term acts: the motif, without the flat patches of a map with a flat background.
 
     Such a map shows whether a patch inside the motif is raised or sunk by the slopes around it alone; pulled to a
@@ -202,6 +202,6 @@ def _extended(z: Float64, ground: Mask) -> Float64:
         return z
     from scipy import ndimage  # takes long to load
 
-    nearest = ndimage.distance_transform_edt(~touching(ground), return_distances=False, return_indices=True)
+    nearest = ndimage.distance_transform_edt(~touching_vertices(ground), return_distances=False, return_indices=True)
     extended: Float64 = z[tuple(nearest)]
     return extended

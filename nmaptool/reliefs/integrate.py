@@ -6,9 +6,9 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
-from nmaptool.core.grid import touching
-from nmaptool.reliefs.domain import lay_out
-from nmaptool.reliefs.targets import Weights, aim
+from nmaptool.core.grid import touching_vertices
+from nmaptool.reliefs.domain import build_domain
+from nmaptool.reliefs.targets import Weights, build_targets
 from nmaptool.solver import QuadSystem, prepare
 from nmaptool.types.normal_map import NormalMap
 
@@ -41,9 +41,9 @@ def integrate(normal_map: NormalMap, slope_cap: float = 3.0, tolerance: float = 
             f"{normal_map.name}: all of it is background ({normal_map.decoding.background}); if it is a surface, say "
             "--background-color none"
         )
-    domain = lay_out("free", covered, covered)
-    targets = aim(normal_map, None, domain, Weights(0, 0, 0), slope_cap, "eq6")
+    domain = build_domain("free", covered, covered)
+    targets = build_targets(normal_map, None, domain, Weights(0, 0, 0), slope_cap, "eq6")
     solver = prepare(QuadSystem(targets.weight, targets.beta, domain.held))
     z: Float64 = solver.solve(targets.shape_load(None), tolerance=tolerance).z
-    inside = touching(covered)
+    inside = touching_vertices(covered)
     return np.where(inside, z - z[inside].min(), 0)

@@ -7,7 +7,7 @@ import functools
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask, read_only
-from nmaptool.core.grid import touching
+from nmaptool.core.grid import touching_vertices
 from nmaptool.reliefs.domain import Domain
 
 
@@ -27,14 +27,14 @@ class Layout:
         self.motif = read_only(motif)
         self.tolerance = tolerance
         # None: every vertex
-        self._inside = None if domain.surface.all() else touching(domain.surface)
+        self._inside = None if domain.surface.all() else touching_vertices(domain.surface)
         self.holds = bool(domain.held.any())
         self.motif_share = float(motif.mean())
         self.left_alone = float((motif & ~domain.foreground).mean())
 
     @functools.cached_property
     def _motif_vertices(self) -> Mask:
-        return touching(self.motif)
+        return touching_vertices(self.motif)
 
     def inside(self, z: Float64) -> Float64:
         """The heights of the surface's vertices, one after the other."""

@@ -9,7 +9,7 @@ from nmaptool.reliefs.finish import FinishedHeights
 from nmaptool.reliefs.layout import Layout
 from nmaptool.reliefs.targets import Weights, to_pixels
 from nmaptool.solver import Solver
-from nmaptool.types.relief import SolveReport
+from nmaptool.types.relief import ReliefReport
 
 # where so much of a motif on a flat background is flat, it is likely lettering or an emblem
 _MUCH_FLAT = 0.1
@@ -49,11 +49,11 @@ def report_of(
     steep_share: float,
     longer_side: int,
     pulled: bool,
-) -> SolveReport:
+) -> ReliefReport:
     """The account of one relief; ``pitch`` is in mm, and where it is from; ``pulled``: beta is not 0 everywhere."""
     reach_px = weights.reach_px(options.energy)
     low, high = heights.range_mm
-    return SolveReport(
+    return ReliefReport(
         options=options,
         pitch_mm=pitch[0],
         pitch_from=pitch[1],
@@ -67,9 +67,9 @@ def report_of(
         unknowns=solver.unknowns,
         islands=solver.islands,
         floating_islands=solver.floating_islands,
-        iterations=heights.account.iterations,
-        residual=heights.account.residual,
-        history=heights.account.history,
+        iterations=heights.statistics.iterations,
+        residual=heights.statistics.residual,
+        history=heights.statistics.history,
         height_min_mm=low,
         height_max_mm=high,
         height_range_mm=high - low,

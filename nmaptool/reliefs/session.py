@@ -12,18 +12,18 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.progress import Progress
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs import inputs as given
-from nmaptool.reliefs.domain import lay_out
+from nmaptool.reliefs.domain import build_domain
 from nmaptool.reliefs.finish import finish
-from nmaptool.reliefs.heights import Asked, SystemHeights
+from nmaptool.reliefs.heights import SolveSettings, SystemHeights
 from nmaptool.reliefs.layout import Layout
 from nmaptool.reliefs.report import SolverFacts, facts_of, report_of
-from nmaptool.reliefs.targets import Leaning, Weights, aim, lean, to_pixels
+from nmaptool.reliefs.targets import CappedSlopes, Weights, build_targets, capped_slopes, to_pixels
 from nmaptool.solver import QuadSystem, Solver, prepare
 from nmaptool.types.height import Height
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.relief import Relief
 
-_Leanings = tuple[Leaning, Leaning | None]
+_CappedPair = tuple[CappedSlopes, CappedSlopes | None]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class _Case:
     shape: tuple[object, ...]
     layout: Layout
     slope_cap: float
-    leanings: _Leanings | None
+    capped: _CappedPair | None
     heights: SystemHeights
     facts: SolverFacts
     pulled: bool
@@ -141,12 +141,12 @@ class ReliefSession:
         pitch_mm, pitch_from = given.pitch_of(original, options)
         weights = self._weights(options)
         case = self._case_for(options, weights, pitch_mm, progress, clock)
-        near = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
+        warm_start = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
         clock.append(time.perf_counter())
-        asked = Asked(options.tolerance, options.max_iterations, progress)
+        settings = SolveSettings(options.tolerance, options.max_iterations, progress)
         # kept even where the height asked for turns out not to be reached
         self._cases = [case, *(c for c in self._cases if c is not case)][: self._keep]
-        heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, asked, near)
+        heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, settings, warm_start)
         clock.append(time.perf_counter())
         frame = dataclasses.replace(original.frame, pitch_mm=pitch_mm)
         height = Height(heights.z_mm, case.layout.domain.surface, frame)
@@ -196,17 +196,17 @@ class ReliefSession:
                 clock.append(time.perf_counter())
                 return case
         same_ground = (c for c in self._cases if c.ground == ground and self._holds(c, options))
-        layout = next((c.layout for c in same_ground), None) or self._lay_out(options, pitch_mm)
-        leanings = next((c.leanings for c in self._cases if c.slope_cap == options.slope_cap), None)
-        if leanings is None:
-            detail = None if maps.detail is None else lean(maps.detail.normals, options.slope_cap)
-            leanings = lean(maps.original.normals, options.slope_cap), detail
+        layout = next((c.layout for c in same_ground), None) or self._build_layout(options, pitch_mm)
+        capped = next((c.capped for c in self._cases if c.slope_cap == options.slope_cap), None)
+        if capped is None:
+            detail = None if maps.detail is None else capped_slopes(maps.detail.normals, options.slope_cap)
+            capped = capped_slopes(maps.original.normals, options.slope_cap), detail
         if progress is not None:
             progress("setting up", 0.0)
         base_px = layout.domain.base_px
-        targets = aim(maps.original, maps.detail, layout.domain, weights, options.slope_cap, energy, leanings)
+        targets = build_targets(maps.original, maps.detail, layout.domain, weights, options.slope_cap, energy, capped)
         if not self._keep:
-            leanings = None
+            capped = None
         solver: Solver | None = next((c.heights.solver for c in self._cases if c.system == system), None)
         load = targets.shape_load(base_px)
         weight, beta, pull, steep_share = targets.weight, targets.beta, targets.pull, targets.steep_share
@@ -224,7 +224,7 @@ class ReliefSession:
             shape,
             layout,
             options.slope_cap,
-            leanings,
+            capped,
             SystemHeights(solver, base_px, load, pull, kept=self._keep > 0),
             facts_of(solver),
             bool(beta.any()),
@@ -242,18 +242,18 @@ class ReliefSession:
         integrated = options.background == "surface" and isinstance(self._maps.surface, NormalMap)
         return not integrated or case.layout.tolerance <= options.tolerance
 
-    def _lay_out(self, options: ReliefOptions, pitch_mm: float) -> Layout:
+    def _build_layout(self, options: ReliefOptions, pitch_mm: float) -> Layout:
         maps = self._maps
         original, mask = maps.original, maps.mask
         motif = given.motif_of(original, mask, fading=options.background in ("plane", "surface"))
         base_px, ground = given.base_of(maps.surface, pitch_mm, options)
-        domain = lay_out(
+        domain = build_domain(
             options.background,
             motif,
             original.coverage >= 0.5,
             original.coverage if mask is None else original.coverage * mask,
             base_px,
-            given.pulled_part(original, motif, mask),
+            given.height_term_mask(original, motif, mask),
             ground,
         )
         return Layout(domain, motif, options.tolerance)

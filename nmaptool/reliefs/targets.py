@@ -9,7 +9,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.grid import height_slopes
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 from nmaptool.core.vectors import slopes
 from nmaptool.reliefs.domain import Domain
 from nmaptool.types.normal_map import NormalMap
@@ -58,7 +58,7 @@ def to_pixels(beta: float, delta: float, longer_side: int, per_pixel: bool) -> t
 
 
 @dataclass(frozen=True, eq=False)
-class Leaning:
+class CappedSlopes:
     """A map's slopes, no steeper than a cap.
 
     Attributes
@@ -74,7 +74,7 @@ class Leaning:
     steep: Mask
 
 
-def lean(normals: Float32, cap: float) -> Leaning:
+def capped_slopes(normals: Float32, cap: float) -> CappedSlopes:
     """Capped slopes of (H, W, 3) float32 unit normals."""
     shape = normals.shape[:2]
     p, q, steep = np.empty(shape, np.float32), np.empty(shape, np.float32), np.empty(shape, bool)
@@ -86,8 +86,8 @@ def lean(normals: Float32, cap: float) -> Leaning:
         steep[band] = nx * nx + ny * ny > steepest * np.maximum(steepest, 0)
         steep[band] |= steepest < 0
 
-    each_band(shape[0], _rows_at_once(shape), fill)
-    return Leaning(p, q, steep)
+    for_each_band(shape[0], _rows_at_once(shape), fill)
+    return CappedSlopes(p, q, steep)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,18 +130,18 @@ class Targets:
             if base_px is not None:
                 load[band] += self.beta[band] * base_px[band]  # float64, as the heights are
 
-        each_band(len(load), _rows_at_once(load.shape), fill)
+        for_each_band(len(load), _rows_at_once(load.shape), fill)
         return load
 
 
-def aim(
+def build_targets(
     original: NormalMap,
     detail: NormalMap | None,
     domain: Domain,
     weights: Weights,
     cap: float,
     energy: str,
-    leanings: tuple[Leaning, Leaning | None] | None = None,
+    capped: tuple[CappedSlopes, CappedSlopes | None] | None = None,
 ) -> Targets:
     """State the least-squares problem for one or two maps.
 
@@ -162,9 +162,9 @@ def aim(
         Capped slopes of both maps, where they are known already.
     """
     shape = original.frame.shape
-    if leanings is None:
-        leanings = lean(original.normals, cap), None if detail is None else lean(detail.normals, cap)
-    first, second = leanings
+    if capped is None:
+        capped = capped_slopes(original.normals, cap), None if detail is None else capped_slopes(detail.normals, cap)
+    first, second = capped
     weight, p, q, beta = (np.empty(shape, np.float32) for _ in range(4))
     steep: list[tuple[int, int]] = []
 
@@ -191,7 +191,7 @@ def aim(
             beta[band] *= domain.share[band]
         steep.append((int(np.count_nonzero(first.steep[band] & acting)), int(np.count_nonzero(acting))))
 
-    each_band(shape[0], _rows_at_once(shape), fill)
+    for_each_band(shape[0], _rows_at_once(shape), fill)
     pull = at_vertices = _at_vertices(beta)
     if weights.delta_map is not None:
         pull = _at_vertices(beta, weights.delta_map)
@@ -211,13 +211,13 @@ def _at_vertices(faces: Float32, by: Float32 | None = None) -> Float32:
     def fill(band: slice) -> None:
         part = out[band]
         above, upper, below, lower = _faces_at(band, part, rows)
-        for near, at in ((above, upper), (below, lower)):
-            values = faces[near] if by is None else faces[near] * by[near]
+        for warm_start, at in ((above, upper), (below, lower)):
+            values = faces[warm_start] if by is None else faces[warm_start] * by[warm_start]
             at[:, :-1] += values
             at[:, 1:] += values
         part *= np.float32(0.25)
 
-    each_band(rows + 1, _rows_at_once(out.shape), fill)
+    for_each_band(rows + 1, _rows_at_once(out.shape), fill)
     return out
 
 

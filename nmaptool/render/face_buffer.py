@@ -20,7 +20,7 @@ _STEEPEST = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class FaceBuffer:
     """A drawing of a mesh.
 
     Attributes
@@ -165,14 +165,14 @@ class Sight:
         return np.asarray(np.einsum("ij,ijk->ik", weights, turned.take(face, axis=0)))
 
 
-def finer(camera: Camera, factor: int) -> Camera:
+def supersampled_camera(camera: Camera, factor: int) -> Camera:
     """The camera of a picture's samples."""
     return replace(
         camera, unit_per_px=camera.unit_per_px / factor, rows=camera.rows * factor, cols=camera.cols * factor
     )
 
 
-def look(mesh: Mesh, camera: Camera, draw: Draw, supersample: int) -> Sight:
+def draw_face_buffer(mesh: Mesh, camera: Camera, draw: Draw, supersample: int) -> FaceBuffer:
     """Draw a mesh once.
 
     Parameters
@@ -185,7 +185,7 @@ def look(mesh: Mesh, camera: Camera, draw: Draw, supersample: int) -> Sight:
     supersample : int
         Samples across a pixel.
     """
-    samples = finer(camera, supersample)
+    samples = supersampled_camera(camera, supersample)
     shown = draw(samples.project(mesh.vertices), mesh.faces, samples.rows, samples.cols)
     normals = mesh.geometry.normals @ camera.rotation.T
-    return Sight(camera, supersample, shown, camera.to_eye(mesh.vertices), mesh.faces, normals)
+    return FaceBuffer(camera, supersample, shown, camera.to_eye(mesh.vertices), mesh.faces, normals)

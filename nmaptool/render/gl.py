@@ -135,8 +135,8 @@ def _open(renderer: str) -> _Context:
 def _reason(platform: str, error: Exception) -> str:
     if platform == "osmesa" and isinstance(error, (ImportError, AttributeError)):
         return "needs libosmesa6 and a newer binding, pip install PyOpenGL==3.1.10"
-    said = " ".join(str(error).split()).partition(" (")[0].rstrip(".:;")
-    return said[:90] or type(error).__name__
+    stated = " ".join(str(error).split()).partition(" (")[0].rstrip(".:;")
+    return stated[:90] or type(error).__name__
 
 
 def _is_graphics(name: str) -> bool:

@@ -74,7 +74,7 @@ class AmgMethod:
             return (0.0,)
         seen: list[float] = []
 
-        def tell(_: Float64) -> None:
+        def notify(_: Float64) -> None:
             if report is not None and len(seen) > 1:
                 report(seen[-1] / start)
 
@@ -87,7 +87,7 @@ class AmgMethod:
                 maxiter=max_iterations,
                 M=self._hierarchy.aspreconditioner(cycle="V"),
                 residuals=seen,
-                callback=tell,
+                callback=notify,
             )
         if np.isfinite(x).all():
             z[self._unknown] += x

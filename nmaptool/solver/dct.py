@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from nmaptool.core.arrays import Float32, Float64
-from nmaptool.core.parallel import cores, each_band
+from nmaptool.core.parallel import cores, for_each_band
 from nmaptool.solver.method import Report
 from nmaptool.solver.operator import rows_at_once
 from nmaptool.solver.system import QuadSystem
@@ -49,7 +49,7 @@ class DctMethod:
         def add(band: slice) -> None:
             z[band] += residual[band]
 
-        each_band(len(z), rows_at_once(z.shape[1]), add)
+        for_each_band(len(z), rows_at_once(z.shape[1]), add)
         return (0.0,)
 
     def _solve(self, values: NDArray[Any]) -> None:
@@ -65,7 +65,7 @@ class DctMethod:
                 eigenvalues[0, 0] = np.inf  # beta = 0: the constant is free
             spectrum[band] /= eigenvalues
 
-        each_band(len(spectrum), rows_at_once(spectrum.shape[1]), divide)
+        for_each_band(len(spectrum), rows_at_once(spectrum.shape[1]), divide)
         heights = fft.idctn(spectrum, type=1, workers=cores(), overwrite_x=True)
         if not np.may_share_memory(heights, values):
             values[:] = heights

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64, Mask
-from nmaptool.core.grid import touching
+from nmaptool.core.grid import touching_vertices
 from nmaptool.solver.runs import Runs
 from nmaptool.solver.system import QuadSystem, See
 
@@ -78,7 +78,7 @@ class Islands:
         """(count+1,) bool: islands without a held vertex."""
         held = self._system.held
         if self.count == 1:
-            return np.array([False, not (held.any() and (held & touching(self._faces != 0)).any())])
+            return np.array([False, not (held.any() and (held & touching_vertices(self._faces != 0)).any())])
         loose = np.ones(self.count + 1, bool)
         if held.any():
             loose = self._runs.sums(lambda band: held[band].reshape(-1).astype(np.float64)) == 0

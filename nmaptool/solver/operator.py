@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64, Mask
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 
 # NumPy lets other threads run during pieces of this size without much waiting for its lock
 ELEMENTS_AT_ONCE = 1 << 16
@@ -70,7 +70,7 @@ class Operator:
             finish(band, product, other)
             self._spare.append(room)
 
-        each_band(len(self._beta), self._rows_at_once, work)
+        for_each_band(len(self._beta), self._rows_at_once, work)
 
     def around(self, band: slice) -> Float64:
         """(rows, W+1) sum of the face weights around each vertex of a band."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 from nmaptool.solver.operator import rows_at_once
 
 Labels = NDArray[np.signedinteger[Any] | np.bool_]
@@ -49,7 +49,7 @@ class Runs:
             starts[number] = np.concatenate([[0], first])
             labels[number] = flat[starts[number]].astype(np.int32)
 
-        each_band(rows, self._step, cut)
+        for_each_band(rows, self._step, cut)
         self._starts = starts
         self._places = np.concatenate([[0], np.cumsum([len(each) for each in starts])])
         self.labels = np.concatenate(labels)
@@ -76,7 +76,7 @@ class Runs:
         def look(band: slice) -> None:
             found[self.of(band)] = self.add(band, of(band))
 
-        each_band(self.shape[0], self._step, look)
+        for_each_band(self.shape[0], self._step, look)
         return self.total(found)
 
     def total(self, of_runs: Float64) -> Float64:
@@ -90,7 +90,7 @@ class Runs:
 
     def each(self, work: Callable[[slice], object]) -> None:
         """Call ``work`` with every band."""
-        each_band(self.shape[0], self._step, work)
+        for_each_band(self.shape[0], self._step, work)
 
     def firsts(self) -> NDArray[np.intp]:
         """(count+1,) flat place of the first vertex of each label; of no meaning for a label that no vertex has."""

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.errors import InputError
-from nmaptool.core.grid import corner_mean, touching
-from nmaptool.core.parallel import each_band
+from nmaptool.core.grid import corner_mean, touching_vertices
+from nmaptool.core.parallel import for_each_band
 from nmaptool.solver.operator import Operator, Weights, rows_at_once
 
 # given a band of rows and (rows * (W+1),) float64 of them
@@ -185,13 +185,13 @@ class QuadSystem:
         """(H+1, W+1) bool: vertices to solve for."""
         if self.weight_range[0] > 0:
             return ~self.held
-        out = touching(self.weight > 0)
+        out = touching_vertices(self.weight > 0)
 
         def free(band: slice) -> None:
             out[band] |= self.beta[band] > 0
             out[band] &= ~self.held[band]
 
-        each_band(len(out), rows_at_once(out.shape[1]), free)
+        for_each_band(len(out), rows_at_once(out.shape[1]), free)
         return out
 
     def faces(self) -> tuple[NDArray[np.int32] | Mask, int]:
@@ -242,7 +242,7 @@ def extremes(values: NDArray[Any]) -> tuple[float, float]:
     def look(band: slice) -> None:
         found[band.start] = values[band].min(), values[band].max()
 
-    each_band(len(values), step, look)
+    for_each_band(len(values), step, look)
     return float(found[::step, 0].min()), float(found[::step, 1].max())
 
 

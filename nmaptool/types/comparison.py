@@ -94,11 +94,11 @@ class Verdict:
     held_deg: tuple[float, ...]
     ratio_low: float | None
     ratio_high: float | None
-    words: str
+    summary: str
 
 
 @dataclass(frozen=True, eq=False)
-class Shot:
+class RenderedView:
     """A picture of a contender, at twice the size it is shown in.
 
     Attributes
@@ -148,7 +148,7 @@ class Comparison:
     contenders: Mapping[str, Contender]
     curves: Mapping[str, tuple[CurvePoint, ...]]
     verdicts: tuple[Verdict, ...]
-    shots: Mapping[str, Shot]
+    rendered_views: Mapping[str, RenderedView]
     seconds: Mapping[str, float] = field(default_factory=dict)
 
     def to_dict(self) -> dict[str, Any]:

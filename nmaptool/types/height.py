@@ -8,7 +8,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask, read_only
 from nmaptool.core.errors import InputError
-from nmaptool.core.grid import corner_mean, touching
+from nmaptool.core.grid import corner_mean, touching_vertices
 from nmaptool.types.picture import Frame
 
 DEFAULT_LONGER_SIDE_MM = 100.0
@@ -58,7 +58,7 @@ class Height:
     @property
     def vertex_mask(self) -> Mask:
         """(H+1, W+1) bool: vertices that touch the domain."""
-        return touching(self.domain)
+        return touching_vertices(self.domain)
 
     @property
     def range_mm(self) -> tuple[float, float]:

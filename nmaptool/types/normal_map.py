@@ -8,7 +8,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask, read_only
 from nmaptool.core.errors import InputError
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 from nmaptool.types.picture import Frame
 
 UNIT_TOLERANCE = 1e-3
@@ -108,5 +108,5 @@ def _are_unit(normals: Float32) -> bool:
         off.append(not (length2.min() >= 1 - 2 * UNIT_TOLERANCE and length2.max() <= 1 + 2 * UNIT_TOLERANCE))
 
     with np.errstate(over="ignore", invalid="ignore"):
-        each_band(len(normals), max(1, _VECTORS_AT_ONCE // normals.shape[1]), look)
+        for_each_band(len(normals), max(1, _VECTORS_AT_ONCE // normals.shape[1]), look)
     return not any(off)

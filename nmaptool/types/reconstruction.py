@@ -133,7 +133,7 @@ class SmoothReport:
 
 
 @dataclass(frozen=True, eq=False)
-class Smoothed:
+class SmoothResult:
     """A mesh with less or more of its detail.
 
     Attributes

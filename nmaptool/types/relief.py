@@ -14,7 +14,7 @@ from nmaptool.types.height import Height
 
 
 @dataclass(frozen=True, eq=False)
-class SolveReport:
+class ReliefReport:
     """What a relief run did.
 
     Attributes
@@ -100,7 +100,7 @@ class Relief:
 
     height: Height
     foreground: Mask
-    report: SolveReport
+    report: ReliefReport
 
     @property
     def z_mm(self) -> Float64:

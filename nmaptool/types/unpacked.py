@@ -48,7 +48,7 @@ class UnpackedLayer:
 
 
 @dataclass(frozen=True, eq=False)
-class Unpacked:
+class UnpackResult:
     """All layers of a workspace, and what an editor did to it.
 
     Parameters
@@ -74,7 +74,7 @@ class Unpacked:
     bits: int
     layers: tuple[UnpackedLayer, ...]
     findings: tuple[WorkspaceFinding, ...]
-    has_words: bool
+    has_metadata: bool
     ground: str = "clear"
 
     def to_dict(self) -> dict[str, Any]:
@@ -102,7 +102,7 @@ class Unpacked:
             "pitch_mm": self.frame.pitch_mm,
             "bits": self.bits,
             "ground": self.ground,
-            "has_words": self.has_words,
+            "has_words": self.has_metadata,
             "layers": layers,
             "findings": [asdict(finding) for finding in self.findings],
         }

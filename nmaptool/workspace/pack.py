@@ -67,7 +67,7 @@ def pack(
     names = unique_names([_plain(one.name or _stem(one.normal_map.name)) for one in placed])
     groups = _groups(placed)
     layers = tuple(_layer(*one, bits) for one in zip(placed, names, groups, strict=True))
-    words: dict[str, Any] = {
+    metadata: dict[str, Any] = {
         "nmaptool": __version__,
         "canvas": [frame.cols, frame.rows],
         "pitch_mm": frame.pitch_mm,
@@ -75,7 +75,7 @@ def pack(
         "ground": ground,
         "layers": [dict(layer.facts) for layer in layers],
     }
-    return Workspace(frame, layers, bits, options.half, metadata=words)
+    return Workspace(frame, layers, bits, options.half, metadata=metadata)
 
 
 def common_frame(maps: Sequence[NormalMap]) -> Frame:

@@ -11,7 +11,7 @@ import numpy as np
 
 from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import Frame
-from nmaptool.types.unpacked import Unpacked, UnpackedLayer
+from nmaptool.types.unpacked import UnpackedLayer, UnpackResult
 from nmaptool.types.workspace import NORMAL_BLEND, PASS_THROUGH, Workspace, WorkspaceFinding, WorkspaceLayer, mask_over
 from nmaptool.workspace.repair import repair_layer, signature_of
 from nmaptool.workspace.signature import signature_from
@@ -21,7 +21,7 @@ _PASSING = (NORMAL_BLEND, PASS_THROUGH)
 _RENAMED = 0.02
 
 
-def unpack(workspace: Workspace) -> Unpacked:
+def unpack(workspace: Workspace) -> UnpackResult:
     """Take a workspace apart after an editor's hand.
 
     Parameters
@@ -34,15 +34,15 @@ def unpack(workspace: Workspace) -> Unpacked:
     """
     facts = _facts(workspace)
     matched, renamed = _matched(workspace.layers, facts)
-    words = workspace.metadata or {}
-    bits = words.get("bits")
+    metadata = workspace.metadata or {}
+    bits = metadata.get("bits")
     packed_bits = bits if isinstance(bits, int) else None
     layers = tuple(_unpacked(layer, workspace.frame, packed_bits) for layer in matched)
     whole = _of_the_whole(workspace, facts, matched, renamed)
     inside = [finding for layer in layers for finding in layer.findings]
     findings = (*whole, *_said_once(inside, len(layers)))
-    ground = "flat" if words.get("ground") == "flat" else "clear"
-    return Unpacked(workspace.name, workspace.frame, workspace.bits, layers, findings, bool(facts), ground)
+    ground = "flat" if metadata.get("ground") == "flat" else "clear"
+    return UnpackResult(workspace.name, workspace.frame, workspace.bits, layers, findings, bool(facts), ground)
 
 
 def _said_once(findings: list[WorkspaceFinding], layers: int) -> list[WorkspaceFinding]:
@@ -135,9 +135,9 @@ def _of_the_whole(
 ) -> tuple[WorkspaceFinding, ...]:
     found: list[tuple[str, str | None, str, str]] = []
     if workspace.color_profile is not None:
-        words = f"carries a colour profile ({workspace.color_profile}), as if it were a photograph"
+        metadata = f"carries a colour profile ({workspace.color_profile}), as if it were a photograph"
         remedy = "it is ignored here, but editors may convert the values by it: save without a profile"
-        found.append(("color-profile", None, words, remedy))
+        found.append(("color-profile", None, metadata, remedy))
     for name, what in workspace.skipped:
         remedy = "rasterise it into a layer of pixels, or delete it"
         found.append(("skipped", name, f"is no layer of pixels ({what}) and was left out", remedy))
@@ -148,13 +148,13 @@ def _of_the_whole(
         here = {layer.name for layer in layers} | set(renamed.values())
         for one in facts:
             if one["name"] not in here:
-                words = "was packed and is not in the file any more"
-                found.append(("missing", one["name"], words, "nothing to do if it was deleted on purpose"))
+                metadata = "was packed and is not in the file any more"
+                found.append(("missing", one["name"], metadata, "nothing to do if it was deleted on purpose"))
         known = {one["name"] for one in facts} | set(renamed)
         for layer in layers:
             if layer.name not in known:
-                words = "is new: an editor made it, so what was done to it cannot be told"
-                found.append(("added", layer.name, words, "check it with nmap inspect"))
+                metadata = "is new: an editor made it, so what was done to it cannot be told"
+                found.append(("added", layer.name, metadata, "check it with nmap inspect"))
         for new, old in renamed.items():
             found.append(("renamed", new, f"was called {old!r} when it was packed", "nothing to do"))
     return tuple(WorkspaceFinding(*one) for one in found)

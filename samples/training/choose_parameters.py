@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from surface import Array, Surface, angle_deg
 
 import nmaptool as nm
-from nmaptool.filters.rolling import roll, separate
+from nmaptool.filters.rolling import roll, split_residuals
 from nmaptool.filters.surface import gather_surface
 
 SIZES = (1.5, 2, 3, 4, 5, 6, 8, 10, 12)
@@ -55,7 +55,7 @@ def angles(mesh: TrainingMesh, given: nm.Mesh, size: float, likeness: float, wei
     guides_last = roll(geometry.normals, kept, max(PASSES))
     for passes in PASSES:
         filtered = guides_last if passes == max(PASSES) else guides[passes - 1]
-        base = separate(geometry.normals, filtered, areas).base
+        base = split_residuals(geometry.normals, filtered, areas).base
         off = angle_deg(base / np.linalg.norm(base, axis=1, keepdims=True), mesh.clean_normals)
         rnf = float(np.average(angle_deg(filtered, mesh.clean_normals), weights=areas))
         score = float(np.average(off, weights=weights))

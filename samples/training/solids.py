@@ -12,7 +12,7 @@ from surface import Array
 Rng = np.random.Generator
 
 
-def grown(p: Array, rods: Sequence[tuple[Point, Point, float, float]], soft: float) -> Array:
+def dilated(p: Array, rods: Sequence[tuple[Point, Point, float, float]], soft: float) -> Array:
     """Rods that grow together."""
     total = rod(p, *rods[0])
     for one in rods[1:]:
@@ -95,7 +95,7 @@ def vessels(p: Array) -> Array:
                 rods.append((start, end, size * 0.85, size * 0.66))
                 following.append((end, np.degrees(angle), size * 0.74, length * 0.84))
         ends = following
-    return grown(p, rods, 0.8)
+    return dilated(p, rods, 0.8)
 
 
 def shell(p: Array) -> Array:
@@ -105,7 +105,7 @@ def shell(p: Array) -> Array:
     rim = np.stack([7.3 * np.cos(turn), 10.3 * np.sin(turn), 0.9 + 0 * turn], 1)
     loop = [(a, b, 0.8, 0.8) for a, b in pairwise(rim)]
     ridge = [((-1.5, -5.5, -2.6), (2.2, -1, -2.7), 0.9, 1.1), ((2.2, -1, -2.7), (1.5, 5.5, -2.2), 1.1, 0.8)]
-    return join(join(bowl, grown(p, loop, 0.2), 0.8), grown(p, ridge, 0.5), 0.8)
+    return join(join(bowl, dilated(p, loop, 0.2), 0.8), dilated(p, ridge, 0.5), 0.8)
 
 
 def disk_part(p: Array) -> Array:

@@ -31,7 +31,7 @@ def filter_to_arrays(model: FilterModel) -> dict[str, NDArray[Any]]:
         "kind": _FILTER,
         "descriptor": dataclasses.asdict(model.descriptor),
         "networks": [len(stage.networks) for stage in model.stages],
-        "account": dict(model.account),
+        "account": dict(model.metadata),
     }
     parts = [(stage.centers, stage.networks) for stage in model.stages]
     return {"header": _text(header), **_parts_to_arrays(parts)}
@@ -49,13 +49,13 @@ def filter_from_arrays(arrays: Arrays) -> FilterModel:
     try:
         given = header["descriptor"]
         descriptor = DescriptorOptions(tuple(given["sigma_s"]), tuple(given["sigma_r"]), given["passes"])
-        account = dict(header["account"])
+        metadata = dict(header["account"])
         parts = _parts_from_arrays(arrays, header["networks"])
     except InputError:
         raise
     except (KeyError, TypeError, ValueError, UsageError):
         raise InputError("its header is damaged") from None
-    return FilterModel(descriptor, tuple(Stage(*part) for part in parts), account)
+    return FilterModel(descriptor, tuple(Stage(*part) for part in parts), metadata)
 
 
 def training_to_arrays(state: TrainingState) -> dict[str, NDArray[Any]]:

@@ -28,7 +28,7 @@ def canonical_frames(descriptors: Float32) -> Float32:
     return (axes * np.where(along < 0, -1, 1)[..., None]).astype(np.float32)
 
 
-def framed(normals: Float64, descriptors: Float32) -> tuple[Float32, Float32]:
+def in_canonical_frame(normals: Float64, descriptors: Float32) -> tuple[Float32, Float32]:
     """`canonical_frames` of described faces, and the inputs of the networks in them."""
     frames = canonical_frames(descriptors)
     return frames, in_frames(normals, descriptors, frames)

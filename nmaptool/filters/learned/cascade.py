@@ -8,8 +8,8 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64
 from nmaptool.core.progress import Progress
-from nmaptool.filters.learned.canonical import framed
-from nmaptool.filters.learned.fitting import kind_of
+from nmaptool.filters.learned.canonical import in_canonical_frame
+from nmaptool.filters.learned.fitting import nearest_cluster
 from nmaptool.filters.learned.model import FilterModel, Stage
 
 # guide (M, 3) float64 or None -> (M, K, 4) float32 filtered normals and their agreement
@@ -30,10 +30,10 @@ def apply_stage(stage: Stage, frames: Float32, inputs: Float32) -> Float64:
     (M, 3) float64
         Unit normals.
     """
-    kinds = kind_of(inputs, stage.centers)
+    clusters = nearest_cluster(inputs, stage.centers)
     own = np.empty((len(inputs), 3), np.float32)
     for number, network in enumerate(stage.networks):
-        those = np.flatnonzero(kinds == number)
+        those = np.flatnonzero(clusters == number)
         own[those] = network(inputs.take(those, axis=0))
     normals = np.einsum("mij,mi->mj", frames, own, dtype=np.float64)
     return np.asarray(normals / np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None])
@@ -59,11 +59,11 @@ def refine(model: FilterModel, normals: Float64, describe: Describe, progress: P
     count = len(model.stages)
     for number, stage in enumerate(model.stages):
 
-        def tell(_: str, share: float, number: int = number) -> None:
+        def notify(_: str, share: float, number: int = number) -> None:
             if progress is not None:
                 progress("filtering", (number + share) / count)
 
         # the first stage begins as rolling guidance does; the others are led by what the one before found
-        descriptors = describe(normals if number else None, tell)
-        normals = apply_stage(stage, *framed(normals, descriptors))
+        descriptors = describe(normals if number else None, notify)
+        normals = apply_stage(stage, *in_canonical_frame(normals, descriptors))
     return normals

@@ -7,14 +7,14 @@ from collections.abc import Callable
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64
-from nmaptool.filters.learned.network import Lesson, Network, Shape, split_parameters
+from nmaptool.filters.learned.network import Network, Shape, TrainingLoss, split_parameters
 
 _CLUSTER_STEPS = 40
 # inputs that vary by less are as good as constant
 _LEAST_SPREAD = 1e-3
 
 
-def find_kinds(inputs: Float32, count: int, rng: np.random.Generator) -> Float32:
+def find_clusters(inputs: Float32, count: int, rng: np.random.Generator) -> Float32:
     """Centres of kinds of neighbourhood: k-means.
 
     Parameters
@@ -33,7 +33,7 @@ def find_kinds(inputs: Float32, count: int, rng: np.random.Generator) -> Float32
     return np.asarray(centers, np.float32)
 
 
-def kind_of(inputs: Float32, centers: Float32) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+def nearest_cluster(inputs: Float32, centers: Float32) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
     """(M,) number of the nearest centre, told by as many of the inputs as a centre has."""
     inputs = inputs[:, : centers.shape[1]]
     far = np.einsum("kd,kd->k", centers, centers) - 2 * (inputs @ centers.T)
@@ -77,7 +77,7 @@ def fit_network(
 
     mean = inputs.mean(axis=0, dtype=np.float64)
     spread = np.maximum(inputs.std(axis=0, dtype=np.float64), _LEAST_SPREAD)
-    lesson = Lesson(inputs, targets, mean, spread)
+    lesson = TrainingLoss(inputs, targets, mean, spread)
     shape = Shape(inputs.shape[1], hidden, mixed)
     start = np.zeros(shape.weights)
     w1, _, w2, _ = split_parameters(start, shape)
@@ -85,7 +85,7 @@ def fit_network(
     w2[:] = rng.normal(0, 0.1 / np.sqrt(hidden), w2.shape)
     count = 0
 
-    def tell(_: Float64) -> None:
+    def notify(_: Float64) -> None:
         nonlocal count
         count += 1
         if step_done is not None:
@@ -97,7 +97,7 @@ def fit_network(
         args=(shape, weight_decay),
         jac=True,
         method="L-BFGS-B",
-        callback=tell,
+        callback=notify,
         options={"maxiter": steps, "maxcor": 20, "ftol": 1e-9, "gtol": 1e-7},
     )
     w1, b1, w2, b2 = split_parameters(found.x, shape)

@@ -76,7 +76,7 @@ class FilterModel:
 
     descriptor: DescriptorOptions
     stages: tuple[Stage, ...]
-    account: Mapping[str, Any] = field(default_factory=dict)
+    metadata: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.stages:

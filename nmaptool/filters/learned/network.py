@@ -106,7 +106,7 @@ def split_parameters(flat: Float64, shape: Shape) -> tuple[Float64, Float64, Flo
 
 
 @dataclass(frozen=True, eq=False)
-class Lesson:
+class TrainingLoss:
     """What a network is fitted to.
 
     Parameters

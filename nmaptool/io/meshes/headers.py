@@ -149,7 +149,7 @@ def _is_possible(ending: str, head: bytes, size: int) -> bool:
     return ending == "gltf" and _JSON.match(head) is not None
 
 
-def look(path: Path) -> MeshFile:
+def identify_mesh_file(path: Path) -> MeshFile:
     """Recognise a mesh file by its ending and its bytes.
 
     Raises

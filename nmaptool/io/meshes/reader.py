@@ -17,7 +17,7 @@ from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError, LimitError, UsageError, reason_of
 from nmaptool.io.meshes import gltf, ply
 from nmaptool.io.meshes import text as mesh_text
-from nmaptool.io.meshes.headers import STL_FACE, STL_HEADER, MeshFile, look
+from nmaptool.io.meshes.headers import STL_FACE, STL_HEADER, MeshFile, identify_mesh_file
 from nmaptool.io.meshes.polygons import recut
 from nmaptool.types.mesh import Mesh
 
@@ -67,7 +67,7 @@ def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX
         raise UsageError(f"--unit {unit!r}: use one of {', '.join(_MM)}")
     if max_faces < 1:
         raise UsageError(f"--max-faces {max_faces}: must be at least 1")
-    file = look(Path(path))
+    file = identify_mesh_file(Path(path))
     try:
         vertices, faces, made = _surface(file, max_faces)
         _check(file, vertices, faces, max_faces)

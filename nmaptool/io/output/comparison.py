@@ -61,7 +61,7 @@ def write_comparison(
     *,
     report: str | Path | None = None,
     overwrite: bool = False,
-    account: Mapping[str, Any] | None = None,
+    metadata: Mapping[str, Any] | None = None,
 ) -> None:
     """Write a comparison as a figure and as JSON: both appear, or none.
 
@@ -87,7 +87,7 @@ def write_comparison(
     places = [None if path is None else Path(path) for path in (figure, report)]
     files = ComparisonFiles(places[0], places[1], overwrite)
     files.check()
-    values = {"version": __version__, **comparison.to_dict()} if account is None else account
+    values = {"version": __version__, **comparison.to_dict()} if metadata is None else metadata
     with written_beside(files.targets, overwrite) as beside:
         for target, temporary in zip(files.targets, beside, strict=True):
             with named(target, temporary):

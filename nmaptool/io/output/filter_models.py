@@ -93,7 +93,7 @@ class TrainingFiles:
         if self.state is not None:
             write_training(state, self.state)
 
-    def write(self, model: FilterModel, account: Mapping[str, Any]) -> None:
+    def write(self, model: FilterModel, metadata: Mapping[str, Any]) -> None:
         """Write the filter and its report, both or none; the state has served then and goes.
 
         Raises
@@ -106,7 +106,7 @@ class TrainingFiles:
                 beside[0].write_bytes(_packed(filter_to_arrays(model)))
             if self.report is not None:
                 with named(self.report, beside[1]):
-                    beside[1].write_text(json.dumps(account, indent=2) + "\n")
+                    beside[1].write_text(json.dumps(metadata, indent=2) + "\n")
         if self.state is not None:
             self.state.unlink(missing_ok=True)
 

@@ -14,7 +14,7 @@ from nmaptool._version import __version__
 from nmaptool.core.errors import OutputError, UsageError, reason_of
 from nmaptool.figures.contact_sheet import contact_sheet
 from nmaptool.figures.mixture import mixture_plot
-from nmaptool.io.output.maps import curl_shot
+from nmaptool.io.output.maps import curl_image
 from nmaptool.io.pictures.layer_pictures import NORMAL_LAYERS, layer_picture
 from nmaptool.io.pictures.writer import write_image, write_pictures
 from nmaptool.io.replace import check_target, named, written_beside
@@ -174,7 +174,7 @@ def write_layers(
     report: str | Path | None = None,
     curl: str | Path | None = None,
     overwrite: bool = False,
-    account: Mapping[str, Any] | None = None,
+    metadata: Mapping[str, Any] | None = None,
 ) -> list[Path]:
     """Write layer sets and a contact sheet: all files appear, or none.
 
@@ -220,7 +220,7 @@ def write_layers(
     plot, report, curl = (Path(p) if p is not None else None for p in (plot, report, curl))
     files = LayerFiles(Path(output), format, depth, faces, plot, report, curl, views, overwrite)
     files.check()
-    values = account or {"version": __version__, "layers": [layers.report.to_dict() for layers in sets]}
+    values = metadata or {"version": __version__, "layers": [layers.report.to_dict() for layers in sets]}
     jobs: list[Callable[[Path], object]] = []
     # pictures are made as they are written: all at once would cost twice the memory
     if files.is_one_file:
@@ -232,7 +232,7 @@ def write_layers(
     if files.plot is not None:
         jobs.append(partial(_write_look, pixels=lambda: mixture_plot(sets[0].report.mixture), kind="plot"))
     if files.curl is not None:
-        jobs.append(lambda path: write_pictures(path, [curl_shot(sets[0].base)]))
+        jobs.append(lambda path: write_pictures(path, [curl_image(sets[0].base)]))
     if files.report is not None:
         jobs.append(lambda path: path.write_text(json.dumps(values, indent=2) + "\n"))
     with files.folders(), written_beside(files.targets, overwrite) as beside:

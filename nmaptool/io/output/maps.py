@@ -75,7 +75,7 @@ def write_map_files(
     files: MapFiles,
     normal_map: NormalMap,
     pictures: Mapping[str, Callable[[], Picture]],
-    account: Mapping[str, Any],
+    metadata: Mapping[str, Any],
     recipe: str,
     attributes: Mapping[str, str] | None = None,
 ) -> None:
@@ -100,12 +100,12 @@ def write_map_files(
         As `MapFiles.check`, or if writing fails.
     """
     files.check()
-    known: dict[str, Callable[[], Picture]] = {"curl": partial(curl_shot, normal_map), **pictures}
+    known: dict[str, Callable[[], Picture]] = {"curl": partial(curl_image, normal_map), **pictures}
     with written_beside(files.targets, files.overwrite) as beside:
         for target, temporary in zip(files.targets, beside, strict=True):
             with named(target, temporary):
                 if target is files.report:
-                    temporary.write_text(json.dumps(account, indent=2) + "\n")
+                    temporary.write_text(json.dumps(metadata, indent=2) + "\n")
                 elif target is files.output:
                     picture = map_picture(normal_map, target.suffix.lower(), files.options)
                     facts = {**(attributes or {}), **picture.attributes, "recipe": recipe}
@@ -115,7 +115,7 @@ def write_map_files(
                     write_pictures(temporary, [known[kind]()])
 
 
-def curl_shot(normal_map: NormalMap) -> Picture:
+def curl_image(normal_map: NormalMap) -> Picture:
     """`nmaptool.curl_picture` as a file holds it, its scale in the metadata."""
     scale = {"black": repr(DARKEST), "white": repr(BRIGHTEST), "unit": "slope per px"}
     facts = {"kind": "curl", "version": __version__, **scale}
@@ -131,7 +131,7 @@ def write_composition(
     placed: str | Path | None = None,
     report: str | Path | None = None,
     overwrite: bool = False,
-    account: Mapping[str, Any] | None = None,
+    metadata: Mapping[str, Any] | None = None,
     recipe: str | None = None,
 ) -> None:
     """Write a composition: all files appear, or none.
@@ -166,7 +166,7 @@ def write_composition(
     pictures = {kind: Path(path) for kind, path in named_pictures.items() if path is not None}
     files = MapFiles(Path(output), options or WriteOptions(), pictures, Path(report) if report else None, overwrite)
     recipe = composition_recipe(composition) if recipe is None else recipe
-    values = account or composition.report.to_dict()
+    values = metadata or composition.report.to_dict()
     write_map_files(files, composition.normal_map, {"placed": partial(placed_picture, composition)}, values, recipe)
 
 

@@ -62,7 +62,7 @@ def write_mesh(
     *outputs: str | Path,
     report: str | Path | None = None,
     overwrite: bool = False,
-    account: Mapping[str, Any] | None = None,
+    metadata: Mapping[str, Any] | None = None,
 ) -> None:
     """Write a mesh to any number of files: all of them appear, or none.
 
@@ -88,7 +88,7 @@ def write_mesh(
     """
     files = MeshFiles([Path(p) for p in outputs], Path(report) if report is not None else None, overwrite)
     files.check()
-    values = {"version": __version__, "vertices": len(mesh.vertices), "faces": len(mesh.faces), **(account or {})}
+    values = {"version": __version__, "vertices": len(mesh.vertices), "faces": len(mesh.faces), **(metadata or {})}
     with written_beside(files.targets, overwrite) as beside:
         for target, temporary in zip(files.targets, beside, strict=True):
             with named(target, temporary):

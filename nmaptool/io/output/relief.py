@@ -74,7 +74,7 @@ def write_relief(
     preview: str | Path | None = None,
     report: str | Path | None = None,
     overwrite: bool = False,
-    account: Mapping[str, Any] | None = None,
+    metadata: Mapping[str, Any] | None = None,
 ) -> None:
     """Write a relief to any number of files: all of them appear, or none.
 
@@ -106,7 +106,7 @@ def write_relief(
         overwrite,
     )
     files.check()
-    report_values = relief.report.to_dict() if account is None else account
+    report_values = relief.report.to_dict() if metadata is None else metadata
     recipe = {key: report_values[key] for key in ("options", "reading", "files") if key in report_values}
     attributes = {"version": __version__, **{key: json.dumps(value) for key, value in recipe.items()}}
     mesh: Mesh | None = None

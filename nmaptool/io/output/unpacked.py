@@ -24,7 +24,7 @@ from nmaptool.io.unfinished import unfinished
 from nmaptool.maps.codec import grey_codes
 from nmaptool.options import CanvasOptions, GroupOptions, LayerMode, LayerOptions
 from nmaptool.types.recipe import Recipe, RecipeGroup, RecipeLayer
-from nmaptool.types.unpacked import Unpacked, UnpackedLayer
+from nmaptool.types.unpacked import UnpackedLayer, UnpackResult
 from nmaptool.types.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceGroup
 
 FORMATS = ("exr", "png")
@@ -127,13 +127,13 @@ class UnpackedFiles:
 
 
 def write_unpacked(
-    unpacked: Unpacked,
+    unpacked: UnpackResult,
     folder: str | Path,
     *,
     format: str = "exr",
     report: str | Path | None = None,
     overwrite: bool = False,
-    account: Mapping[str, Any] | None = None,
+    metadata: Mapping[str, Any] | None = None,
 ) -> list[Path]:
     """Write a map per layer, masks, and ``recipe.toml``: all files appear, or none.
 
@@ -177,7 +177,7 @@ def write_unpacked(
     text = recipe_text(unpacked, entries)
     jobs.append((files.folder / RECIPE, lambda path: path.write_text(text, encoding="utf-8")))
     if files.report is not None:
-        values = json.dumps(account if account is not None else unpacked.to_dict(), indent=2) + "\n"
+        values = json.dumps(metadata if metadata is not None else unpacked.to_dict(), indent=2) + "\n"
         jobs.append((files.report, lambda path: path.write_text(values)))
     targets = [target for target, _ in jobs]
     source = Path(unpacked.name)
@@ -199,7 +199,7 @@ def _write_mask(path: Path, layer: UnpackedLayer) -> None:
     write_image(path, grey_codes(layer.mask, 16)[..., None], ("Y",), {"kind": "mask", "version": __version__})
 
 
-def recipe_text(unpacked: Unpacked, entries: Sequence[Mapping[str, str]]) -> str:
+def recipe_text(unpacked: UnpackResult, entries: Sequence[Mapping[str, str]]) -> str:
     """The recipe that ``nmap compose stack`` composes the layers by again, bottom to top.
 
     Parameters
@@ -213,8 +213,8 @@ def recipe_text(unpacked: Unpacked, entries: Sequence[Mapping[str, str]]) -> str
     canvas = CanvasOptions(f"{frame.cols}x{frame.rows}", width, "flat" if unpacked.ground == "flat" else "clear")
     pairs = list(zip(unpacked.layers, entries, strict=True))
     recipe = Recipe(tuple(_entries(pairs, 0)), canvas, name=unpacked.name)
-    said = f"# {_plain(Path(unpacked.name).name)}, unpacked by nmaptool {__version__}; bottom to top\n\n"
-    return said + to_toml(recipe)
+    stated = f"# {_plain(Path(unpacked.name).name)}, unpacked by nmaptool {__version__}; bottom to top\n\n"
+    return stated + to_toml(recipe)
 
 
 def _mixed_first(layer: UnpackedLayer) -> tuple[WorkspaceGroup, ...]:

@@ -73,9 +73,9 @@ def convert(
     image = read_raster(path_in, reading)
     result, writing = convert_image(image, bits_of(output, writing), reading, writing)
     files = MapFiles(output, writing, pictures, files.report, overwrite)
-    account = {"input": str(path_in), **result.report.to_dict(), "outputs": [str(path) for path in files.targets]}
+    metadata = {"input": str(path_in), **result.report.to_dict(), "outputs": [str(path) for path in files.targets]}
     recipe = conversion_recipe(image, result.report)
-    write_map_files(files, result.normal_map, {}, account, recipe, kept_attributes(image))
+    write_map_files(files, result.normal_map, {}, metadata, recipe, kept_attributes(image))
     return result
 
 

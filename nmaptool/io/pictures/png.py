@@ -51,9 +51,9 @@ def check_size(path: Path, cols: int, rows: int, max_megapixels: float) -> None:
     """
     megapixels = cols * rows / 1e6
     if megapixels > max_megapixels:
-        said = f"{megapixels:.0f}" if megapixels >= 10 else f"{megapixels:.2g}"
+        stated = f"{megapixels:.0f}" if megapixels >= 10 else f"{megapixels:.2g}"
         raise LimitError(
-            f"{path}: {cols} x {rows} is {said} megapixels, more than the limit of {max_megapixels:g}; "
+            f"{path}: {cols} x {rows} is {stated} megapixels, more than the limit of {max_megapixels:g}; "
             "make it smaller or raise --max-megapixels"
         )
 

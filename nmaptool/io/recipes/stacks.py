@@ -130,8 +130,8 @@ class _Pictures:
             layers = tuple(self.layers(entry.layers))
             if not layers:  # all of them hidden
                 return None
-            return _told(entry, lambda: LayerGroup(layers, entry.options, self._mask(entry)))
-        return _told(entry, lambda: Layer(self._map(entry), entry.options, self._mask(entry)))
+            return _with_context(entry, lambda: LayerGroup(layers, entry.options, self._mask(entry)))
+        return _with_context(entry, lambda: Layer(self._map(entry), entry.options, self._mask(entry)))
 
     def _map(self, entry: RecipeLayer) -> NormalMap:
         source = str(self.folder / entry.file)
@@ -170,7 +170,7 @@ class _Pictures:
             raise LimitError(f"{error} ({spent})") from None
 
 
-def _told(entry: Entry, make: Callable[[], _T]) -> _T:
+def _with_context(entry: Entry, make: Callable[[], _T]) -> _T:
     """What ``make`` makes; its errors say which layer of which recipe they are about."""
     try:
         return make()

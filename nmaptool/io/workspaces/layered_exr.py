@@ -9,8 +9,8 @@ import numpy as np
 
 from nmaptool.io.pictures.reader import read_pages
 from nmaptool.io.pictures.writer import Picture, write_pictures
-from nmaptool.io.workspaces import metadata as words
-from nmaptool.io.workspaces.pages import Page, layers_of, page_attributes, said_of
+from nmaptool.io.workspaces import metadata as metadata
+from nmaptool.io.workspaces.pages import Page, layers_of, page_attributes, page_metadata
 from nmaptool.types.picture import Frame
 from nmaptool.types.workspace import MASK_SUFFIX, Workspace
 
@@ -57,8 +57,8 @@ def read_layered_exr(path: Path, max_megapixels: float) -> Workspace:
         for i, page in enumerate(placed)
     ]
     layers, own, orphans = layers_of(pages)
-    first: dict[str, Any] | None = next((said for said in (said_of(p.image) for p in placed) if said), None)
-    frame = Frame(max(p.rows for p in placed), max(p.cols for p in placed), words.pitch_in(first))
+    first: dict[str, Any] | None = next((said for said in (page_metadata(p.image) for p in placed) if said), None)
+    frame = Frame(max(p.rows for p in placed), max(p.cols for p in placed), metadata.pitch_in(first))
     bits = max(page.image.bits for page in pages) if pages else 32
     half = bool(pages) and all(page.image.bits == 16 and page.image.pixels.dtype == np.float32 for page in pages)
     return Workspace(frame, layers, 32 if half else bits, half, str(path), own, None, tuple(orphans))

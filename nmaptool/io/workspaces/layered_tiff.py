@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.io.pictures.reader import PREFIX, read_pages
-from nmaptool.io.workspaces import metadata as words
+from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.io.workspaces.limits import MOST_LAYERS, Budget
-from nmaptool.io.workspaces.pages import FURTHEST, Page, layers_of, page_attributes, said_of
+from nmaptool.io.workspaces.pages import FURTHEST, Page, layers_of, page_attributes, page_metadata
 from nmaptool.types.picture import Frame
 from nmaptool.types.workspace import MASK_SUFFIX, Workspace
 
@@ -134,7 +134,7 @@ def read_layered_tiff(path: Path, max_megapixels: float) -> Workspace:
         kept = [(tags, image) for tags, image in zip(directories, images, strict=True) if not tags.reduced]
         pages = [Page(t.name or f"page {i + 1}", image, t.left, t.top) for i, (t, image) in enumerate(kept)]
         layers, own, orphans = layers_of(pages)
-    first = next((said for said in map(said_of, images) if said), None)
+    first = next((said for said in map(page_metadata, images) if said), None)
     return Workspace(
         frame=_canvas([tags for tags, _ in kept], first),
         layers=layers,
@@ -149,7 +149,7 @@ def read_layered_tiff(path: Path, max_megapixels: float) -> Workspace:
 def _canvas(pages: list[_Tags], first: Mapping[str, Any] | None) -> Frame:
     """The canvas that the file states, else what holds all pages."""
     size = (first or {}).get("canvas")
-    pitch = words.pitch_in(first)
+    pitch = metadata.pitch_in(first)
     if isinstance(size, list) and len(size) == 2 and all(isinstance(n, int) and 0 < n <= FURTHEST for n in size):
         return Frame(size[1], size[0], pitch)
     cols = max(max(page.left + page.cols, page.full[0]) for page in pages)

@@ -18,7 +18,7 @@ _XMP = (
     '<rdf:Description rdf:about="" xmlns:dc="http://purl.org/dc/elements/1.1/"><dc:source>{0}</dc:source>'
     '</rdf:Description></rdf:RDF></x:xmpmeta>\n<?xpacket end="w"?>'
 )
-_LARGEST_WORDS = 16_000_000
+_LARGEST_METADATA = 16_000_000
 # four-letter keys of Photoshop's blend modes
 _PSD_MODES = {
     "pass": PASS_THROUGH,
@@ -76,14 +76,14 @@ def from_ora_mode(word: str) -> str:
     return word.rpartition(":")[2].replace("-", " ").replace("_", " ")[:40]
 
 
-def to_json(words: Mapping[str, Any]) -> str:
+def to_json(metadata: Mapping[str, Any]) -> str:
     """Compact JSON."""
-    return json.dumps(words, separators=(",", ":"), allow_nan=False)
+    return json.dumps(metadata, separators=(",", ":"), allow_nan=False)
 
 
 def from_json(text: str | bytes) -> dict[str, Any] | None:
     """The words, or None where they are no JSON object: an editor may have cut them."""
-    if len(text) > _LARGEST_WORDS:
+    if len(text) > _LARGEST_METADATA:
         return None
     try:
         found = json.loads(text)
@@ -92,14 +92,14 @@ def from_json(text: str | bytes) -> dict[str, Any] | None:
     return found if isinstance(found, dict) else None
 
 
-def to_xmp(words: Mapping[str, Any]) -> bytes:
+def to_xmp(metadata: Mapping[str, Any]) -> bytes:
     """The words as the property ``dc:source`` of an XMP packet: editors drop properties that they do not know."""
-    return _XMP.format(escape(to_json(words))).encode("utf-8")
+    return _XMP.format(escape(to_json(metadata))).encode("utf-8")
 
 
 def from_xmp(packet: bytes) -> dict[str, Any] | None:
     """The words out of an XMP packet, as an element or as an attribute; None where they are not there."""
-    if b"source" not in packet or len(packet) > _LARGEST_WORDS:
+    if b"source" not in packet or len(packet) > _LARGEST_METADATA:
         return None
     try:
         root = parse_xml(packet.strip(b"\0 \r\n\t"), "XMP")
@@ -115,9 +115,9 @@ def from_xmp(packet: bytes) -> dict[str, Any] | None:
     return None
 
 
-def pitch_in(words: Mapping[str, Any] | None) -> float | None:
+def pitch_in(metadata: Mapping[str, Any] | None) -> float | None:
     """Millimetres per px, or None."""
-    pitch = (words or {}).get("pitch_mm")
+    pitch = (metadata or {}).get("pitch_mm")
     if isinstance(pitch, bool) or not isinstance(pitch, int | float) or not 0 < pitch < 1e6:
         return None
     return float(pitch)

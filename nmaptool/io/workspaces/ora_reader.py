@@ -11,10 +11,10 @@ from nmaptool.core.errors import InputError, LimitError
 from nmaptool.io.pictures.png import SIGNATURE, check_size
 from nmaptool.io.pictures.reader import read_image
 from nmaptool.io.unfinished import temporary_folder
-from nmaptool.io.workspaces import metadata as words
+from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.io.workspaces.limits import Budget
 from nmaptool.io.workspaces.ora_archive import OraArchive
-from nmaptool.io.workspaces.ora_writer import MIMETYPE, WORDS_FILE
+from nmaptool.io.workspaces.ora_writer import METADATA_FILE, MIMETYPE
 from nmaptool.io.workspaces.pages import four_channels, grey_channel
 from nmaptool.io.workspaces.plain_xml import Element, parse_xml
 from nmaptool.types.picture import Frame, RasterImage
@@ -29,7 +29,7 @@ from nmaptool.types.workspace import (
 )
 
 _LARGEST_LIST = 4_000_000
-_LARGEST_WORDS = 16_000_000
+_LARGEST_METADATA = 16_000_000
 _FURTHEST = 1_000_000
 
 
@@ -53,7 +53,7 @@ def read_ora(path: Path, max_megapixels: float) -> Workspace:
             raise archive.damaged()
         cols, rows = (_whole(root, key, archive, 1) for key in ("w", "h"))
         check_size(path, cols, rows, max_megapixels)
-        own = words.from_json(archive.read(WORDS_FILE, _LARGEST_WORDS)) if WORDS_FILE in archive else None
+        own = metadata.from_json(archive.read(METADATA_FILE, _LARGEST_METADATA)) if METADATA_FILE in archive else None
         with temporary_folder() as folder:
             found = _Layers(archive, max_megapixels, folder / "picture.png")
             for child in root.children:
@@ -66,7 +66,7 @@ def read_ora(path: Path, max_megapixels: float) -> Workspace:
     if not layers:
         raise InputError(f"{path}: holds no layer of pixels; draw or paste one first")
     return Workspace(
-        frame=Frame(rows, cols, words.pitch_in(own)),
+        frame=Frame(rows, cols, metadata.pitch_in(own)),
         layers=layers,
         bits=max(found.bits),
         name=str(path),
@@ -173,7 +173,7 @@ class _Layers:
                 top=_whole(element, "y", self.archive),
                 visible=element.attributes.get("visibility", "visible") != "hidden",
                 opacity=_share(element, "opacity", self.archive),
-                blend_mode=words.from_ora_mode(element.attributes.get("composite-op", "")),
+                blend_mode=metadata.from_ora_mode(element.attributes.get("composite-op", "")),
                 mask=None if mask is None else self._mask(mask),
                 groups=groups,
                 facts=_own(element),
@@ -198,7 +198,7 @@ class _Layers:
 
     def _group(self, element: Element) -> WorkspaceGroup:
         through = element.attributes.get("isolation") == "auto"
-        mode = words.from_ora_mode(element.attributes.get("composite-op", ""))
+        mode = metadata.from_ora_mode(element.attributes.get("composite-op", ""))
         return WorkspaceGroup(
             _label(element),
             element.attributes.get("visibility", "visible") != "hidden",

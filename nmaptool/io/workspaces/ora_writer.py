@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from nmaptool.core.errors import OutputError
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.io.unfinished import temporary_folder
-from nmaptool.io.workspaces import metadata as words
+from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.types.workspace import MASK_SUFFIX, PASS_THROUGH, Workspace, WorkspaceGroup, WorkspaceLayer, flattened
 
 MIMETYPE = "image/openraster"
-WORDS_FILE = "nmaptool.json"
+METADATA_FILE = "nmaptool.json"
 _THUMBNAIL_PX = 256
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # so that the same workspace is the same file
 
@@ -53,7 +53,7 @@ def write_ora(path: Path, workspace: Workspace) -> None:
         add_png("mergedimage.png", merged)
         add_png("Thumbnails/thumbnail.png", _thumbnail(merged))
         if workspace.metadata is not None:
-            _add(archive, WORDS_FILE, words.to_json(workspace.metadata).encode("utf-8"))
+            _add(archive, METADATA_FILE, metadata.to_json(workspace.metadata).encode("utf-8"))
         _add(archive, "stack.xml", _stack_xml(workspace, stack).encode("utf-8"))
 
 
@@ -92,7 +92,7 @@ def _entries(number: int, layer: WorkspaceLayer) -> str:
         y=layer.top,
         opacity=f"{layer.opacity:.6g}",
         visibility="visible" if layer.visible else "hidden",
-        composite_op=words.ora_mode(layer.blend_mode),
+        composite_op=metadata.ora_mode(layer.blend_mode),
         **own,
     )
     entry = f"<layer {line}/>"
@@ -138,7 +138,7 @@ def _nested(workspace: Workspace, entries: list[str]) -> Iterator[str]:
                 name=group.name,
                 opacity=f"{group.opacity:.6g}",
                 visibility="visible" if group.visible else "hidden",
-                composite_op="svg:src-over" if through else words.ora_mode(group.blend_mode),
+                composite_op="svg:src-over" if through else metadata.ora_mode(group.blend_mode),
                 isolation="auto" if through else "isolate",
             )
             yield f"<stack {line}>"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool._version import __version__
-from nmaptool.io.workspaces import metadata as words
+from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask, largest_code
 
@@ -48,7 +48,7 @@ def page_attributes(workspace: Workspace, number: int, *, mask: bool = False) ->
         assert layer.mask is not None
         place = {"mask_of": layer.name, "left": layer.mask.left, "top": layer.mask.top}
         said.update(place, outside=layer.mask.outside, enabled=layer.mask.enabled)
-        return {"version": __version__, "kind": "mask", "words": words.to_json(said)}
+        return {"version": __version__, "kind": "mask", "words": metadata.to_json(said)}
     ids: dict[int, int] = {}
     for one in workspace.layers:
         for group in one.groups:
@@ -60,21 +60,21 @@ def page_attributes(workspace: Workspace, number: int, *, mask: bool = False) ->
     plain |= {"encoding": "signed"} if layer.signed else {"zero_code": "127.5"}
     if frame.pitch_mm is not None:
         plain["pitch_mm"] = repr(frame.pitch_mm)
-    return {**plain, "words": words.to_json(said)}
+    return {**plain, "words": metadata.to_json(said)}
 
 
-def said_of(image: RasterImage) -> dict[str, Any]:
+def page_metadata(image: RasterImage) -> dict[str, Any]:
     """Nmaptool's words on a page; empty where an editor dropped them."""
-    return words.from_json(image.attributes.get("words", "")) or {}
+    return metadata.from_json(image.attributes.get("words", "")) or {}
 
 
 def layers_of(pages: Sequence[Page]) -> tuple[tuple[WorkspaceLayer, ...], dict[str, Any] | None, list[tuple[str, str]]]:
     """Pages to layers bottom to top, what is said of the whole, and masks whose layer is gone."""
     masks: dict[str, WorkspaceMask] = {}
     kept: list[tuple[Page, dict[str, Any]]] = []
-    all_said = [said_of(page.image) for page in pages]
-    owners = {page.name for page, said in zip(pages, all_said, strict=True) if "mask_of" not in said}
-    for page, said in zip(pages, all_said, strict=True):
+    all_metadata = [page_metadata(page.image) for page in pages]
+    owners = {page.name for page, said in zip(pages, all_metadata, strict=True) if "mask_of" not in said}
+    for page, said in zip(pages, all_metadata, strict=True):
         owner = said.get("mask_of", page.name.removesuffix(MASK_SUFFIX))
         grey = len(page.image.channels) < 3
         if "mask_of" in said and isinstance(owner, str) and (grey or owner in owners):
@@ -100,7 +100,7 @@ def _metadata(said: list[dict[str, Any]]) -> dict[str, Any] | None:
     facts = {one["facts"]["name"]: one["facts"] for one in said if _has_name(one.get("facts"))}
     names = [name for name in first["names"] if isinstance(name, str)]
     found = {"layers": [facts.get(name, {"name": name}) for name in names], "canvas": first.get("canvas")}
-    return {**found, "pitch_mm": words.pitch_in(first)}
+    return {**found, "pitch_mm": metadata.pitch_in(first)}
 
 
 def _has_name(facts: object) -> bool:

@@ -20,7 +20,7 @@ from psd_tools.psd.parse_limits import ParseLimits
 
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.io.pictures.png import check_size
-from nmaptool.io.workspaces import metadata as words
+from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.io.workspaces.limits import Budget
 from nmaptool.io.workspaces.pages import masks_joined
 from nmaptool.types.picture import Frame
@@ -111,7 +111,7 @@ def _check_header(path: Path, max_megapixels: float) -> tuple[int, int, int]:
 def _workspace(path: Path, document: PSD, header: tuple[int, int, int], max_megapixels: float) -> Workspace:
     rows, cols, depth = header
     resources = document.image_resources
-    own = words.from_xmp(_bytes(resources.get_data(Resource.XMP_METADATA)))
+    own = metadata.from_xmp(_bytes(resources.get_data(Resource.XMP_METADATA)))
     profile = _bytes(resources.get_data(Resource.ICC_PROFILE))
     budget = Budget(path, max_megapixels)
     info = document._get_layer_info()
@@ -126,12 +126,12 @@ def _workspace(path: Path, document: PSD, header: tuple[int, int, int], max_mega
         what = ", ".join(f"{name} ({kind})" for name, kind in found.skipped[:5])
         raise InputError(f"{path}: holds no layer of pixels{f', only {what}' if what else ''}; rasterise a layer first")
     return Workspace(
-        frame=Frame(rows, cols, words.pitch_in(own)),
+        frame=Frame(rows, cols, metadata.pitch_in(own)),
         layers=tuple(found.layers),
         bits=depth,
         name=str(path),
         metadata=own,
-        color_profile=words.profile_name(profile) if profile else None,
+        color_profile=metadata.profile_name(profile) if profile else None,
         skipped=tuple(found.skipped),
     )
 
@@ -212,7 +212,7 @@ class _Layers:
             top=record.top,
             visible=record.flags.visible,
             opacity=record.opacity / 255 * share,
-            blend_mode=words.from_psd_mode(record.blend_mode.value),
+            blend_mode=metadata.from_psd_mode(record.blend_mode.value),
             mask=self._mask(record, by_id),
             groups=groups,
             facts={"not_kept": _not_kept(record)},
@@ -295,4 +295,4 @@ def _group(record: LayerRecord) -> WorkspaceGroup:
     setting = record.tagged_blocks.get_data(Tag.SECTION_DIVIDER_SETTING)
     if setting is not None and setting.blend_mode is not None:
         mode = setting.blend_mode.value
-    return WorkspaceGroup(_name(record), record.flags.visible, record.opacity / 255, words.from_psd_mode(mode))
+    return WorkspaceGroup(_name(record), record.flags.visible, record.opacity / 255, metadata.from_psd_mode(mode))

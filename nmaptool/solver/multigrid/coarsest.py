@@ -19,13 +19,13 @@ _NO_TIE = 1e-11
 
 
 def assemble(level: Stencil) -> tuple[sparse.csr_matrix, np.ndarray]:
-    """The level's matrix in CSR float64 for its active unknowns, grid first, then strays; also which they are.
+    """The level's matrix in CSR float64 of its active unknowns, grid first, then off-grid; also which they are.
 
     The diagonal is summed up in float64, so that what nothing ties stays exactly singular.
     """
     rows, cols = level.shape
-    size, strays = level.size, level.strays
-    active = np.concatenate([level.diagonal > 0, strays.diagonal > 0])
+    size, off_grid = level.size, level.off_grid
+    active = np.concatenate([level.diagonal > 0, off_grid.diagonal > 0])
     number = np.cumsum(active) - 1
     place = np.arange(size).reshape(rows, cols)
     ends: list[tuple[np.ndarray, np.ndarray, Values]] = []
@@ -34,13 +34,13 @@ def assemble(level: Stencil) -> tuple[sparse.csr_matrix, np.ndarray]:
         here = place[: rows - down, max(-across, 0) : cols - max(across, 0)].ravel()
         found = here[values.ravel()[here] != 0]
         ends.append((found, found + down * cols + across, values.ravel()[found]))
-    near, among = strays.to_grid.tocoo(), sparse.triu(strays.among, format="coo")
-    ends.append((strays.near[near.row], size + near.col, near.data))
+    near, among = off_grid.to_grid.tocoo(), sparse.triu(off_grid.among, format="coo")
+    ends.append((off_grid.near[near.row], size + near.col, near.data))
     ends.append((size + among.row, size + among.col, among.data))
     one, two = (number[np.concatenate([end[i] for end in ends])] for i in (0, 1))
     value = np.concatenate([end[2] for end in ends]).astype(np.float64)
     count = int(active.sum())
-    tie = np.concatenate([inner(level.tie, level.shape).ravel(), strays.tie])[active].astype(np.float64)
+    tie = np.concatenate([inner(level.tie, level.shape).ravel(), off_grid.tie])[active].astype(np.float64)
     couplings = sparse.csr_matrix(
         (np.concatenate([value, value]), (np.concatenate([one, two]), np.concatenate([two, one]))),
         shape=(count, count),

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import DTypeLike
 
-from nmaptool.core.parallel import each_band, each_of
+from nmaptool.core.parallel import for_each_band, map_parallel
 from nmaptool.solver.multigrid.level import Shape, band_size, inner, margin, new_field
 from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
 from nmaptool.solver.multigrid.values import Values
@@ -49,16 +49,16 @@ class Finest:
         self.holds = bool(system.held.any())
         self.step = np.zeros(self.size, dtype)
         self._bands = max(band_size(self.size), 16 * cols)
-        each_band(self.size, self._bands, self._lay_step)
+        for_each_band(self.size, self._bands, self._lay_step)
 
     def in_bands(self, work: Callable[[int, int], object]) -> None:
         """Call ``work`` with the start and stop of each band of vertices."""
-        each_band(self.size, self._bands, lambda band: work(band.start, band.stop))
+        for_each_band(self.size, self._bands, lambda band: work(band.start, band.stop))
 
     def sum_over_bands(self, work: Callable[[int, int], float]) -> float:
         """Sum of what ``work`` gives for the start and stop of each band of vertices."""
         bands = [(first, min(first + self._bands, self.size)) for first in range(0, self.size, self._bands)]
-        return math.fsum(each_of(bands, lambda band: work(*band)))
+        return math.fsum(map_parallel(bands, lambda band: work(*band)))
 
     def dot(self, one: Values, two: Values) -> float:
         """Sum of the products of two flat arrays without margins."""

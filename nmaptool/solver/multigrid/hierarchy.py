@@ -7,20 +7,20 @@ import copy
 import numpy as np
 from numpy.typing import DTypeLike
 
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 from nmaptool.solver.multigrid.coarsest import assemble, coarse_solver
 from nmaptool.solver.multigrid.finest import Finest
 from nmaptool.solver.multigrid.galerkin import coarse_couplings, coarse_ties
 from nmaptool.solver.multigrid.interpolation import WEIGHTS, interpolate
 from nmaptool.solver.multigrid.level import Shape, Stencil, inner, margin, new_field, rows_at_once
+from nmaptool.solver.multigrid.off_grid import coarse_off_grid, none, transfer
 from nmaptool.solver.multigrid.relaxation import Relaxation
 from nmaptool.solver.multigrid.split import DIRECTIONS, KINDS, Split
-from nmaptool.solver.multigrid.strays import coarse_strays, none, transfer
 from nmaptool.solver.multigrid.transfer import Transfer
 from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
-# a grid this small, or a level with this share of strays, is left to algebra
+# a grid this small, or a level with this share of off-grid vertices, is left to algebra
 _SMALLEST = 2000
 _MOST_STRAYS = 0.4
 # coarse vertices that are not worth a second thread, and those of a band: each takes some 70 arrays
@@ -28,15 +28,20 @@ _FEW, _BAND = 20_000, 1 << 16
 
 
 class _Found:
-    """What coarsening finds out about the finer level, in that level's layout; only where strays may come up."""
+    """What coarsening finds out about the finer level, in that level's layout; only where vertices may go off-grid."""
 
     def __init__(self, shape: Shape, dtype: DTypeLike) -> None:
         self.shape = shape
-        self.stray, self.scale, self.lack, self.rest = (np.zeros(shape, dtype) for _ in range(4))
+        self.off_grid_vertex, self.scale, self.lack, self.rest = (np.zeros(shape, dtype) for _ in range(4))
 
     def keep(self, split: Split, first: int, last: int) -> None:
         """Put the rows of a band back into the level's order."""
-        for name, into in (("stray", self.stray), ("scale", self.scale), ("lack", self.lack), ("rest", self.rest)):
+        for name, into in (
+            ("stray", self.off_grid_vertex),
+            ("scale", self.scale),
+            ("lack", self.lack),
+            ("rest", self.rest),
+        ):
             for kind, down, across in KINDS:
                 if f"{name}_{kind}" not in split.arrays:
                     continue
@@ -67,14 +72,14 @@ def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
         if found is not None:
             found.keep(split, first, last)
 
-    each_band(shape[0], rows_at_once(shape, _FEW, _BAND), band)
-    strays, moved = none(fine.dtype), None
+    for_each_band(shape[0], rows_at_once(shape, _FEW, _BAND), band)
+    off_grid, moved = none(fine.dtype), None
     if isinstance(fine, Stencil) and found is not None:
-        became = np.flatnonzero(found.stray)
-        if fine.strays.count or len(became):
-            moved = transfer(fine.strays, fine.couplings, fine.shape, became, found.scale.ravel())
-            strays = coarse_strays(
-                fine.strays,
+        became = np.flatnonzero(found.off_grid_vertex)
+        if fine.off_grid.count or len(became):
+            moved = transfer(fine.off_grid, fine.couplings, fine.shape, became, found.scale.ravel())
+            off_grid = coarse_off_grid(
+                fine.off_grid,
                 moved,
                 fine.couplings,
                 fine.shape,
@@ -83,7 +88,7 @@ def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
                 found.rest.ravel(),
                 found.lack.ravel(),
             )
-    return Transfer(fine.shape, shape, weights, moved), Stencil(shape, couplings, tie, strays)
+    return Transfer(fine.shape, shape, weights, moved), Stencil(shape, couplings, tie, off_grid)
 
 
 class Hierarchy:
@@ -106,9 +111,9 @@ class Hierarchy:
                 level.forget_ties()
             level = below
             self.transfers.append(way)
-            active = int(np.count_nonzero(level.diagonal)) + level.strays.count
+            active = int(np.count_nonzero(level.diagonal)) + level.off_grid.count
             few = min(level.size, active) <= _SMALLEST
-            if few or level.strays.count > _MOST_STRAYS * active:
+            if few or level.off_grid.count > _MOST_STRAYS * active:
                 break
             self.relaxations.append(Relaxation(level))
         self._factor = 1.0
@@ -162,7 +167,7 @@ class Hierarchy:
         return finest.finish(residual, z, out)
 
     def _descend(self, number: int, residual: Values, at_strays: Values) -> tuple[Values, Values]:
-        """Correction (with margins) and that of the strays, on coarse level ``number``."""
+        """Correction (with margins) and that of the off-grid vertices, on coarse level ``number``."""
         if number == len(self.relaxations):
             return self._at_bottom(residual, at_strays)
         relax, way = self.relaxations[number], self.transfers[number + 1]
@@ -172,19 +177,19 @@ class Hierarchy:
         grid = left.reshape(way.fine)
         below = np.empty(way.coarse[0] * way.coarse[1], residual.dtype)
         way.restrict(lambda first, last: grid[first:last], below)
-        moved = way.strays
+        moved = way.off_grid
         down = np.zeros(0, residual.dtype)
         if moved is not None:
             down = moved.back @ left[moved.rows]
             down[: moved.kept] += left_strays
-        x, strays = self._descend(number + 1, below, down)
+        x, off_grid = self._descend(number + 1, below, down)
         way.prolong(x, relax.x)
         if moved is not None:
-            relax.x[margin(way.fine) + moved.rows] += moved.weights @ strays
-            relax.strays += strays[: moved.kept]
+            relax.x[margin(way.fine) + moved.rows] += moved.weights @ off_grid
+            relax.off_grid += off_grid[: moved.kept]
         relax.smooth(first=False)
         relax.forget_load()
-        return relax.x, relax.strays
+        return relax.x, relax.off_grid
 
     def _at_bottom(self, residual: Values, at_strays: Values) -> tuple[Values, Values]:
         last = self.last

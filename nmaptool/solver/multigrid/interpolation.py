@@ -2,7 +2,7 @@
 
 A vertex between two coarse ones takes from each as much as it is coupled to that side, so that nothing is carried over
 a gap or a jump of the weights. A vertex that the coarse ones next to it hardly hold (a thin branch that runs between
-the coarse vertices) is left out: it becomes a stray, an unknown of its own on all coarser levels.
+the coarse vertices) is left out: it becomes an off-grid vertex, an unknown of its own on all coarser levels.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from nmaptool.solver.multigrid.split import LINKS, Split
 from nmaptool.solver.multigrid.values import Values, add_product
 
-# a vertex whose coarse neighbours hold less than this share of it is a stray
+# a vertex whose coarse neighbours hold less than this share of it is an off-grid vertex
 HELD_SHARE = 0.4
 # a side counts if its nearest vertex has at least this share of the side's couplings
 _DIRECT_SHARE = 0.1
@@ -37,11 +37,11 @@ WEIGHTS = ("b_w", "b_e", "u_n", "u_s", "d_nw", "d_ne", "d_sw", "d_se")
 
 
 def interpolate(split: Split) -> None:
-    """Add the weights (`WEIGHTS`), what they lack to 1 ("lack_b", "lack_u", "lack_d") and the strays.
+    """Add the weights (`WEIGHTS`), what they lack to 1 ("lack_b", "lack_u", "lack_d") and the off-grid vertices.
 
-    Expects the couplings and, per kind, "tie" (coupling to fixed heights) and "out" (coupling to strays); works on the
-    band and one row more on either side. Strays are 1 in "stray_b", "stray_u", "stray_d"; "scale_b", "scale_u" and
-    "scale_d" are what couplings to strays are multiplied by for their weights.
+    Expects the couplings and, per kind, "tie" (coupling to fixed heights) and "out" (coupling off the grid); works on a
+    band and one row more on either side. Off-grid vertices are 1 in "stray_b", "stray_u", "stray_d"; off-grid couplings
+    are multiplied by "scale_b", "scale_u" and "scale_d" for their weights.
     """
     split.reach(1)
     for kind in "bud":
@@ -69,13 +69,13 @@ def _felt(split: Split, kind: str) -> Values:
 
 
 def _settle(split: Split, kind: str, held: Values, felt: Values, parts: Mapping[str, Values]) -> None:
-    """Weights of a kind from its parts; their sum and couplings to strays are ``held``, to fixed heights ``felt``."""
+    """Weights of a kind from its parts; their sum and ties off the grid are ``held``, to fixed heights ``felt``."""
     tie, total = split(f"tie_{kind}"), split(f"sum_{kind}")
-    stray = held + tie < HELD_SHARE * (total + tie)
-    split.keep(f"stray_{kind}")[:] = stray
+    off_grid_vertex = held + tie < HELD_SHARE * (total + tie)
+    split.keep(f"stray_{kind}")[:] = off_grid_vertex
     scale = np.maximum(held + felt, _TINY)
     np.divide(1, scale, out=scale)
-    scale *= ~stray
+    scale *= ~off_grid_vertex
     split.keep(f"scale_{kind}")[:] = scale
     for place, part in parts.items():
         np.multiply(part, scale, out=split.keep(f"{kind}_{place}"))

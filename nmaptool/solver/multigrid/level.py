@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import DTypeLike
 
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
+from nmaptool.solver.multigrid.off_grid import OffGrid
 from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, Split, sorted_rows
-from nmaptool.solver.multigrid.strays import Strays
 from nmaptool.solver.multigrid.values import Values, add_product
 
 Shape = tuple[int, int]
@@ -42,7 +42,7 @@ def inner(values: Values, shape: Shape) -> Values:
 
 def in_bands(size: int, work: Callable[[int, int], object]) -> None:
     """Call ``work`` with the start and stop of each band of a flat array."""
-    each_band(size, band_size(size), lambda band: work(band.start, band.stop))
+    for_each_band(size, band_size(size), lambda band: work(band.start, band.stop))
 
 
 def band_size(size: int, few: int = _FEW, most: int = _BAND) -> int:
@@ -66,20 +66,20 @@ class Stencil:
         To the east, south, south-east and south-west.
     tie : flat array with margins
         To fixed heights.
-    strays : Strays
+    off_grid : OffGrid
     """
 
     shape: Shape
     couplings: dict[str, Values]
     tie: Values
-    strays: Strays
+    off_grid: OffGrid
 
     def __post_init__(self) -> None:
         size, edge = self.shape[0] * self.shape[1], margin(self.shape)
         self.edge, self.size = edge, size
         self.dtype = self.tie.dtype
         self.diagonal = self.tie[edge : edge + size].copy()
-        self.diagonal[self.strays.near] += self.strays.sums_at_grid()
+        self.diagonal[self.off_grid.near] += self.off_grid.sums_at_grid()
         self.inverse = np.zeros(size, self.dtype)
         steps = self._steps()
 
@@ -101,7 +101,7 @@ class Stencil:
         return list(zip((self.couplings[d] for d in DIRECTIONS), (1, cols, cols + 1, cols - 1), strict=True))
 
     def add_neighbours(self, x: Values, out: Values, start: int, stop: int) -> None:
-        """Add to ``out`` what the neighbours in ``x`` (with margins) pull, times their couplings; strays apart."""
+        """Add to ``out`` what neighbours in ``x`` (with margins) pull, times their couplings, off-grid ones apart."""
         first, last = self.edge + start, self.edge + stop
         for values, step in self._steps():
             add_product(out, values[first:last], x[first + step : last + step])
@@ -115,15 +115,15 @@ class Stencil:
             for kind, part in sorted_rows(inner(values, self.shape), 0, coarse, first, last).items():
                 arrays[f"{name}_{kind}"] = part
         top, bottom = max(2 * (first - HALO), 0), min(2 * (last + HALO), self.shape[0])
-        out = self._to_strays(top, bottom)
+        out = self._to_off_grid(top, bottom)
         for kind, part in sorted_rows(out, top, coarse, first, last).items():
             arrays[f"out_{kind}"] = part
         return Split(arrays, coarse[1], last - first)
 
-    def _to_strays(self, top: int, bottom: int) -> Values:
-        """(bottom - top, cols) couplings to strays."""
+    def _to_off_grid(self, top: int, bottom: int) -> Values:
+        """(bottom - top, cols) couplings to off-grid vertices."""
         cols = self.shape[1]
         out = np.zeros((bottom - top, cols), self.dtype)
-        first, last = np.searchsorted(self.strays.near, (top * cols, bottom * cols))
-        out.flat[self.strays.near[first:last] - top * cols] = self.strays.sums_at_grid()[first:last]
+        first, last = np.searchsorted(self.off_grid.near, (top * cols, bottom * cols))
+        out.flat[self.off_grid.near[first:last] - top * cols] = self.off_grid.sums_at_grid()[first:last]
         return out

@@ -23,15 +23,15 @@ class Relaxation:
     level : Stencil
     x : flat with margins
         The correction on the grid.
-    strays : (count,)
+    off_grid : (count,)
     """
 
     def __init__(self, level: Stencil) -> None:
         self.level = level
         self.x, self._next = new_field(level.shape, level.dtype), new_field(level.shape, level.dtype)
-        self.strays = np.zeros(level.strays.count, level.dtype)
+        self.off_grid = np.zeros(level.off_grid.count, level.dtype)
         self._load: Values = self.x
-        self._load_strays: Values = self.strays
+        self._load_strays: Values = self.off_grid
         top = min(2.0, _SAFETY * self._largest())
         middle, half = (1 + _LOWEST) / 2, (1 - _LOWEST) / 2 * math.cos(math.pi / 4)
         self._steps = (1 / (top * (middle + half)), 1 / (top * (middle - half)))
@@ -42,28 +42,28 @@ class Relaxation:
         edge = level.edge
         self.x[edge : edge + level.size] = random.random(level.size) - 0.5
         self.x[edge : edge + level.size] *= level.inverse > 0
-        self.strays = (random.random(level.strays.count) - 0.5).astype(level.dtype)
-        self._load, self._load_strays = np.zeros(level.size, level.dtype), np.zeros(level.strays.count, level.dtype)
+        self.off_grid = (random.random(level.off_grid.count) - 0.5).astype(level.dtype)
+        self._load, self._load_strays = np.zeros(level.size, level.dtype), np.zeros(level.off_grid.count, level.dtype)
         size = 1.0
         for _ in range(_POWER_STEPS):
-            size = math.sqrt(float(np.dot(self.x, self.x)) + float(np.dot(self.strays, self.strays)))
+            size = math.sqrt(float(np.dot(self.x, self.x)) + float(np.dot(self.off_grid, self.off_grid)))
             if size == 0:
                 return 1.0
             self.x /= size
-            self.strays = self.strays / size
-            before, strays_before = self.x, self.strays
+            self.off_grid = self.off_grid / size
+            before, strays_before = self.x, self.off_grid
             self._step(1.0)  # x - D^-1 A x; its old value is now the work space
             np.subtract(before, self.x, out=self.x)
-            self.strays = strays_before - self.strays
-        return math.sqrt(float(np.dot(self.x, self.x)) + float(np.dot(self.strays, self.strays)))
+            self.off_grid = strays_before - self.off_grid
+        return math.sqrt(float(np.dot(self.x, self.x)) + float(np.dot(self.off_grid, self.off_grid)))
 
-    def load(self, residual: Values, strays: Values) -> None:
+    def load(self, residual: Values, off_grid: Values) -> None:
         """What is to be solved for."""
-        self._load, self._load_strays = residual, strays
+        self._load, self._load_strays = residual, off_grid
 
     def forget_load(self) -> None:
         """Let go of it, so that the next cycle has room for its own."""
-        self._load, self._load_strays = self.x, self.strays
+        self._load, self._load_strays = self.x, self.off_grid
 
     def smooth(self, first: bool) -> None:
         """Two steps; the first ones start from zero, the last ones go backwards."""
@@ -72,23 +72,25 @@ class Relaxation:
         if first:
             np.multiply(self._load, level.inverse, out=self.x[level.edge : level.edge + level.size])
             self.x *= one
-            self.strays = self._load_strays * level.strays.inverse * one
+            self.off_grid = self._load_strays * level.off_grid.inverse * one
             self._step(two)
         else:
             self._step(two)
             self._step(one)
 
-    def _pull_of_strays(self) -> tuple[Values, Values] | None:
-        strays, edge = self.level.strays, self.level.edge
-        if not strays.count:
+    def _pull_of_off_grid(self) -> tuple[Values, Values] | None:
+        off_grid, edge = self.level.off_grid, self.level.edge
+        if not off_grid.count:
             return None
-        return strays.to_grid @ self.strays, strays.from_grid @ self.x[edge + strays.near] + strays.among @ self.strays
+        return off_grid.to_grid @ self.off_grid, off_grid.from_grid @ self.x[
+            edge + off_grid.near
+        ] + off_grid.among @ self.off_grid
 
     def _step(self, length: float) -> None:
         """Take x + length D^-1 (load - A x)."""
         level, edge, factor = self.level, self.level.edge, length
         x, out = self.x, self._next
-        pulls = self._pull_of_strays()
+        pulls = self._pull_of_off_grid()
 
         def band(start: int, stop: int) -> None:
             pull = self._load[start:stop].copy()
@@ -100,13 +102,13 @@ class Relaxation:
 
         in_bands(level.size, band)
         if pulls is not None:
-            strays = level.strays
-            out[edge + strays.near] += factor * level.inverse[strays.near] * pulls[0]
-            self.strays = (1 - factor) * self.strays + factor * strays.inverse * (self._load_strays + pulls[1])
+            off_grid = level.off_grid
+            out[edge + off_grid.near] += factor * level.inverse[off_grid.near] * pulls[0]
+            self.off_grid = (1 - factor) * self.off_grid + factor * off_grid.inverse * (self._load_strays + pulls[1])
         self.x, self._next = out, x
 
     def left(self) -> tuple[Values, Values]:
-        """The residual on the grid and at the strays."""
+        """The residual on the grid and at the off-grid vertices."""
         level, edge, x = self.level, self.level.edge, self.x
         left = self._next[edge : edge + level.size]  # free until the next step
 
@@ -117,9 +119,9 @@ class Relaxation:
             level.add_neighbours(x, out, start, stop)
 
         in_bands(level.size, band)
-        pulls = self._pull_of_strays()
+        pulls = self._pull_of_off_grid()
         if pulls is None:
             return left, self._load_strays
-        strays = level.strays
-        left[strays.near] += pulls[0]
-        return left, self._load_strays - strays.diagonal * self.strays + pulls[1]
+        off_grid = level.off_grid
+        left[off_grid.near] += pulls[0]
+        return left, self._load_strays - off_grid.diagonal * self.off_grid + pulls[1]

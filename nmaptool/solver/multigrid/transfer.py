@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nmaptool.core.parallel import each_band
+from nmaptool.core.parallel import for_each_band
 from nmaptool.solver.multigrid.level import Shape, inner, margin, rows_at_once
-from nmaptool.solver.multigrid.strays import StrayTransfer
+from nmaptool.solver.multigrid.off_grid import OffGridTransfer
 from nmaptool.solver.multigrid.values import Values, add_product
 
 
@@ -23,13 +23,13 @@ class Transfer:
         Shapes of the grids.
     weights : mapping of str to flat arrays with margins
         In the coarse grid's layout, see `interpolation.WEIGHTS`.
-    strays : StrayTransfer
+    off_grid : OffGridTransfer
     """
 
     fine: Shape
     coarse: Shape
     weights: dict[str, Values]
-    strays: StrayTransfer | None
+    off_grid: OffGridTransfer | None
 
     def restrict(self, rows_of: Callable[[int, int], Values], out: Values) -> None:
         """Coarse residual ``out`` (flat) from rows of the fine one, given as (n, cols) by ``rows_of(first, last)``."""
@@ -41,7 +41,7 @@ class Transfer:
             fine = rows_of(above, min(2 * last, self.fine[0]))
             out[first * cols : last * cols] = self._restricted(fine, above - 2 * first, first, last)
 
-        each_band(rows, rows_at_once(self.coarse), band)
+        for_each_band(rows, rows_at_once(self.coarse), band)
 
     def _restricted(self, fine: Values, top: int, first: int, last: int) -> Values:
         """Rows ``first`` to ``last`` from fine rows that start ``top`` (-1 or 0) rows from row ``first``'s own."""
@@ -95,4 +95,4 @@ class Transfer:
             add(1, 0, ("u_n", 0), ("u_s", cols))
             add(1, 1, ("d_nw", 0), ("d_ne", 1), ("d_sw", cols), ("d_se", cols + 1))
 
-        each_band(rows, rows_at_once(self.coarse), band)
+        for_each_band(rows, rows_at_once(self.coarse), band)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from nmaptool.core import parallel as bands
-from nmaptool.core.parallel import each_band, each_of
+from nmaptool.core.parallel import for_each_band, map_parallel
 
 
 @pytest.fixture
@@ -29,9 +29,9 @@ def meet(count):
 
 @pytest.mark.usefixtures("four_cores")
 def test_tasks_run_side_by_side_and_answer_in_their_order():
-    assert each_of(range(4), meet(4)) == [True] * 4
-    assert each_of(range(100), lambda n: n * n) == [n * n for n in range(100)]
-    assert each_of([], meet(2)) == []
+    assert map_parallel(range(4), meet(4)) == [True] * 4
+    assert map_parallel(range(100), lambda n: n * n) == [n * n for n in range(100)]
+    assert map_parallel([], meet(2)) == []
 
 
 def test_bands_cover_every_row_once():
@@ -40,13 +40,13 @@ def test_bands_cover_every_row_once():
     def count(band):
         seen[band] += 1
 
-    each_band(103, 10, count)
+    for_each_band(103, 10, count)
     assert (seen == 1).all()
 
 
 @pytest.mark.usefixtures("four_cores")
 def test_threads_are_kept():
-    names = {thread for _ in range(5) for thread in each_of(range(4), lambda _: threading.get_ident())}
+    names = {thread for _ in range(5) for thread in map_parallel(range(4), lambda _: threading.get_ident())}
     assert len(names) <= 4
 
 
@@ -55,10 +55,10 @@ def test_calls_within_calls_run_in_the_thread_they_are_made_in():
     def inner(_):
         return threading.get_ident()
 
-    for outer in each_of(range(8), lambda n: (threading.get_ident(), each_of(range(8), inner))):
+    for outer in map_parallel(range(8), lambda n: (threading.get_ident(), map_parallel(range(8), inner))):
         assert set(outer[1]) == {outer[0]}
     # and afterwards the caller is free to share its work again
-    assert each_of(range(4), meet(4)) == [True] * 4
+    assert map_parallel(range(4), meet(4)) == [True] * 4
 
 
 @pytest.mark.usefixtures("four_cores")
@@ -73,10 +73,10 @@ def test_the_first_error_is_raised_and_nothing_runs_on():
             raise ValueError(f"task {number}")
 
     with pytest.raises(ValueError, match="task 2"):
-        each_of(range(1000), work)
+        map_parallel(range(1000), work)
     assert sorted(started) == sorted(ended)
     assert len(started) < 1000
-    assert each_of(range(4), meet(4)) == [True] * 4
+    assert map_parallel(range(4), meet(4)) == [True] * 4
 
 
 @pytest.mark.usefixtures("four_cores")
@@ -84,7 +84,7 @@ def test_several_threads_may_call_at_once():
     results = []
 
     def call(start):
-        results.append(each_of(range(start, start + 50), lambda n: n + 1) == list(range(start + 1, start + 51)))
+        results.append(map_parallel(range(start, start + 50), lambda n: n + 1) == list(range(start + 1, start + 51)))
 
     threads = [threading.Thread(target=call, args=(start,)) for start in range(10)]
     for thread in threads:
@@ -104,19 +104,19 @@ def test_every_thread_has_the_callers_error_state():
         return np.geterr()["over"]
 
     with np.errstate(over="raise"):
-        assert each_of(range(4), state) == ["raise"] * 4
+        assert map_parallel(range(4), state) == ["raise"] * 4
 
 
 @pytest.mark.usefixtures("four_cores")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 def test_a_forked_process_makes_its_own_threads():
-    each_of(range(4), meet(4))
+    map_parallel(range(4), meet(4))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # Python 3.12 warns of forks beside threads
         child = os.fork()
     if child == 0:
         signal.alarm(10)
-        os._exit(0 if each_of(range(4), meet(4)) == [True] * 4 else 1)
+        os._exit(0 if map_parallel(range(4), meet(4)) == [True] * 4 else 1)
     assert os.waitpid(child, 0)[1] == 0
 
 
@@ -124,23 +124,23 @@ PROGRAM = """
 import os, signal, sys, threading, time
 from nmaptool.core import parallel as bands
 bands.cores = lambda: 4
-bands.each_of(range(4), lambda _: time.sleep(0.01))
+bands.map_parallel(range(4), lambda _: time.sleep(0.01))
 if sys.argv[1] == "end":
     import atexit
-    atexit.register(lambda: print(bands.each_of(range(4), abs)))
+    atexit.register(lambda: print(bands.map_parallel(range(4), abs)))
 else:
     threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     try:
-        bands.each_of(range(10_000), lambda _: time.sleep(0.01))
+        bands.map_parallel(range(10_000), lambda _: time.sleep(0.01))
     except KeyboardInterrupt:
         print("stopped")
 """
 
 
-@pytest.mark.parametrize(("how", "said"), [("end", "[0, 1, 2, 3]"), ("interrupt", "stopped")])
-def test_the_end_and_ctrl_c_are_not_held_up(how, said):
+@pytest.mark.parametrize(("how", "stated"), [("end", "[0, 1, 2, 3]"), ("interrupt", "stopped")])
+def test_the_end_and_ctrl_c_are_not_held_up(how, stated):
     if how == "interrupt" and sys.platform == "win32":
         pytest.skip("Ctrl-C cannot be sent to one process")
     done = subprocess.run([sys.executable, "-c", PROGRAM, how], capture_output=True, text=True, timeout=20, check=True)
-    assert done.stdout.strip() == said
+    assert done.stdout.strip() == stated
     assert not done.stderr

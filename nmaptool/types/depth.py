@@ -86,7 +86,7 @@ class DepthReport:
 
 
 @dataclass(frozen=True, eq=False)
-class DepthNormals:
+class DepthResult:
     """A depth or height picture as a normal map.
 
     Attributes

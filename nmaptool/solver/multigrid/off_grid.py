@@ -1,4 +1,4 @@
-"""Strays: vertices that no coarse vertex stands for. They stay unknowns of their own down to the coarsest level."""
+"""Off-grid vertices: no coarse vertex stands for them; they stay unknowns of their own down to the coarsest level."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ Places = NDArray[np.int64]
 
 
 @dataclass(eq=False)
-class Strays:
-    """The strays of a level and their couplings.
+class OffGrid:
+    """The off-grid vertices of a level and their couplings.
 
     Attributes
     ----------
     count : int
     near : (n,) int64
-        Flat places of the grid's vertices that strays are coupled to, ascending.
+        Flat places of the grid's vertices that off-grid vertices are coupled to, ascending.
     to_grid : (n, count) CSR
     among : (count, count) CSR
         Symmetric, without a diagonal.
@@ -42,14 +42,14 @@ class Strays:
         self.inverse = np.divide(1, self.diagonal, out=np.zeros(self.count, self.tie.dtype), where=self.diagonal > 0)
 
     def sums_at_grid(self) -> Values:
-        """(n,) couplings to strays of the grid's vertices ``near``."""
+        """(n,) couplings to off-grid vertices of the grid's vertices ``near``."""
         return np.asarray(self.to_grid.sum(axis=1), self.tie.dtype).ravel()
 
 
-def none(dtype: DTypeLike) -> Strays:
-    """No strays at all."""
+def none(dtype: DTypeLike) -> OffGrid:
+    """No off-grid vertices at all."""
     empty = sparse.csr_matrix((0, 0), dtype=dtype)
-    return Strays(0, np.zeros(0, np.int64), empty, empty, np.zeros(0, dtype))
+    return OffGrid(0, np.zeros(0, np.int64), empty, empty, np.zeros(0, dtype))
 
 
 # the eight neighbours: step down, step across, direction of the coupling, whether this vertex holds it
@@ -112,16 +112,16 @@ def grid_weights(weights: dict[str, Values], shape: tuple[int, int], places: Pla
 
 
 @dataclass(eq=False)
-class StrayTransfer:
-    """Interpolation from the strays of the next level: to old strays and to vertices that become strays, as they are.
+class OffGridTransfer:
+    """Interpolation from the off-grid vertices of the next level, as they are: to those of this level and to new ones.
 
     Attributes
     ----------
     kept : int
         Strays of this level; they come first on the next.
     rows : (n,) int64
-        Flat places of the grid's vertices that take from strays, those that become strays included; ascending.
-    weights : (n, strays of the next level) CSR
+        Flat places of the grid's vertices that take from off-grid vertices, those that become such included; ascending.
+    weights : (n, off-grid vertices of the next level) CSR
     """
 
     kept: int
@@ -133,29 +133,29 @@ class StrayTransfer:
 
 
 def transfer(
-    strays: Strays,
+    off_grid: OffGrid,
     couplings: dict[str, Values],
     shape: tuple[int, int],
     became: Places,
     scale: Values,
-) -> StrayTransfer:
-    """Who takes from strays, and how much.
+) -> OffGridTransfer:
+    """Who takes from off-grid vertices, and how much.
 
     Parameters
     ----------
-    strays : Strays
+    off_grid : OffGrid
         Of this level.
     couplings : mapping of str to flat arrays with margins
     shape : (int, int)
         Of this level.
     became : (m,) int64
-        Flat places of the vertices that become strays, ascending.
+        Flat places of the vertices that become off-grid vertices, ascending.
     scale : (rows * cols)
-        What couplings to strays are multiplied by for the weights; 0 for coarse vertices and those that become strays.
+        What off-grid couplings are multiplied by for the weights; 0 for coarse vertices and new off-grid ones.
     """
-    kept, added = strays.count, len(became)
-    old = strays.to_grid.tocoo()
-    rows, columns, values = [strays.near[old.row]], [old.col], [old.data]
+    kept, added = off_grid.count, len(became)
+    old = off_grid.to_grid.tocoo()
+    rows, columns, values = [off_grid.near[old.row]], [old.col], [old.data]
     whose, where, how = links(couplings, shape, became)
     # only diagonal vertices look at those beside and under, which alone come before them
     diagonal = (where // shape[1] % 2 == 1) & (where % shape[1] % 2 == 1)
@@ -173,24 +173,24 @@ def transfer(
     value = np.concatenate([value[found], np.ones(added, scale.dtype)])
     places, position = np.unique(row, return_inverse=True)
     weights = sparse.csr_matrix((value, (position, column)), shape=(len(places), kept + added))
-    return StrayTransfer(kept, places, weights)
+    return OffGridTransfer(kept, places, weights)
 
 
-def coarse_strays(
-    strays: Strays,
-    moved: StrayTransfer,
+def coarse_off_grid(
+    off_grid: OffGrid,
+    moved: OffGridTransfer,
     couplings: dict[str, Values],
     shape: tuple[int, int],
     grid: dict[str, Values],
     total: Values,
     rest: Values,
     lack: Values,
-) -> Strays:
+) -> OffGrid:
     """Strays of the next level with the couplings P^T A P.
 
     Parameters
     ----------
-    strays, moved, couplings, shape
+    off_grid, moved, couplings, shape
         As in `transfer`.
     grid : mapping of str to flat arrays with margins
         The interpolation's weights between the grids.
@@ -201,7 +201,7 @@ def coarse_strays(
     """
     kept, count = moved.kept, moved.weights.shape[1]
     whose, where, how = links(couplings, shape, moved.rows)
-    places = np.unique(np.concatenate([where, moved.rows, strays.near]))
+    places = np.unique(np.concatenate([where, moved.rows, off_grid.near]))
     size = len(places)
 
     def at(what: Places) -> Places:
@@ -209,24 +209,24 @@ def coarse_strays(
 
     pull = sparse.csr_matrix((how, (at(where), whose)), shape=(size, len(moved.rows)))
     mine = sparse.csr_matrix((-total[moved.rows], (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape)
-    near = strays.to_grid.tocoo()
-    widened = sparse.csr_matrix((near.data, (at(strays.near)[near.row], near.col)), shape=(size, count))
+    near = off_grid.to_grid.tocoo()
+    widened = sparse.csr_matrix((near.data, (at(off_grid.near)[near.row], near.col)), shape=(size, count))
     on_grid = (pull + mine) @ moved.weights + widened  # (A P) at the grid's vertices
     coarse = (grid_weights(grid, shape, places).T @ on_grid).tocoo()
-    # at the strays themselves
+    # at the off-grid vertices themselves
     spread = sparse.csr_matrix(
         (np.ones(len(moved.rows), total.dtype), (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape
     )
-    own = widened[:, :kept].T @ (spread @ moved.weights) + _padded(strays.among, kept, count)
+    own = widened[:, :kept].T @ (spread @ moved.weights) + _padded(off_grid.among, kept, count)
     among = moved.back @ (spread.T @ on_grid)
     among = among + sparse.vstack([own, sparse.csr_matrix((count - kept, count), dtype=total.dtype)])
     among = among.tocoo()
     link = (among.row != among.col) & (among.data > 0)
     tie = moved.back @ rest[moved.rows]
-    tie[:kept] += strays.tie + strays.from_grid @ lack[strays.near]
+    tie[:kept] += off_grid.tie + off_grid.from_grid @ lack[off_grid.near]
     found = coarse.data > 0
     near_places, position = np.unique(coarse.row[found], return_inverse=True)
-    return Strays(
+    return OffGrid(
         count,
         near_places.astype(np.int64),
         sparse.csr_matrix((coarse.data[found], (position, coarse.col[found])), shape=(len(near_places), count)),
