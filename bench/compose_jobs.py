@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import nmaptool as nm
-from nmaptool.composition.blend_modes import blend as blend_vectors
+from nmaptool.composition.blend_vectors import blend_normals as blend_vectors
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.vectors import unit
 

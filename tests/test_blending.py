@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from compose_cases import FLAT, angles_deg, from_slopes, random_normals
 
-from nmaptool.composition.blend_modes import MODES, blend
+from nmaptool.composition.blend_vectors import blend_normals as blend
 from nmaptool.core.vectors import slopes
 from nmaptool.maps.detail import encode_detail
+from nmaptool.options import BLEND_MODES as MODES
 
 A, B = random_normals(seed=1), random_normals(seed=2)
 

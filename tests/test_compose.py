@@ -5,7 +5,7 @@ import pytest
 from compose_cases import FLAT, angles_deg, as_map, bump_map, flat_map, random_normals
 
 import nmaptool as nm
-from nmaptool.composition.blend_modes import blend
+from nmaptool.composition.blend_vectors import blend_normals as blend
 
 
 @pytest.fixture

@@ -75,7 +75,7 @@ class Layering:
                 )
         modes, strengths = self.mode or ("over",) * count, self.strength or (1.0,) * count
         for mode, strength in zip(modes, strengths, strict=True):
-            LayerOptions(mode=mode, strength=strength)  # type: ignore[arg-type]
+            LayerOptions(mode=mode, strength=strength)
 
     def places(self, frame: nm.Frame, count: int) -> list[tuple[int, int]]:
         """(left, top) of each map on a canvas, in px."""

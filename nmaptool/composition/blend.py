@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from nmaptool.composition.blend_modes import blend as blend_vectors
+from nmaptool.composition.blend_vectors import blend_normals
 from nmaptool.composition.edges import detail_weight
 from nmaptool.composition.placement import Piece, is_uneven, map_piece
 from nmaptool.core.arrays import Float32
@@ -62,7 +62,7 @@ def blend(
         strength = detail_weight(masked, detail.coverage, base.coverage) * np.float32(options.strength)
     if not (detail.coverage * base.coverage).any():
         warnings += (f"{detail.name}: covers nothing of {base.name}",)
-    normals = blend_vectors(base.normals, detail.normals, options.mode, strength)
+    normals = blend_normals(base.normals, detail.normals, options.mode, strength)
     normals = _flat_outside(normals, base)
     result = dataclasses.replace(base, normals=normals, name=f"{base.name} with {detail.name}")
     shown = np.broadcast_to(np.asarray(strength, np.float32) > 0, base.frame.shape)

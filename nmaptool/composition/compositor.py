@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from nmaptool.composition.blend_modes import blend
+from nmaptool.composition.blend_vectors import blend_normals
 from nmaptool.composition.edges import detail_weight, feathered
 from nmaptool.composition.placement import (
     Piece,
@@ -209,7 +209,9 @@ def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, 
     else:
         # what is not clipped widens the surface by what reaches beyond it
         weight = detail_weight(above, own if clip else above, below)
-        canvas.normals[window] = blend(canvas.normals[window], piece.normals, mode, weight * np.float32(strength))
+        canvas.normals[window] = blend_normals(
+            canvas.normals[window], piece.normals, mode, weight * np.float32(strength)
+        )
         outcome = below if clip else np.maximum(below, above)
         shown = weight * below if clip else above
         motif = canvas.foreground[window] | (piece.foreground & (shown >= 0.5))

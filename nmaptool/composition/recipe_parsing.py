@@ -12,35 +12,17 @@ from typing import Any
 from nmaptool.core.errors import InputError, LimitError, UsageError
 from nmaptool.core.units import offset
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
+from nmaptool.options.fields import Options, kind_of
+from nmaptool.options.kinds import Kind, Switch, Text
+from nmaptool.options.length_kinds import OffsetText, ScaleText
 from nmaptool.types.recipe import DEEPEST, READ_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
 
-# an example of what each key takes; its type is the one accepted
-_SUCH_AS: dict[str, Any] = {
-    "file": "bunny.exr",
-    "recipe": "ornaments.toml",
-    "mask": "mask.png",
-    "hidden": True,
-    "name": "bunny",
-    "mode": "over",
-    "strength": 0.8,
-    "at": "30%,50%",
-    "anchor": "bottom",
-    "scale": 0.5,
-    "rotate": 30.0,
-    "flip_h": True,
-    "flip_v": True,
-    "feather": "6px",
-    "height_factor": 1.0,
-    "clip": "no",
-    "size": "1000x900",
-    "width": "100mm",
-    "ground": "flat",
-    "layer": "detail",
-    "green": "down",
-    "swizzle": "-g,r,b",
-    "zero_code": "128",
-    "encoding": "signed",
-    "background_color": "white",
+# what the keys take that are no options
+_FILE_KINDS: dict[str, Kind] = {
+    "file": Text("bunny.exr"),
+    "recipe": Text("ornaments.toml"),
+    "mask": Text("mask.png"),
+    "hidden": Switch(),
 }
 _PLACE_KEYS = tuple(f.name for f in fields(LayerOptions))
 _GROUP_OPTIONS = tuple(f.name for f in fields(GroupOptions))
@@ -76,7 +58,7 @@ def parse_recipe(values: Mapping[str, Any], name: str = "recipe", folder: str = 
     if "canvas" in known:
         where = f"{name}: canvas"
         table = _known(_table(known["canvas"], where, "[canvas]"), _CANVAS_KEYS, where)
-        canvas = _options(CanvasOptions, _typed(table, where), where)
+        canvas = _options(CanvasOptions, _typed(CanvasOptions, table, where), where)
     layers = _entries(known["layer"], name, "", 1) if "layer" in known else ()
     return Recipe(layers, canvas, name, folder)
 
@@ -110,7 +92,8 @@ def _entry(found: Any, name: str, number: str, depth: int) -> Entry:
         if key not in own:
             what = "recipe" if kind == "recipe" else "group"
             raise InputError(f"{where}: {key}: is for a layer with a file, not for a {what}; give it to its layers")
-    values = _typed({key: value for key, value in known.items() if key not in ("read", "layer")}, where)
+    class_of_options = LayerOptions if kind == "file" else GroupOptions
+    values = _typed(class_of_options, {k: v for k, v in known.items() if k not in ("read", "layer")}, where)
     common = {"mask": values.pop("mask", None), "hidden": values.pop("hidden", False), "origin": where}
     if common["mask"] == "":
         raise InputError(f"{where}: mask: found nothing, expected the name of a grey picture")
@@ -126,7 +109,7 @@ def _entry(found: Any, name: str, number: str, depth: int) -> Entry:
 
 
 def _read(found: Any, where: str) -> dict[str, Any]:
-    given = _typed(_known(_table(found, where, "[layer.read]"), READ_KEYS, where), where)
+    given = _typed(ReadOptions, _known(_table(found, where, "[layer.read]"), READ_KEYS, where), where)
     _options(ReadOptions, given, where)
     return given
 
@@ -163,37 +146,41 @@ def _known(table: Mapping[str, Any], accepted: Iterable[str], where: str) -> dic
     return known
 
 
-def _typed(table: Mapping[str, Any], where: str) -> dict[str, Any]:
-    """The values as the options want them."""
-    return {key: _value(key, value, f"{where}: {key}") for key, value in table.items()}
+def _typed(options: type[Options], table: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """The values as the options want them; the options' own fields say what each key takes."""
+    kinds = {**_FILE_KINDS, **{f.name: kind for f in fields(options) if (kind := kind_of(f)) is not None}}
+    return {key: _value(kinds[key], value, f"{where}: {key}") for key, value in table.items()}
 
 
-def _value(key: str, value: Any, where: str) -> Any:
-    example = _SUCH_AS[key]
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if key == "scale" and isinstance(value, str):
+def _value(kind: Kind, value: Any, where: str) -> Any:
+    if isinstance(kind, ScaleText) and isinstance(value, str):
         return value
-    if isinstance(example, float):
-        if not is_number:
-            more = ', text such as "0.5,0.7" or "30mm"' if key == "scale" else ""
-            raise InputError(f"{where}: found {_shown(value)}, expected a number such as {example:g}{more}")
-        try:
-            number = float(value)
-        except OverflowError:
-            raise InputError(f"{where}: found {_shown(value)}, which is too large") from None
-        return number_text(number) if key == "scale" else number
-    if isinstance(example, bool):
+    if kind.toml is float:
+        return _number(kind, value, where)
+    if kind.toml is bool:
         if not isinstance(value, bool):
             raise InputError(f"{where}: found {_shown(value)}, expected true or false")
         return value
     if not isinstance(value, str):
-        raise InputError(f'{where}: found {_shown(value)}, expected text in quotes, such as "{example}"')
-    if key == "feather":
+        raise InputError(f'{where}: found {_shown(value)}, expected text in quotes, such as "{kind.such_as}"')
+    if isinstance(kind, OffsetText):
         try:
             return offset(value)
         except UsageError as error:
             raise InputError(f"{where}: {error}") from None
     return value
+
+
+def _number(kind: Kind, value: Any, where: str) -> Any:
+    is_scale = isinstance(kind, ScaleText)
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        more = ', text such as "0.5,0.7" or "30mm"' if is_scale else ""
+        raise InputError(f"{where}: found {_shown(value)}, expected a number such as {kind.such_as}{more}")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise InputError(f"{where}: found {_shown(value)}, which is too large") from None
+    return number_text(number) if is_scale else number
 
 
 def _options(kind: Any, given: Mapping[str, Any], where: str) -> Any:

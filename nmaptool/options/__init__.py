@@ -4,16 +4,15 @@ Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
 from nmaptool.options.bake import BakeOptions, DetailEncoding, Geometry, MeshReadOptions, Renderer, Shading
+from nmaptool.options.blend_modes import BLEND_MODES, BlendMode
 from nmaptool.options.compare import CompareOptions
 from nmaptool.options.compose import (
     Anchor,
-    BlendMode,
     BlendOptions,
     CanvasOptions,
     Clip,
     Ground,
     GroupOptions,
-    LayerMode,
     LayerOptions,
 )
 from nmaptool.options.depth import DepthBackground, DepthOptions
@@ -27,6 +26,7 @@ from nmaptool.options.workspace import PackOptions
 from nmaptool.options.write import Bits, WriteOptions, WrittenGreen, WrittenZeroCode
 
 __all__ = [
+    "BLEND_MODES",
     "Anchor",
     "BackgroundMode",
     "BakeOptions",
@@ -50,7 +50,6 @@ __all__ = [
     "Green",
     "Ground",
     "GroupOptions",
-    "LayerMode",
     "LayerOptions",
     "MeshReadOptions",
     "NewGround",

@@ -1,7 +1,4 @@
-"""How a mesh is read and drawn.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How a mesh is read and drawn."""
 
 from __future__ import annotations
 
@@ -9,10 +6,14 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.core.errors import LimitError, UsageError
-from nmaptool.core.units import Length, length
-from nmaptool.options.checks import parse_size, require_absolute, require_choices, require_number
+from nmaptool.core.units import Length
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.kinds import Count, Number, Positive, SignedText, Text, parse_size, require_number
+from nmaptool.options.length_kinds import LengthText
 
+Unit = Literal["mm", "cm", "m", "in"]
 Up = Literal["y", "z"]
+Samples = Literal[1, 2, 4]
 Shading = Literal["flat", "smooth"]
 Renderer = Literal["auto", "egl", "osmesa", "window", "numpy"]
 Geometry = Literal["original", "updated"]
@@ -33,7 +34,7 @@ _NARROWEST = 0.01
 
 
 @dataclass(frozen=True)
-class MeshReadOptions:
+class MeshReadOptions(Options, group="Reading"):
     """How a mesh file is read.
 
     Parameters
@@ -44,18 +45,12 @@ class MeshReadOptions:
         Refuse larger meshes, where the file tells before any memory is taken.
     """
 
-    unit: Literal["mm", "cm", "m", "in"] | None = None
-    max_faces: int = 20_000_000
-
-    def __post_init__(self) -> None:
-        if self.unit is not None:
-            require_choices(("unit", self.unit, ("mm", "cm", "m", "in")))
-        if self.max_faces < 1:
-            raise UsageError(f"--max-faces {self.max_faces}: must be at least 1")
+    unit: Unit | None = option(None, choice_of(Unit))
+    max_faces: int = option(20_000_000, Count())
 
 
 @dataclass(frozen=True)
-class BakeOptions:
+class BakeOptions(Options, group="Camera"):
     """How a mesh is drawn.
 
     Parameters
@@ -102,45 +97,29 @@ class BakeOptions:
         Refuse larger pictures, all views together, before any memory is taken; 36 take some 5 GB.
     """
 
-    view: str = "front"
-    azimuth: float | None = None
-    elevation: float | None = None
-    roll: float = 0.0
-    up: Up = "y"
-    size: str = "1000x900"
-    margin: Length = Length(4.0, "%")
-    width: Length | None = None
-    pitch: Length | None = None
-    target: str | None = None
-    fov: float = 0.0
-    shading: Shading = "flat"
-    crease: float = 60.0
-    supersample: Literal[1, 2, 4] = 2
-    renderer: Renderer = "auto"
-    geometry: Geometry = "original"
-    detail_encoding: DetailEncoding = "rotation"
-    max_megapixels: float = 100.0
+    view: str = option("front", Text("front,left"))
+    azimuth: float | None = option(None, Number("30", -360, 360))
+    elevation: float | None = option(None, Number("30", -360, 360))
+    roll: float = option(0.0, Number("30", -360, 360))
+    up: Up = option("y", choice_of(Up))
+    size: str = option("1000x900", SignedText("1000x900"))
+    margin: Length = option(Length(4.0, "%"), LengthText("4%"))
+    width: Length | None = option(None, LengthText("100mm", absolute=True))
+    pitch: Length | None = option(None, LengthText("0.1mm", absolute=True))
+    target: str | None = option(None, SignedText("0,12.5,3"))
+    fov: float = option(0.0, Number("35", 0, 150))
+    shading: Shading = option("flat", choice_of(Shading))
+    crease: float = option(60.0, Number("60", 0, 180))
+    supersample: Samples = option(2, choice_of(Samples))
+    renderer: Renderer = option("auto", choice_of(Renderer))
+    geometry: Geometry = option("original", choice_of(Geometry))
+    detail_encoding: DetailEncoding = option("rotation", choice_of(DetailEncoding))
+    max_megapixels: float = option(100.0, Positive())
 
     def __post_init__(self) -> None:
-        require_choices(
-            ("up", self.up, ("y", "z")),
-            ("shading", self.shading, ("flat", "smooth")),
-            ("supersample", str(self.supersample), ("1", "2", "4")),
-            ("renderer", self.renderer, ("auto", "egl", "osmesa", "window", "numpy")),
-            ("geometry", self.geometry, ("original", "updated")),
-            ("detail-encoding", self.detail_encoding, ("rotation", "slope", "difference")),
-        )
-        for name in ("margin", "width", "pitch"):  # text is as good as a Length
-            value = getattr(self, name)
-            if isinstance(value, str):
-                object.__setattr__(self, name, length(value))
+        super().__post_init__()
         _ = self.views, self.target_point
         self._check_directions()
-        for name in ("azimuth", "elevation", "roll"):
-            if getattr(self, name) is not None:
-                require_number(name, getattr(self, name), -360, 360, "30")
-        require_number("crease", self.crease, 0, 180, "60")
-        require_number("fov", self.fov, 0, 150, "35")
         if 0 < self.fov < _NARROWEST:
             raise UsageError(f"--fov {self.fov:g}: must be 0 (orthographic) or at least {_NARROWEST:g}, such as 35")
         self._check_lengths()
@@ -165,13 +144,10 @@ class BakeOptions:
     def _check_lengths(self) -> None:
         if self.margin.is_absolute:
             raise UsageError(f"--margin {self.margin}: give it in px or %, such as 4%")
-        require_absolute(width=self.width, pitch=self.pitch)
         if self.width is not None and self.pitch is not None:
             raise UsageError("--width and --pitch both say how large a pixel is; give one of them")
 
     def _check_size(self) -> None:
-        if not self.max_megapixels > 0:
-            raise UsageError(f"--max-megapixels {self.max_megapixels:g}: must be greater than zero")
         # a sample costs a tenth of a pixel's layers
         pixels = self.rows * self.cols * max(len(self.views), self.supersample**2 / 10) / 1e6
         if pixels > self.max_megapixels:

@@ -1,21 +1,19 @@
-"""How two ways of rebuilding a mesh are compared.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How two ways of rebuilding a mesh are compared."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nmaptool.core.errors import LimitError, UsageError
+from nmaptool.core.errors import LimitError
 from nmaptool.options.bake import VIEWS, Renderer, Up
-from nmaptool.options.checks import parse_size, require_choices
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.kinds import Choice, SignedText, parse_size
 
 _MOST_PIXELS = 16_000_000
 
 
 @dataclass(frozen=True)
-class CompareOptions:
+class CompareOptions(Options, group="Camera"):
     """How the comparison is drawn.
 
     Parameters
@@ -31,17 +29,13 @@ class CompareOptions:
         OpenGL, slower.
     """
 
-    view: str = "front"
-    up: Up = "y"
-    size: str = "640x640"
-    renderer: Renderer = "auto"
+    view: str = option("front", Choice("left", tuple(VIEWS)))
+    up: Up = option("y", choice_of(Up))
+    size: str = option("640x640", SignedText("640x640"))
+    renderer: Renderer = option("auto", choice_of(Renderer))
 
     def __post_init__(self) -> None:
-        if self.view not in VIEWS:
-            raise UsageError(f"--view {self.view!r}: use one of {', '.join(VIEWS)}")
-        require_choices(
-            ("up", self.up, ("y", "z")), ("renderer", self.renderer, ("auto", "egl", "osmesa", "window", "numpy"))
-        )
+        super().__post_init__()
         cols, rows = parse_size("size", self.size)
         if cols * rows > _MOST_PIXELS:
             raise LimitError(

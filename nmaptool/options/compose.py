@@ -1,7 +1,4 @@
-"""How maps are blended, placed and composed.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How maps are blended, placed and composed."""
 
 from __future__ import annotations
 
@@ -9,19 +6,19 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.core.errors import UsageError
-from nmaptool.core.units import Length, Offset, length, offset, offsets
-from nmaptool.options.checks import parse_size, require_absolute, require_at_least_zero, require_choices, require_number
+from nmaptool.core.units import Length, Offset, offsets
+from nmaptool.options.blend_modes import blend_meanings, layer_meanings
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.kinds import Choice, SignedText, Switch, Text, Weight, flag_of, parse_size
+from nmaptool.options.length_kinds import LengthText, OffsetText, ScaleText, parse_scale
+from nmaptool.options.transform import HEIGHT_FACTOR, ROTATION
 
-BlendMode = Literal["rnm", "pd", "whiteout", "udn", "linear", "overlay"]
-LayerMode = Literal["over", "rnm", "pd", "whiteout", "udn", "linear", "overlay"]
 Anchor = Literal[
     "center", "top-left", "top", "top-right", "left", "right", "bottom-left", "bottom", "bottom-right"
 ]  # fmt: skip
 Clip = Literal["auto", "yes", "no"]
 Ground = Literal["clear", "flat"]
 
-BLEND_MODES = ("rnm", "pd", "whiteout", "udn", "linear", "overlay")
-LAYER_MODES = ("over", *BLEND_MODES)
 # share of the width and height at which each anchor lies
 ANCHORS = {
     "center": (0.5, 0.5),
@@ -34,55 +31,30 @@ ANCHORS = {
     "bottom": (0.5, 1.0),
     "bottom-right": (1.0, 1.0),
 }
-_SMALLEST_SCALE, _LARGEST_SCALE = 1e-3, 1e3
-
-
-def parse_scale(text: str, flag: str = "--scale") -> tuple[float, float] | Length:
-    """``0.5``, ``0.5,0.7`` (across, down) or a width such as ``30mm``."""
-    parts = text.split(",")
-    try:
-        factors = [float(part) for part in parts]
-    except ValueError:
-        if len(parts) == 1:
-            try:
-                return length(text)
-            except UsageError:
-                pass
-        raise UsageError(f"{flag} {text!r}: expected a factor, two with a comma, or a width such as 30mm") from None
-    if len(factors) > 2 or not all(_SMALLEST_SCALE <= f <= _LARGEST_SCALE for f in factors):
-        raise UsageError(
-            f"{flag} {text}: expected one or two factors between {_SMALLEST_SCALE:g} and {_LARGEST_SCALE:g}, "
-            "such as 0.5"
-        )
-    return factors[0], factors[-1]
+LAYER_MODE = Choice("over", layer_meanings)
 
 
 @dataclass(frozen=True)
-class BlendOptions:
+class BlendOptions(Options, group="Composing"):
     """How a detail map is blended with a base map.
 
     Parameters
     ----------
     mode:
-        "rnm" turns the detail with the base and undoes what bake writes; "pd" adds slopes, and two surfaces stay a
-        surface; "whiteout" and "udn" are cheaper; "linear" and "overlay" are what image editors do.
+        How the normals are combined:
     strength:
         How much of the detail: 0 none, 1 all, 2 twice as steep.
     fit:
         Stretch a detail map of another size to the base's.
     """
 
-    mode: BlendMode = "rnm"
-    strength: float = 1.0
-    fit: bool = False
-
-    def __post_init__(self) -> None:
-        require_choices(("mode", self.mode, BLEND_MODES))
-        require_at_least_zero(strength=self.strength)
+    mode: str = option("rnm", Choice("rnm", blend_meanings))
+    strength: float = option(1.0, Weight("0.8"))
+    fit: bool = option(False, Switch())
 
 
 @dataclass(frozen=True)
-class LayerOptions:
+class LayerOptions(Options, group="Composing"):
     """Where a layer lies and how it is blended with what lies below.
 
     Parameters
@@ -90,7 +62,7 @@ class LayerOptions:
     name:
         What to call the layer. Default: its file.
     mode:
-        "over" covers what is below; the others blend with it, as in blend.
+        How the layer is combined with what lies below:
     strength:
         How much of the layer, 0 to 1 for "over"; the others as in blend.
     at:
@@ -117,39 +89,24 @@ class LayerOptions:
         except inside a group.
     """
 
-    name: str = ""
-    mode: LayerMode = "over"
-    strength: float = 1.0
-    at: str | None = None
-    anchor: Anchor = "center"
-    scale: str = "1"
-    rotate: float = 0.0
-    flip_h: bool = False
-    flip_v: bool = False
-    feather: Offset | None = None
-    height_factor: float | None = None
-    clip: Clip = "auto"
+    name: str = option("", Text("bunny"))
+    mode: str = option("over", LAYER_MODE)
+    strength: float = option(1.0, Weight("0.8"))
+    at: str | None = option(None, SignedText("30%,50%"))
+    anchor: Anchor = option("center", choice_of(Anchor, "bottom"))
+    scale: str = option("1", ScaleText())
+    rotate: float = option(0.0, ROTATION)
+    flip_h: bool = option(False, Switch())
+    flip_v: bool = option(False, Switch())
+    feather: Offset | None = option(None, OffsetText())
+    height_factor: float | None = option(None, HEIGHT_FACTOR)
+    clip: Clip = option("auto", choice_of(Clip, "no"))
 
     def __post_init__(self) -> None:
-        require_choices(
-            ("mode", self.mode, LAYER_MODES), ("anchor", self.anchor, tuple(ANCHORS)), ("clip", self.clip, _CLIPS)
-        )
-        if isinstance(self.feather, str):  # text is as good as an Offset
-            try:
-                object.__setattr__(self, "feather", offset(self.feather))
-            except UsageError as error:
-                raise UsageError(f"--feather {error}") from None
-        if not isinstance(self.scale, str):
-            object.__setattr__(self, "scale", f"{self.scale:.12g}")
-        require_at_least_zero(strength=self.strength)
+        super().__post_init__()
         if self.mode == "over" and self.strength > 1:
             raise UsageError(f'--strength {self.strength:g}: must lie between 0 and 1 where the mode is "over"')
-        if self.feather is not None and self.feather.value < 0:
-            raise UsageError(f"--feather {self.feather}: must be zero or more, such as 6px")
-        require_number("rotate", self.rotate, -3600, 3600, "30")
-        if self.height_factor is not None:
-            require_number("height-factor", self.height_factor, -1e3, 1e3, "1")
-        _ = self.place, self.factors
+        _ = self.place
 
     @property
     def place(self) -> tuple[Offset, Offset]:
@@ -160,7 +117,7 @@ class LayerOptions:
         try:
             across_, down_ = offsets(self.at, (2,), "30%,12mm")
         except UsageError as error:
-            raise UsageError(f"--at {error}") from None
+            raise UsageError(f"{flag_of('at')} {error}") from None
         return across_, down_
 
     @property
@@ -169,11 +126,8 @@ class LayerOptions:
         return parse_scale(self.scale)
 
 
-_CLIPS = ("auto", "yes", "no")
-
-
 @dataclass(frozen=True)
-class GroupOptions:
+class GroupOptions(Options, group="Composing"):
     """How a group of layers, composed among themselves, is blended with what lies below.
 
     Parameters
@@ -188,17 +142,18 @@ class GroupOptions:
         As for a layer.
     """
 
-    name: str = "group"
-    mode: LayerMode = "over"
-    strength: float = 1.0
-    clip: Clip = "auto"
+    name: str = option("group", Text("bunny"))
+    mode: str = option("over", LAYER_MODE)
+    strength: float = option(1.0, Weight("0.8"))
+    clip: Clip = option("auto", choice_of(Clip, "no"))
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         LayerOptions(self.name, self.mode, self.strength, clip=self.clip)
 
 
 @dataclass(frozen=True)
-class CanvasOptions:
+class CanvasOptions(Options, group="Composing"):
     """The picture that layers are composed on.
 
     Parameters
@@ -211,15 +166,12 @@ class CanvasOptions:
         What lies below the lowest layer: "clear" (nothing: it stays transparent) or "flat" (a plate).
     """
 
-    size: str | None = None
-    width: Length | None = None
-    ground: Ground = "clear"
+    size: str | None = option(None, SignedText("1000x900"))
+    width: Length | None = option(None, LengthText("100mm", absolute=True))
+    ground: Ground = option("clear", choice_of(Ground, "flat"))
 
     def __post_init__(self) -> None:
-        require_choices(("ground", self.ground, ("clear", "flat")))
-        if isinstance(self.width, str):
-            object.__setattr__(self, "width", length(self.width))
-        require_absolute(width=self.width)
+        super().__post_init__()
         _ = self.cols_rows
 
     @property

@@ -1,24 +1,23 @@
-"""How a depth or height picture becomes normals.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How a depth or height picture becomes normals."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
-from nmaptool.core.errors import UsageError
-from nmaptool.core.units import Length, length
-from nmaptool.options.checks import require_absolute, require_choices, require_number
+from nmaptool.core.units import Length
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.kinds import Number, Switch, require_number
+from nmaptool.options.length_kinds import LengthOr, LengthText
 
+AutoOrNone = Literal["auto", "none"]
 DepthBackground = Literal["auto", "flat", "none"]
 
 NARROWEST_FOV, WIDEST_FOV = 0.1, 150.0
 
 
 @dataclass(frozen=True)
-class DepthOptions:
+class DepthOptions(Options, group="Composing"):
     """How a depth or height picture becomes normals. White is near and high unless the file says otherwise.
 
     Parameters
@@ -46,27 +45,15 @@ class DepthOptions:
         Width of the whole picture, such as 100mm. Default: what the file says.
     """
 
-    depth_scale: Length | None = None
-    invert: bool = False
-    fov: float | None = None
-    jump: Length | Literal["auto", "none"] = "auto"
-    smooth: Length | Literal["auto", "none"] = "auto"
-    background: DepthBackground = "auto"
-    width: Length | None = None
+    depth_scale: Length | None = option(None, LengthText("10%"))
+    invert: bool = option(False, Switch())
+    fov: float | None = option(None, Number("35"))
+    jump: Length | AutoOrNone = option("auto", LengthOr("2px", get_args(AutoOrNone)))
+    smooth: Length | AutoOrNone = option("auto", LengthOr("2px", get_args(AutoOrNone)))
+    background: DepthBackground = option("auto", choice_of(DepthBackground))
+    width: Length | None = option(None, LengthText("100mm", absolute=True))
 
     def __post_init__(self) -> None:
-        for name in ("depth_scale", "width"):  # text is as good as a Length
-            if isinstance(getattr(self, name), str):
-                object.__setattr__(self, name, length(getattr(self, name)))
-        for name in ("jump", "smooth"):
-            value = getattr(self, name)
-            if isinstance(value, str) and value not in ("auto", "none"):
-                try:
-                    object.__setattr__(self, name, length(value))
-                except UsageError:
-                    flag = name.replace("_", "-")
-                    raise UsageError(f"--{flag} {value!r}: use auto, none or a height, such as 2px") from None
-        require_choices(("background", self.background, ("auto", "flat", "none")))
+        super().__post_init__()
         if self.fov is not None and self.fov != 0:
             require_number("fov", self.fov, NARROWEST_FOV, WIDEST_FOV, "35 (0 is orthographic)")
-        require_absolute(width=self.width)

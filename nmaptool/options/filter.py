@@ -1,7 +1,4 @@
-"""How normals are split into base and detail.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How normals are split into base and detail."""
 
 from __future__ import annotations
 
@@ -9,23 +6,23 @@ from dataclasses import dataclass, fields
 from typing import Literal
 
 from nmaptool.core.errors import UsageError
-from nmaptool.core.units import Length, length
-from nmaptool.options.checks import require_choices, require_number
+from nmaptool.core.units import Length
+from nmaptool.options.bake import DetailEncoding
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.kinds import Count, Number, flag_of
+from nmaptool.options.length_kinds import EdgesOrLength, LengthText
 
 Filter = Literal["rnf", "grnf", "learned"]
+ImageFilter = Literal["rnf", "grnf"]
 Neighborhood = Literal["surface", "ring"]
 
-_MOST_ITERATIONS = 100
-
-
-def _check(sigma_r: float, iterations: int) -> None:
-    require_number("sigma-r", sigma_r, 0.01, 10, "0.5")
-    if not 1 <= iterations <= _MOST_ITERATIONS:
-        raise UsageError(f"--iterations {iterations}: must lie between 1 and {_MOST_ITERATIONS}, such as 5")
+# what both filters take for the range of normals and for their passes
+SIGMA_R = Number("0.5", 0.01, 10)
+ITERATIONS = Count("5", 1, 100)
 
 
 @dataclass(frozen=True)
-class FilterOptions:
+class FilterOptions(Options, group="Filter"):
     """How the face normals of a mesh are split into base and detail (rolling guidance and a mixture threshold).
 
     Parameters
@@ -47,31 +44,14 @@ class FilterOptions:
         Passes of the filter; the first blurs, the others bring back the larger forms.
     """
 
-    filter: Filter = "rnf"
-    neighborhood: Neighborhood = "surface"
-    sigma_s: float | Length = 3.0
-    sigma_r: float = 0.5
-    iterations: int = 5
+    filter: Filter = option("rnf", choice_of(Filter))
+    neighborhood: Neighborhood = option("surface", choice_of(Neighborhood))
+    sigma_s: float | Length = option(3.0, EdgesOrLength("3 or 2%"))
+    sigma_r: float = option(0.5, SIGMA_R)
+    iterations: int = option(5, ITERATIONS)
 
     def __post_init__(self) -> None:
-        _check(self.sigma_r, self.iterations)
-        require_choices(
-            ("filter", self.filter, ("rnf", "grnf", "learned")),
-            ("neighborhood", self.neighborhood, ("surface", "ring")),
-        )
-        if isinstance(self.sigma_s, str):
-            try:
-                size: float | Length = float(self.sigma_s)
-            except ValueError:
-                size = length(self.sigma_s)
-            object.__setattr__(self, "sigma_s", size)
-        if isinstance(self.sigma_s, Length):
-            if self.sigma_s.unit == "px":
-                raise UsageError(
-                    f"--sigma-s {self.sigma_s}: a mesh has no pixels; give edges, mm or %, such as 3 or 2%"
-                )
-        else:
-            require_number("sigma-s", self.sigma_s, 0.1, 1000, "3 or 2%")
+        super().__post_init__()
         if self.filter == "learned":
             self._refuse_parameters()
 
@@ -79,14 +59,14 @@ class FilterOptions:
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name != "filter" and value != field.default:
-                flag = field.name.replace("_", "-")
+                flag = flag_of(field.name)
                 raise UsageError(
-                    f"--{flag} {value}: a learned filter has no parameters; leave it away, or use --filter grnf"
+                    f"{flag} {value}: a learned filter has no parameters; leave it away, or use --filter grnf"
                 )
 
 
 @dataclass(frozen=True)
-class SplitOptions:
+class SplitOptions(Options, group="Filter"):
     """How a normal map without a mesh is split into base and detail.
 
     Parameters
@@ -106,17 +86,8 @@ class SplitOptions:
         "difference".
     """
 
-    filter: Literal["rnf", "grnf"] = "rnf"
-    sigma_s: Length = Length(1.0, "%")
-    sigma_r: float = 0.35
-    iterations: int = 5
-    detail_encoding: Literal["rotation", "slope", "difference"] = "rotation"
-
-    def __post_init__(self) -> None:
-        _check(self.sigma_r, self.iterations)
-        require_choices(
-            ("filter", self.filter, ("rnf", "grnf")),
-            ("detail-encoding", self.detail_encoding, ("rotation", "slope", "difference")),
-        )
-        if isinstance(self.sigma_s, str):
-            object.__setattr__(self, "sigma_s", length(self.sigma_s))
+    filter: ImageFilter = option("rnf", choice_of(ImageFilter))
+    sigma_s: Length = option(Length(1.0, "%"), LengthText("1%"))
+    sigma_r: float = option(0.35, SIGMA_R)
+    iterations: int = option(5, ITERATIONS)
+    detail_encoding: DetailEncoding = option("rotation", choice_of(DetailEncoding))

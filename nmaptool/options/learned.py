@@ -1,14 +1,12 @@
-"""How a learned filter is trained, and what it looks at.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How a learned filter is trained, and what it looks at."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from nmaptool.core.errors import UsageError
-from nmaptool.options.checks import require_number
+from nmaptool.options.fields import Options, option
+from nmaptool.options.kinds import Count, Number, require_number
 
 _MOST_PASSES = 20
 _MOST_SCALES = 16
@@ -48,7 +46,7 @@ class DescriptorOptions:
 
 
 @dataclass(frozen=True)
-class TrainOptions:
+class TrainOptions(Options, group="Filter"):
     """How a filter is learned.
 
     Parameters
@@ -69,24 +67,10 @@ class TrainOptions:
         Of the draws; the same seed gives the same filter on one machine.
     """
 
-    stages: int = 3
-    clusters: int = 4
-    hidden: int = 32
-    steps: int = 100
-    samples: int = 160_000
-    weight_decay: float = 3e-5
-    seed: int = 1
-
-    def __post_init__(self) -> None:
-        for name, value, high in (
-            ("stages", self.stages, 10),
-            ("clusters", self.clusters, 64),
-            ("hidden", self.hidden, 256),
-            ("steps", self.steps, 100_000),
-            ("samples", self.samples, 10_000_000),
-        ):
-            if not 1 <= value <= high:
-                raise UsageError(f"--{name} {value}: must lie between 1 and {high}")
-        require_number("weight-decay", self.weight_decay, 0, 1, "1e-4")
-        if not 0 <= self.seed < 2**32:
-            raise UsageError(f"--seed {self.seed}: must lie between 0 and {2**32 - 1}")
+    stages: int = option(3, Count(high=10))
+    clusters: int = option(4, Count(high=64))
+    hidden: int = option(32, Count(high=256))
+    steps: int = option(100, Count(high=100_000))
+    samples: int = option(160_000, Count(high=10_000_000))
+    weight_decay: float = option(3e-5, Number("1e-4", 0, 1))
+    seed: int = option(1, Count(low=0, high=2**32 - 1))

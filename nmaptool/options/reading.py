@@ -1,16 +1,13 @@
-"""How files are read.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How files are read."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.core.errors import UsageError
-from nmaptool.options.checks import require_choices
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.kinds import Positive, SignedText, Text
 
 Green = Literal["auto", "up", "down"]
 ZeroCode = Literal["auto", "127", "127.5", "128"]
@@ -25,7 +22,7 @@ def _is_hex_color(text: str) -> bool:
 
 
 @dataclass(frozen=True)
-class ReadOptions:
+class ReadOptions(Options, group="Reading"):
     """How a normal map file is read.
 
     Parameters
@@ -53,26 +50,19 @@ class ReadOptions:
         Refuse larger pictures before any memory is taken.
     """
 
-    layer: str | None = None
-    green: Green = "auto"
-    swizzle: str | None = None
-    zero_code: ZeroCode = "auto"
-    encoding: Encoding = "auto"
-    components: Components = "auto"
-    background_color: str = "auto"
-    max_megapixels: float = 270.0
+    layer: str | None = option(None, Text("detail"))
+    green: Green = option("auto", choice_of(Green, "down"))
+    swizzle: str | None = option(None, SignedText("-g,r,b"))
+    zero_code: ZeroCode = option("auto", choice_of(ZeroCode, "128"))
+    encoding: Encoding = option("auto", choice_of(Encoding, "signed"))
+    components: Components = option("auto", choice_of(Components, "xy"))
+    background_color: str = option("auto", Text("white"))
+    max_megapixels: float = option(270.0, Positive())
 
     def __post_init__(self) -> None:
-        require_choices(
-            ("green", self.green, ("auto", "up", "down")),
-            ("zero-code", self.zero_code, ("auto", "127", "127.5", "128")),
-            ("encoding", self.encoding, ("auto", "signed", "unsigned")),
-            ("components", self.components, ("auto", "xyz", "xy", "octahedral")),
-        )
+        super().__post_init__()
         if self.background_color not in _BACKGROUND_WORDS and not _is_hex_color(self.background_color):
             raise UsageError(
                 f"--background-color {self.background_color!r}: use one of {', '.join(_BACKGROUND_WORDS)}, "
                 "or a colour such as #7f7fff"
             )
-        if not (math.isfinite(self.max_megapixels) and self.max_megapixels > 0):
-            raise UsageError(f"--max-megapixels {self.max_megapixels:g}: must be greater than zero")

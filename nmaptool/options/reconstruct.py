@@ -1,26 +1,19 @@
-"""How a mesh is rebuilt to a field of normals.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How a mesh is rebuilt to a field of normals."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
-from nmaptool.core.errors import UsageError
-from nmaptool.options.checks import require_choices, require_number
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.kinds import Count, Number
 
 Scheme = Literal["gsfg-gradient", "gsfg-shape", "gsfg", "poisson"]
 Boundary = Literal["hold", "free"]
-SCHEMES = ("gsfg-gradient", "gsfg-shape", "gsfg", "poisson")
-
-_MOST_STEPS = 10_000
-_LARGEST_GAIN = 10.0
 
 
 @dataclass(frozen=True)
-class ReconstructOptions:
+class ReconstructOptions(Options, group="Rebuilding"):
     """How a mesh is rebuilt to a field of normals.
 
     Parameters
@@ -38,20 +31,14 @@ class ReconstructOptions:
         "hold" keeps the vertices of open edges where they are; "free" lets them go.
     """
 
-    scheme: Scheme = "gsfg-gradient"
-    steps: int = 20
-    closeness: float = 0.01
-    boundary: Boundary = "hold"
-
-    def __post_init__(self) -> None:
-        require_choices(("scheme", self.scheme, SCHEMES), ("boundary", self.boundary, ("hold", "free")))
-        if not 1 <= self.steps <= _MOST_STEPS:
-            raise UsageError(f"--steps {self.steps}: must lie between 1 and {_MOST_STEPS}, such as 20")
-        require_number("closeness", self.closeness, 1e-8, 1e4, "0.01")
+    scheme: Scheme = option("gsfg-gradient", choice_of(Scheme))
+    steps: int = option(20, Count("20", 1, 10_000))
+    closeness: float = option(0.01, Number("0.01", 1e-8, 1e4))
+    boundary: Boundary = option("hold", choice_of(Boundary))
 
 
 @dataclass(frozen=True)
-class SmoothOptions:
+class SmoothOptions(Options, group="Rebuilding"):
     """How much of the detail a mesh keeps.
 
     Parameters
@@ -61,7 +48,4 @@ class SmoothOptions:
         way round.
     """
 
-    detail_gain: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_number("detail-gain", self.detail_gain, -_LARGEST_GAIN, _LARGEST_GAIN, "0 or 2")
+    detail_gain: float = option(0.0, Number("0 or 2", -10, 10))

@@ -1,7 +1,4 @@
-"""How a relief is solved.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How a relief is solved."""
 
 from __future__ import annotations
 
@@ -10,8 +7,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.core.errors import UsageError
-from nmaptool.core.units import Length, length, memory
-from nmaptool.options.checks import LARGEST_WEIGHT, require_absolute, require_at_least_zero, require_choices
+from nmaptool.core.units import Length, memory
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.kinds import LARGEST_WEIGHT, Count, Numeric, Positive, Switch, Text, Weight
+from nmaptool.options.length_kinds import LengthText
 
 BackgroundMode = Literal["plane", "free", "cut", "surface"]
 Energy = Literal["eq6", "eq4"]
@@ -23,7 +22,7 @@ _LARGEST_SLOPE = 1e4
 
 
 @dataclass(frozen=True)
-class ReliefOptions:
+class ReliefOptions(Options, group="Relief"):
     """How a relief is solved from one or two normal maps.
 
     mu, beta and delta mean what they mean on a picture of 1000 px on its longer side, so that one setting gives one
@@ -70,48 +69,34 @@ class ReliefOptions:
         Default: what is free on the machine.
     """
 
-    mu: float = 0.1
-    beta: float = 0.001
-    delta: float = 30.0
-    background: BackgroundMode = "plane"
-    slope_cap: float = 3.0
-    energy: Energy = "eq6"
-    per_pixel: bool = False
-    height: Length | None = None
-    fit: Fit = "scale"
-    width: Length | None = None
-    solver: SolverName = "auto"
-    tolerance: float = 1e-8
-    max_iterations: int = 100
-    memory_limit: str | None = None
+    mu: float = option(0.1, Weight("0.1"))
+    beta: float = option(0.001, Weight("0.001"))
+    delta: float = option(30.0, Numeric("30"))
+    background: BackgroundMode = option("plane", choice_of(BackgroundMode))
+    slope_cap: float = option(3.0, Positive("3", _LARGEST_SLOPE))
+    energy: Energy = option("eq6", choice_of(Energy))
+    per_pixel: bool = option(False, Switch())
+    height: Length | None = option(None, LengthText("3mm"))
+    fit: Fit = option("scale", choice_of(Fit))
+    width: Length | None = option(None, LengthText("100mm", absolute=True))
+    solver: SolverName = option("auto", choice_of(SolverName))
+    tolerance: float = option(1e-8, Numeric("1e-8"))
+    max_iterations: int = option(100, Count())
+    memory_limit: str | None = option(None, Text("8GB"))
 
     def __post_init__(self) -> None:
-        require_choices(
-            ("background", self.background, ("plane", "free", "cut", "surface")),
-            ("energy", self.energy, ("eq6", "eq4")),
-            ("fit", self.fit, ("scale", "slope", "delta")),
-            ("solver", self.solver, ("auto", "dct", "multigrid", "amg")),
-        )
-        for name in ("height", "width"):  # text is as good as a Length
-            if isinstance(getattr(self, name), str):
-                object.__setattr__(self, name, length(getattr(self, name)))
-        require_at_least_zero(mu=self.mu, beta=self.beta)
+        super().__post_init__()
         if 0 < self.beta < _SMALLEST_BETA:
             raise UsageError(f"--beta {self.beta:g}: must be 0 or at least {_SMALLEST_BETA:g}")
         if not (math.isfinite(self.delta) and abs(self.delta) <= LARGEST_WEIGHT):
             raise UsageError(f"--delta {self.delta:g}: must be a number of at most {LARGEST_WEIGHT:g}")
-        if not 0 < self.slope_cap <= _LARGEST_SLOPE:
-            raise UsageError(f"--slope-cap {self.slope_cap:g}: must be greater than zero, such as 3")
         if not 1e-14 <= self.tolerance < 1:
             raise UsageError(f"--tolerance {self.tolerance:g}: must lie between 1e-14 and 1, such as 1e-8")
-        if self.max_iterations < 1:
-            raise UsageError(f"--max-iterations {self.max_iterations}: must be at least 1")
         if self.memory_limit is not None:
             try:
                 memory(self.memory_limit)
             except UsageError as error:
                 raise UsageError(f"--memory-limit: {error}") from None
-        require_absolute(width=self.width)
         if self.fit != "scale" and self.height is None:
             raise UsageError(f"--fit {self.fit}: needs --height, such as --height 3mm")
 

@@ -1,7 +1,4 @@
-"""How a map is cropped, mirrored, resized, turned and padded.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How a map is cropped, mirrored, resized, turned and padded."""
 
 from __future__ import annotations
 
@@ -10,18 +7,21 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.core.errors import UsageError
-from nmaptool.core.units import Length, Offset, length, offsets
-from nmaptool.options.checks import parse_size, require_absolute, require_choices, require_number
-from nmaptool.options.compose import parse_scale
+from nmaptool.core.units import Length, Offset, offsets
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.kinds import Number, SignedText, Switch, flag_of, parse_size
+from nmaptool.options.length_kinds import LengthText, ScaleText, parse_scale
 
 NewGround = Literal["auto", "clear", "flat"]
+ROTATION = Number("30", -3600, 3600)
+HEIGHT_FACTOR = Number("1", -1e3, 1e3)
 _LARGEST_NUMBER = 1e6
 # determinant over the square of the largest entry
 _SINGULAR = 1e-6
 
 
 @dataclass(frozen=True)
-class TransformOptions:
+class TransformOptions(Options, group="Composing"):
     """What is done to a map, in this order.
 
     Parameters
@@ -56,30 +56,22 @@ class TransformOptions:
         Width of the whole picture before, such as 100mm, so that lengths in mm have a meaning. Default: what it says.
     """
 
-    crop: str | None = None
-    flip_h: bool = False
-    flip_v: bool = False
-    resize: str | None = None
-    scale: str = "1"
-    rotate: float = 0.0
-    affine: str | None = None
-    keep_size: bool = False
-    pad: str | None = None
-    height_factor: float | None = None
-    vectors_only: bool = False
-    ground: NewGround = "auto"
-    width: Length | None = None
+    crop: str | None = option(None, SignedText("10%,10%,80%,50%"))
+    flip_h: bool = option(False, Switch())
+    flip_v: bool = option(False, Switch())
+    resize: str | None = option(None, SignedText("2000x1800"))
+    scale: str = option("1", ScaleText())
+    rotate: float = option(0.0, ROTATION)
+    affine: str | None = option(None, SignedText("1,0.2,0,1"))
+    keep_size: bool = option(False, Switch())
+    pad: str | None = option(None, SignedText("20px"))
+    height_factor: float | None = option(None, HEIGHT_FACTOR)
+    vectors_only: bool = option(False, Switch())
+    ground: NewGround = option("auto", choice_of(NewGround))
+    width: Length | None = option(None, LengthText("100mm", absolute=True))
 
     def __post_init__(self) -> None:
-        require_choices(("ground", self.ground, ("auto", "clear", "flat")))
-        if isinstance(self.width, str):  # text is as good as a Length
-            object.__setattr__(self, "width", length(self.width))
-        if not isinstance(self.scale, str):
-            object.__setattr__(self, "scale", f"{self.scale:.12g}")
-        require_absolute(width=self.width)
-        require_number("rotate", self.rotate, -3600, 3600, "30")
-        if self.height_factor is not None:
-            require_number("height-factor", self.height_factor, -1e3, 1e3, "1")
+        super().__post_init__()
         if self.resize is not None and self.scale != "1":
             raise UsageError("--resize and --scale both say how large the result is; give one of them")
         if self.vectors_only and (self.crop or self.resize or self.pad):
@@ -141,4 +133,4 @@ def _distances(name: str, text: str, counts: tuple[int, ...], such_as: str) -> t
     try:
         return offsets(text, counts, such_as)
     except UsageError as error:
-        raise UsageError(f"--{name} {error}") from None
+        raise UsageError(f"{flag_of(name)} {error}") from None

@@ -1,17 +1,16 @@
-"""How a workspace is packed.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How a workspace is packed."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from nmaptool.core.errors import UsageError
+from nmaptool.options.fields import Options, option
+from nmaptool.options.kinds import Kind, Switch
 
 
 @dataclass(frozen=True)
-class PackOptions:
+class PackOptions(Options, group="Outputs"):
     """How normal maps become the layers of a workspace.
 
     Parameters
@@ -22,8 +21,8 @@ class PackOptions:
         EXR in half precision.
     """
 
-    bits: int | None = None
-    half: bool = False
+    bits: int | None = option(None, Kind("16"))
+    half: bool = option(False, Switch())
 
     def __post_init__(self) -> None:
         if self.bits not in (None, 8, 16, 32):

@@ -1,14 +1,11 @@
-"""How normal maps are written.
-
-Nothing heavy is imported here, so that ``nmap --help`` stays quick.
-"""
+"""How normal maps are written."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
-from nmaptool.options.checks import require_choices
+from nmaptool.options.fields import Options, choice_of, option
 
 Bits = Literal["auto", "8", "16", "half", "float"]
 WrittenGreen = Literal["up", "down"]
@@ -16,7 +13,7 @@ WrittenZeroCode = Literal["auto", "127", "127.5", "128"]
 
 
 @dataclass(frozen=True)
-class WriteOptions:
+class WriteOptions(Options, group="Outputs"):
     """How a normal map file is written.
 
     Parameters
@@ -31,13 +28,6 @@ class WriteOptions:
         programs that take that code for zero. "auto" is the middle; in nmap compose convert, what the file had.
     """
 
-    bits: Bits = "auto"
-    write_green: WrittenGreen = "up"
-    write_zero_code: WrittenZeroCode = "auto"
-
-    def __post_init__(self) -> None:
-        require_choices(
-            ("bits", self.bits, ("auto", "8", "16", "half", "float")),
-            ("write-green", self.write_green, ("up", "down")),
-            ("write-zero-code", self.write_zero_code, ("auto", "127", "127.5", "128")),
-        )
+    bits: Bits = option("auto", choice_of(Bits))
+    write_green: WrittenGreen = option("up", choice_of(WrittenGreen))
+    write_zero_code: WrittenZeroCode = option("auto", choice_of(WrittenZeroCode))

@@ -12,7 +12,7 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.grid import touching_vertices
 from nmaptool.maps.masks import check_mask, check_sizes, require_map
 from nmaptool.options import ReliefOptions
-from nmaptool.options.checks import LARGEST_WEIGHT
+from nmaptool.options.kinds import LARGEST_WEIGHT
 from nmaptool.reliefs.integrate import integrate
 from nmaptool.types.height import DEFAULT_LONGER_SIDE_MM, Height
 from nmaptool.types.normal_map import NormalMap

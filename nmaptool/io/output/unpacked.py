@@ -22,7 +22,7 @@ from nmaptool.io.pictures.writer import write_image, write_pictures
 from nmaptool.io.replace import check_target, named, written_beside
 from nmaptool.io.unfinished import unfinished
 from nmaptool.maps.codec import grey_codes
-from nmaptool.options import CanvasOptions, GroupOptions, LayerMode, LayerOptions
+from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions
 from nmaptool.types.recipe import Recipe, RecipeGroup, RecipeLayer
 from nmaptool.types.unpacked import UnpackedLayer, UnpackResult
 from nmaptool.types.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceGroup
@@ -237,7 +237,7 @@ def _entries(
         if group is None:
             yield from (_recipe_layer(*pair) for pair in members)
             continue
-        mode: LayerMode = "over" if group.blend_mode == NORMAL_BLEND else "rnm"
+        mode = "over" if group.blend_mode == NORMAL_BLEND else "rnm"
         options = GroupOptions(_plain(group.name) or "group", mode, _number(group.opacity))
         yield RecipeGroup(tuple(_entries(members, depth + 1)), options, hidden=not group.visible)
 
@@ -248,7 +248,7 @@ def _recipe_layer(layer: UnpackedLayer, entry: Mapping[str, str]) -> RecipeLayer
     place = f"{layer.left}px,{layer.top}px"
     options = LayerOptions(
         _plain(layer.name) or "layer",
-        layer.mode,  # type: ignore[arg-type]
+        layer.mode,
         min(strength, 1.0) if layer.mode == "over" else strength,
         place,
         "top-left",

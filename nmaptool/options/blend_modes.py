@@ -1,0 +1,74 @@
+"""The table of blend modes: what each is called and means, and which function does it.
+
+To add a mode, add an entry here and its kernel in `nmaptool.composition.blend_kernels`; help texts, recipes, error
+messages and the README's list follow. A program may add one while it runs: ``BLEND_MODES["mine"] = BlendMode(...)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, Literal, cast
+
+# (base, detail, result, two arrays to work in), each of the first three a triple of component arrays
+Kernel = Callable[[Any, Any, Any, Any], None]
+_KERNELS = "nmaptool.composition.blend_kernels"
+
+
+@dataclass(frozen=True)
+class BlendMode:
+    """One way of blending a detail normal with a base normal.
+
+    Parameters
+    ----------
+    meaning : str
+        What it does, as the end of a sentence that begins with its name.
+    kernel : callable or str
+        Writes the blended components, of any length, into its third argument and leaves the first two as they are:
+        (base, detail, result, two arrays to work in). A name is that of a function in
+        `nmaptool.composition.blend_kernels`, which is loaded when it is first used.
+    fades : str
+        What strength does: ``detail`` scales the detail's slopes; ``sum`` weighs the detail in the sum; ``result``
+        mixes the outcome with the base.
+    keeps_flat : bool
+        A flat detail changes nothing.
+    flat_base : bool
+        On a flat base the detail comes out as it is.
+    adds_slopes : bool
+        The formula holds for slopes, so normals that face away must be brought to one first.
+    """
+
+    meaning: str
+    kernel: Kernel | str
+    fades: Literal["detail", "sum", "result"] = "detail"
+    keeps_flat: bool = True
+    flat_base: bool = True
+    adds_slopes: bool = False
+
+    @property
+    def function(self) -> Kernel:
+        """The kernel itself."""
+        if isinstance(self.kernel, str):
+            return cast("Kernel", getattr(import_module(_KERNELS), self.kernel))
+        return self.kernel
+
+
+BLEND_MODES: dict[str, BlendMode] = {
+    "rnm": BlendMode("turns the detail with the base and undoes what bake writes", "reoriented"),
+    "pd": BlendMode("adds slopes, and two surfaces stay a surface", "partial_derivative", adds_slopes=True),
+    "whiteout": BlendMode("is a cheaper form of pd", "whiteout", adds_slopes=True),
+    "udn": BlendMode("is cheaper still and keeps the base's z", "udn", flat_base=False, adds_slopes=True),
+    "linear": BlendMode("is the direction of the sum", "linear", "sum", keeps_flat=False, flat_base=False),
+    "overlay": BlendMode("is what image editors do", "overlay", "result", keeps_flat=False, flat_base=False),
+}
+
+
+def blend_meanings() -> dict[str, str]:
+    """What each mode means, those added at run time included."""
+    return {name: mode.meaning for name, mode in BLEND_MODES.items()}
+
+
+def layer_meanings() -> dict[str, str]:
+    """What each mode of a layer means: ``over`` and the blend modes."""
+    return {"over": "covers what is below", **blend_meanings()}

@@ -1,0 +1,190 @@
+"""Kinds of options: what each takes, how text becomes its value, and the one line that refuses another value.
+
+The options' frozen dataclasses name a kind for each field. The command line, recipes and the documentation read the
+same kinds, so nothing about an option is written twice.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from nmaptool.core.errors import UsageError
+
+LARGEST_WEIGHT = 1e6
+_SIZE = re.compile(r"\s*(\d{1,7})\s*[x,×]\s*(\d{1,7})\s*", re.IGNORECASE)
+
+# names, with a description each where the help lists them; a callable where names may be added later
+Choices = Mapping[str, str] | tuple[str, ...] | Callable[[], Mapping[str, str] | tuple[str, ...]]
+
+
+def flag_of(name: str) -> str:
+    """The flag of a field: ``--sigma-s`` of ``sigma_s``."""
+    return "--" + name.replace("_", "-")
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What an option takes.
+
+    Attributes
+    ----------
+    such_as : str
+        An example, for messages.
+    signed : bool
+        Whether text for it may begin with a minus sign.
+    toml : type
+        What a recipe writes it as: float (any number), bool or str.
+    """
+
+    such_as: str = ""
+    signed: ClassVar[bool] = False
+    toml: ClassVar[type] = str
+
+    def read(self, name: str, value: Any) -> Any:
+        """The value of the field ``name``, checked; text becomes what it stands for.
+
+        Raises
+        ------
+        UsageError
+            If the value cannot be meant.
+        """
+        return value
+
+
+@dataclass(frozen=True)
+class Text(Kind):
+    """Any text; the options' class reads it further where it has a form of its own."""
+
+
+@dataclass(frozen=True)
+class SignedText(Text):
+    """Text that may begin with a minus sign, such as numbers with commas between them."""
+
+    signed: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class Switch(Kind):
+    """On or off."""
+
+    toml: ClassVar[type] = bool
+
+
+@dataclass(frozen=True)
+class Choice(Kind):
+    """One of several names."""
+
+    choices: Choices = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The accepted names, those added at run time included."""
+        return tuple(self._now())
+
+    @property
+    def descriptions(self) -> dict[str, str]:
+        """What each name means, where that is said."""
+        now = self._now()
+        return dict(now) if isinstance(now, Mapping) else {}
+
+    def _now(self) -> Mapping[str, str] | tuple[str, ...]:
+        return self.choices() if callable(self.choices) else self.choices
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        if str(value) not in self.names:
+            raise UsageError(f"{flag_of(name)} {value!r}: use one of {', '.join(self.names)}")
+        return value
+
+
+@dataclass(frozen=True)
+class Numeric(Kind):
+    """A number of any kind."""
+
+    signed: ClassVar[bool] = True
+    toml: ClassVar[type] = float
+
+
+@dataclass(frozen=True)
+class Number(Numeric):
+    """A finite number between two bounds, both included."""
+
+    low: float = -math.inf
+    high: float = math.inf
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        require_number(name, value, self.low, self.high, self.such_as)
+        return value
+
+
+@dataclass(frozen=True)
+class Weight(Numeric):
+    """Zero or more, at most a million."""
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        if not 0 <= value <= LARGEST_WEIGHT:
+            raise UsageError(f"{flag_of(name)} {value:g}: must be zero or more, at most {LARGEST_WEIGHT:g}")
+        return value
+
+
+@dataclass(frozen=True)
+class Positive(Numeric):
+    """Greater than zero, finite or not above a limit."""
+
+    high: float = math.inf
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        if not (0 < value <= self.high and math.isfinite(value)):
+            example = f", such as {self.such_as}" if self.such_as else ""
+            raise UsageError(f"{flag_of(name)} {value:g}: must be greater than zero{example}")
+        return value
+
+
+@dataclass(frozen=True)
+class Count(Numeric):
+    """A whole number between two bounds, both included."""
+
+    low: int = 1
+    high: int | None = None
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        if self.high is None and value < self.low:
+            raise UsageError(f"{flag_of(name)} {value}: must be at least {self.low}")
+        if self.high is not None and not self.low <= value <= self.high:
+            example = f", such as {self.such_as}" if self.such_as else ""
+            raise UsageError(f"{flag_of(name)} {value}: must lie between {self.low} and {self.high}{example}")
+        return value
+
+
+def require_number(name: str, value: float, low: float, high: float, such_as: str) -> None:
+    """Refuse what is not a finite number between two bounds, both included.
+
+    Raises
+    ------
+    UsageError
+    """
+    if not (math.isfinite(value) and low <= value <= high):
+        raise UsageError(f"{flag_of(name)} {value:g}: must lie between {low:g} and {high:g}, such as {such_as}")
+
+
+def parse_size(name: str, text: str) -> tuple[int, int]:
+    """Columns and rows of a size such as ``1000x900``.
+
+    Raises
+    ------
+    UsageError
+        If the text is no such size.
+    """
+    match = _SIZE.fullmatch(text)
+    cols, rows = (int(match.group(1)), int(match.group(2))) if match else (0, 0)
+    if min(cols, rows) < 1:
+        raise UsageError(f"{flag_of(name)} {text!r}: expected columns x rows in px, such as 1000x900")
+    return cols, rows

@@ -1,0 +1,130 @@
+"""Kinds of options that are lengths, distances or scales: text with a unit becomes a value with one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from nmaptool.core.errors import UsageError
+from nmaptool.core.units import Length, Offset, length, offset
+from nmaptool.options.kinds import Kind, flag_of, require_number
+
+_SMALLEST_SCALE, _LARGEST_SCALE = 1e-3, 1e3
+
+
+@dataclass(frozen=True)
+class LengthText(Kind):
+    """A length such as 3mm, 4px or 2%; ``absolute`` ones in mm, cm or in only, since the pitch follows from them."""
+
+    such_as: str = "100mm"
+    absolute: bool = False
+    signed: ClassVar[bool] = True
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        value = length(value) if isinstance(value, str) else value
+        if self.absolute and not value.is_absolute:
+            raise UsageError(
+                f"{flag_of(name)} {value}: the size of a pixel follows from it, so give it in mm, cm or in"
+            )
+        return value
+
+
+@dataclass(frozen=True)
+class LengthOr(Kind):
+    """A height such as 2px, or one of a few names."""
+
+    names: tuple[str, ...] = ()
+    signed: ClassVar[bool] = True
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        if not isinstance(value, str) or value in self.names:
+            return value
+        try:
+            return length(value)
+        except UsageError:
+            accepted = f"{', '.join(self.names)} or a height, such as {self.such_as}"
+            raise UsageError(f"{flag_of(name)} {value!r}: use {accepted}") from None
+
+
+@dataclass(frozen=True)
+class EdgesOrLength(Kind):
+    """A plain number, in mean edges of the mesh, or a length such as 2% or 1.5mm."""
+
+    low: float = 0.1
+    high: float = 1000.0
+    signed: ClassVar[bool] = True
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        if isinstance(value, str):
+            try:
+                value = float(value)
+            except ValueError:
+                value = length(value)
+        if not isinstance(value, Length):
+            require_number(name, value, self.low, self.high, self.such_as)
+        elif value.unit == "px":
+            example = "give edges, mm or %, such as 3 or 2%"
+            raise UsageError(f"{flag_of(name)} {value}: a mesh has no pixels; {example}")
+        return value
+
+
+@dataclass(frozen=True)
+class OffsetText(Kind):
+    """A distance of zero or more, such as 6px."""
+
+    such_as: str = "6px"
+    signed: ClassVar[bool] = True
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        if isinstance(value, str):
+            try:
+                value = offset(value)
+            except UsageError as error:
+                raise UsageError(f"{flag_of(name)} {error}") from None
+        if isinstance(value, Offset) and value.value < 0:
+            raise UsageError(f"{flag_of(name)} {value}: must be zero or more, such as {self.such_as}")
+        return value
+
+
+@dataclass(frozen=True)
+class ScaleText(Kind):
+    """A factor, two factors (across, down), or a width such as 30mm; a plain number becomes text."""
+
+    such_as: str = "0.5"
+    signed: ClassVar[bool] = True
+    toml: ClassVar[type] = float
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        text = value if isinstance(value, str) else f"{value:.12g}"
+        parse_scale(text, name)
+        return text
+
+
+def parse_scale(text: str, name: str = "scale") -> tuple[float, float] | Length:
+    """``0.5``, ``0.5,0.7`` (across, down) or a width such as ``30mm``.
+
+    Raises
+    ------
+    UsageError
+        If the text is none of these, or a factor is out of range.
+    """
+    parts = text.split(",")
+    try:
+        factors = [float(part) for part in parts]
+    except ValueError:
+        if len(parts) == 1:
+            try:
+                return length(text)
+            except UsageError:
+                pass
+        expected = "a factor, two with a comma, or a width such as 30mm"
+        raise UsageError(f"{flag_of(name)} {text!r}: expected {expected}") from None
+    if len(factors) > 2 or not all(_SMALLEST_SCALE <= f <= _LARGEST_SCALE for f in factors):
+        expected = f"one or two factors between {_SMALLEST_SCALE:g} and {_LARGEST_SCALE:g}, such as 0.5"
+        raise UsageError(f"{flag_of(name)} {text}: expected {expected}")
+    return factors[0], factors[-1]

@@ -1,0 +1,70 @@
+"""What a recipe accepts is derived from the options' own fields: every field can be written, and is checked."""
+
+import dataclasses
+
+import pytest
+
+import nmaptool as nm
+from nmaptool.composition.recipe_parsing import GROUP_KEYS, LAYER_KEYS
+from nmaptool.core.errors import InputError
+from nmaptool.options.fields import kind_of
+from nmaptool.options.kinds import Choice
+from nmaptool.types.recipe import READ_KEYS
+
+HELD = {
+    nm.LayerOptions: lambda key, value: {"layer": [{"file": "a.png", key: value}]},
+    nm.GroupOptions: lambda key, value: {"layer": [{"layer": [{"file": "a.png"}], key: value}]},
+    nm.CanvasOptions: lambda key, value: {"canvas": {key: value}, "layer": [{"file": "a.png"}]},
+    nm.ReadOptions: lambda key, value: {"layer": [{"file": "a.png", "read": {key: value}}]},
+}
+FIELDS = [
+    pytest.param(options, field, id=f"{options.__name__}.{field.name}")
+    for options in HELD
+    for field in dataclasses.fields(options)
+    if options is not nm.ReadOptions or field.name in READ_KEYS
+]
+
+
+def example_of(field):
+    """A value as TOML has it."""
+    kind = kind_of(field)
+    if kind.toml is bool:
+        return True
+    if isinstance(kind, Choice):
+        assert kind.such_as in kind.names
+    return float(kind.such_as) if kind.toml is float else kind.such_as
+
+
+def options_in(recipe, options):
+    (layer,) = recipe.layers
+    if options is nm.CanvasOptions:
+        return recipe.canvas
+    return nm.ReadOptions(**layer.read) if options is nm.ReadOptions else layer.options
+
+
+@pytest.mark.parametrize(("options", "field"), FIELDS)
+def test_every_field_can_be_written_in_a_recipe(options, field):
+    value = example_of(field)
+    recipe = nm.parse_recipe(HELD[options](field.name, value))
+    found = options_in(recipe, options)
+    assert found == options(**{field.name: value})
+    assert nm.parse_recipe(HELD[options](field.name.replace("_", "-"), value)) == recipe
+
+
+@pytest.mark.parametrize(("options", "field"), FIELDS)
+def test_every_field_refuses_a_value_of_another_type_in_one_line(options, field):
+    wanted = {bool: "true or false", float: "a number such as", str: "text in quotes, such as"}[kind_of(field).toml]
+    with pytest.raises(InputError, match=rf"{field.name}: found a list, expected {wanted}"):
+        nm.parse_recipe(HELD[options](field.name, [1]))
+
+
+@pytest.mark.parametrize("components", ["xy", "octahedral"])
+def test_components_of_a_layers_file(components):
+    recipe = nm.parse_recipe({"layer": [{"file": "a.png", "read": {"components": components}}]})
+    assert recipe.layers[0].read == {"components": components}
+
+
+def test_the_keys_are_those_of_the_options():
+    assert {f.name for f in dataclasses.fields(nm.LayerOptions)} == set(LAYER_KEYS) - {"file", "mask", "hidden", "read"}
+    own = {"layer", "recipe", "mask", "hidden"}
+    assert {f.name for f in dataclasses.fields(nm.GroupOptions)} == set(GROUP_KEYS) - own
