@@ -31,7 +31,7 @@ filter: $(STAMP)
 check: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+	MYPYPATH=$(VENV)/typing $(BIN)/mypy
 	$(BIN)/lint-imports
 
 test: check

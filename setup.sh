@@ -30,6 +30,9 @@ fi
 [ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
 echo "installing nmaptool into $venv"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+# the type checker knows packages by their folders: cli is the package nmaptool_cli
+mkdir -p "$venv/typing"
+ln -sfn "$PWD/cli" "$venv/typing/nmaptool_cli"
 
 # drawing meshes needs the libraries of OpenGL (and pyglet one of X), but no graphics card or display
 draws='from nmaptool.render import gl

@@ -2,63 +2,48 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING
 
 from nmaptool.core.errors import UsageError
 from nmaptool.options import CompareOptions, FilterOptions, MeshReadOptions, ReconstructOptions
-from nmaptool_cli.learned import LearnedFilter
-from nmaptool_cli.session import (
-    CAMERA,
-    FILTER,
-    OUTPUTS,
-    READING,
-    REBUILDING,
-    RUN,
-    STREAM,
-    RunOptions,
-    Session,
-    refuse_inputs,
-)
+from nmaptool.options.fields import option
+from nmaptool_cli.command import command
+from nmaptool_cli.inputs import LearnedFilter, mesh_header, read_mesh
+from nmaptool_cli.outputs import ReportOutputs
+from nmaptool_cli.run import Run
+from nmaptool_cli.streams import refuse_stream
 
 if TYPE_CHECKING:
     import nmaptool as nm
+    from nmaptool.io.output.transaction import Outputs
 
 
 @dataclass(frozen=True)
-class FigureOutputs:
-    """What is written.
+class FigureOutputs(ReportOutputs):
+    """A figure.
 
     Parameters
     ----------
     output:
         Figure of both schemes: rebuilt meshes, vertex deviations, histograms, curves and the verdict, .png.
-    report:
-        All figures as JSON; - for standard output.
-    overwrite:
-        Replace files that exist.
     """
 
-    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None
-    report: Path | None = None
-    overwrite: bool = False
+    output: Path | None = option(None, short="-o")
+
+    def plan(self, prints_json: bool) -> Outputs[nm.Comparison]:
+        """What is written."""
+        from nmaptool.io.output.comparison import comparison_outputs
+
+        refuse_stream("a figure is written to a file, such as -o figure.png", self.output)
+        if not (self.output or self.report or prints_json):
+            raise UsageError("nothing to write: say where, such as -o figure.png")
+        return comparison_outputs(self.output, **self.shared)
 
 
-def compare(
-    mesh: str,
-    /,
-    *,
-    outputs: Annotated[FigureOutputs, Parameter(name="*", group=OUTPUTS)] = FigureOutputs(),
-    options: Annotated[CompareOptions, Parameter(name="*", group=CAMERA)] = CompareOptions(),
-    rebuilding: Annotated[ReconstructOptions, Parameter(name="*", group=REBUILDING)] = ReconstructOptions(),
-    filter: Annotated[FilterOptions, Parameter(name="*", group=FILTER)] = FilterOptions(),
-    learned: Annotated[LearnedFilter, Parameter(name="*", group=FILTER)] = LearnedFilter(),
-    reading: Annotated[MeshReadOptions, Parameter(name="*", group=READING)] = MeshReadOptions(),
-    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
-) -> None:
+@command(FigureOutputs, CompareOptions, ReconstructOptions, FilterOptions, LearnedFilter, MeshReadOptions)
+def compare(run: Run, mesh: str, /) -> None:
     """Compare gSfG with Poisson reconstruction on one mesh's base normals.
 
     Says how far vertices and normals are off by either, swept so that they are compared at equal normal deviation.
@@ -70,46 +55,17 @@ def compare(
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.output.comparison import ComparisonFiles
-
-    session = Session(run)
-    to_stdout = str(outputs.report) == STREAM
-    files = ComparisonFiles(outputs.output, None if to_stdout else outputs.report, outputs.overwrite)
-    if mesh == STREAM:
-        raise UsageError("-: a mesh is read from a file, whose ending tells what it is")
-    if str(outputs.output) == STREAM:
-        raise UsageError("-: a figure is written to a file, such as -o figure.png")
-    if not (files.targets or run.json or to_stdout):
-        raise UsageError("nothing to write: say where, such as -o figure.png")
-    files.check()
-    refuse_inputs(files.targets, [mesh])
+    learned = run[LearnedFilter]
+    outputs = run[FigureOutputs].plan(run.options.json)
+    run.begin(outputs, mesh=mesh, **learned.files)
     import nmaptool as nm
+    from nmaptool_cli.wording.meshes import describe_comparison, describe_curves
 
-    with session.progress() as progress:
+    with run.work() as (files, progress):
         model = learned.read()
-        source = nm.read_mesh(mesh, unit=reading.unit, max_faces=reading.max_faces)
-        comparison = nm.compare(source, options, filter, rebuilding, model=model, progress=progress)
-    metadata: dict[str, Any] = {
-        "version": nm.__version__,
-        "files": {"mesh": mesh} | learned.files,
-        "reading": asdict(reading),
-        "outputs": [str(path) for path in files.targets],
-        "mm_per_unit": source.mm_per_unit,
-        "unit_from": source.unit_from,
-        **comparison.to_dict(),
-    }
-    nm.write_comparison(comparison, files.figure, report=files.report, overwrite=files.overwrite, metadata=metadata)
-    _tell(session, comparison)
-    for path in files.targets:
-        session.say(f"  wrote {path}")
-    if run.json or to_stdout:
-        session.data(metadata)
-
-
-def _tell(session: Session, comparison: nm.Comparison) -> None:
-    from nmaptool_cli.mesh_wording import describe_comparison, describe_curves
-
-    for line in describe_comparison(comparison):
-        session.say(line)
-    for line in describe_curves(comparison):
-        session.detail(line)
+        source = read_mesh(run, files["mesh"])
+        options, rebuilding = run[CompareOptions], run[ReconstructOptions]
+        comparison = nm.compare(source, options, run[FilterOptions], rebuilding, model=model, progress=progress)
+    run.say(*describe_comparison(comparison))
+    run.detail(*describe_curves(comparison))
+    run.finish(outputs, comparison, mesh_header(run, source) | comparison.to_dict())

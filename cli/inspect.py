@@ -3,22 +3,31 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Annotated
-
-from cyclopts import Parameter
+from dataclasses import dataclass
 
 from nmaptool.options import ReadOptions
-from nmaptool_cli.session import READING, RUN, RunOptions, Session, display_name, input_files
+from nmaptool.options.fields import Options, option
+from nmaptool_cli.command import command
+from nmaptool_cli.inputs import read_grey
+from nmaptool_cli.run import Run
+from nmaptool_cli.streams import display_name
 
 
-def inspect(
-    map: str,
-    /,
-    *,
-    mask: str | None = None,
-    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
-    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
-) -> int:
+@dataclass(frozen=True)
+class Mask(Options, group="Inputs"):
+    """Where to look.
+
+    Parameters
+    ----------
+    mask:
+        Grey picture, white where to look.
+    """
+
+    mask: str | None = option(None)
+
+
+@command(Mask, ReadOptions)
+def inspect(run: Run, map: str, /) -> int:
     """Look a normal map over: convention, background, precision, and what is wrong, each with a remedy.
 
     Exit code 0: clean; 1: there are findings.
@@ -29,21 +38,19 @@ def inspect(
     ----------
     map:
         Normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
-    mask:
-        Grey picture, white where to look.
     """
+    reading = run[ReadOptions]
+    run.begin(map=map, mask=run[Mask].mask)
     import nmaptool as nm
 
-    session = Session(run)
-    with input_files(map, mask) as (source, mask_source):
-        assert source is not None
-        chosen = nm.read_grey(mask_source, reading.max_megapixels) if mask_source is not None else None
-        seen = nm.inspect_map(nm.read_raster(source, reading), reading, chosen)
-    seen = dataclasses.replace(seen, name=display_name(seen.name))
-    if run.json:
-        session.data(seen.to_dict())
-    elif not run.quiet:
-        from nmaptool_cli.wording import describe_inspection
+    with run.work() as (files, _):
+        chosen = read_grey(run, files["mask"])
+        found = nm.inspect_map(nm.read_raster(files["map"], reading), reading, chosen)
+    found = dataclasses.replace(found, name=display_name(found.name))
+    if run.options.json:
+        run.data(found.to_dict())
+    elif not run.options.quiet:
+        from nmaptool_cli.wording.maps import describe_inspection
 
-        print("\n".join(describe_inspection(seen)))
-    return 1 if seen.findings else 0
+        print("\n".join(describe_inspection(found)))
+    return 1 if found.findings else 0

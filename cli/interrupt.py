@@ -10,8 +10,8 @@ import threading
 import time
 from collections.abc import Iterator
 
-from nmaptool.io.unfinished import remove_unfinished
-from nmaptool_cli.session import interrupted
+from nmaptool.io.interruption import UNFINISHED
+from nmaptool_cli.guard import interrupted
 
 # Python itself hears of Ctrl-C between two of its steps only: decoding or compressing a large picture is one step.
 # Where none has ended after this time, the process is.
@@ -37,5 +37,5 @@ def _wait(ours: socket.socket) -> None:
     while numbers := ours.recv(1):
         if numbers[0] == signal.SIGINT:
             time.sleep(_PATIENCE_S)
-            remove_unfinished()
+            UNFINISHED.sweep()
             os._exit(interrupted())

@@ -2,21 +2,94 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TypeVar
+import dataclasses
+import inspect
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from cyclopts import Parameter
 
 from nmaptool.core.errors import UsageError
+from nmaptool.options.fields import Options, descriptions, kind_of
+from nmaptool.options.kinds import Count, Kind, Numeric, Switch, flag_of
+from nmaptool_cli.flags import GROUPS, keyword
 
 _Value = TypeVar("_Value")
 
 
-def spread(flag: str, given: Sequence[_Value], count: int, inputs: str) -> Sequence[_Value]:
+@dataclass(frozen=True)
+class PerInput:
+    """Fields of an options' class as flags that may be repeated, once for each input.
+
+    Parameters
+    ----------
+    options : type of Options
+    names : tuple of str
+        The fields.
+    inputs : str
+        What the inputs are called, one of them and several: ``mesh meshes``.
+    base : Options
+        What is not given is as here.
+    """
+
+    options: type[Options]
+    names: tuple[str, ...]
+    inputs: str
+    base: Options
+
+    def kinds(self) -> dict[str, Kind]:
+        """What each field takes."""
+        found = {field.name: kind_of(field) for field in dataclasses.fields(self.options)}
+        return {name: kind for name in self.names if (kind := found[name]) is not None}
+
+    def flags(self) -> Iterator[inspect.Parameter]:
+        """The flags as keyword parameters of a command; switches hold for all inputs."""
+        help_texts = descriptions(self.options)
+        for name, kind in self.kinds().items():
+            default = getattr(self.base, name)
+            shown = Parameter(
+                name=flag_of(name),
+                group=GROUPS[self.options.group],
+                help=help_texts[name],
+                show_default=False if default in (None, "", False) else lambda _, text=str(default): text,
+            )
+            if isinstance(kind, Switch):
+                yield keyword(name, False, bool, shown)
+            else:
+                yield keyword(name, (), tuple[_word_type(kind), ...], shown)  # type: ignore[misc]
+
+    def spread(self, words: Mapping[str, Any], count: int) -> list[Any]:
+        """The options of each of ``count`` inputs.
+
+        Raises
+        ------
+        UsageError
+            If a flag is given neither once nor once for each input.
+        """
+        each: list[dict[str, Any]] = [{} for _ in range(count)]
+        for name in self.names:
+            given = words[name]
+            values = [given] * count if isinstance(given, bool) else spread(name, given or [None], count, self.inputs)
+            for options, value in zip(each, values, strict=True):
+                if value is not None:
+                    options[name] = value
+        return [dataclasses.replace(self.base, **options) for options in each]
+
+
+def _word_type(kind: Kind) -> type:
+    if isinstance(kind, Count):
+        return int
+    return float if isinstance(kind, Numeric) else str
+
+
+def spread(name: str, given: Sequence[_Value], count: int, inputs: str) -> Sequence[_Value]:
     """A value for each of ``count`` inputs.
 
     Parameters
     ----------
-    flag : str
-        Without its dashes.
+    name : str
+        Of the field.
     given : sequence
         One value or ``count``.
     count : int
@@ -32,7 +105,6 @@ def spread(flag: str, given: Sequence[_Value], count: int, inputs: str) -> Seque
         return [given[0]] * count
     if len(given) != count:
         one, several = inputs.split()
-        raise UsageError(
-            f"--{flag}: is given {len(given)} times for {count} {several}; give it once, or once for each {one}"
-        )
+        remedy = f"give it once, or once for each {one}"
+        raise UsageError(f"{flag_of(name)}: is given {len(given)} times for {count} {several}; {remedy}")
     return given

@@ -5,36 +5,38 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING, Any
 
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.core.units import memory_text
 from nmaptool.options import ReadOptions, ReliefOptions
-from nmaptool_cli.session import (
-    INPUTS,
-    OUTPUTS,
-    READING,
-    RELIEF,
-    RUN,
-    STREAM,
-    RunOptions,
-    Session,
-    display_name,
-    input_files,
-    refuse_inputs,
-)
+from nmaptool.options.fields import Options, option
+from nmaptool.options.formats import RELIEF_FORMATS
+from nmaptool_cli.command import command
+from nmaptool_cli.inputs import read_grey, read_map
+from nmaptool_cli.outputs import FileOf, ReportOutputs
+from nmaptool_cli.run import Run
+from nmaptool_cli.streams import refuse_stream
 
 if TYPE_CHECKING:
     import nmaptool as nm
+    from nmaptool.core.progress import Progress
+    from nmaptool.io.output.transaction import Outputs
+
+# what errors of the library call the inputs, by role
+_CALLED = {
+    "mask": "the mask",
+    "mu_map": "the mu map",
+    "beta_map": "the beta map",
+    "delta_map": "the delta map",
+    "surface": "the curved background",
+}
 
 
 @dataclass(frozen=True)
-class ReliefInputs:
+class ReliefInputs(Options, group="Inputs"):
     """Files beside the map.
 
     Parameters
@@ -53,66 +55,41 @@ class ReliefInputs:
         Grey picture that multiplies delta per pixel.
     """
 
-    detail: str | None = None
-    mask: str | None = None
-    surface: str | None = None
-    mu_map: str | None = None
-    beta_map: str | None = None
-    delta_map: str | None = None
+    detail: str | None = option(None)
+    mask: str | None = option(None)
+    surface: str | None = option(None)
+    mu_map: str | None = option(None)
+    beta_map: str | None = option(None)
+    delta_map: str | None = option(None)
 
 
 @dataclass(frozen=True)
-class ReliefOutputs:
-    """What is written.
+class ReliefOutputs(ReportOutputs):
+    """Heights, meshes and a preview.
 
     Parameters
     ----------
     output:
-        Repeatable. By ending: .exr .tif .npy heights in mm; .png 16-bit heights; .stl .ply .obj surface in mm, .glb in
-        metres.
+        Repeatable. By ending:
     preview:
         Picture of the relief under two raking lights, .png.
-    report:
-        Full account of the run as JSON; - for standard output.
-    overwrite:
-        Replace files that exist.
     """
 
-    output: Annotated[tuple[Path, ...], Parameter(name=["--output", "-o"])] = ()
-    preview: Path | None = None
-    report: Path | None = None
-    overwrite: bool = False
+    output: tuple[Path, ...] = option((), FileOf(formats=lambda: RELIEF_FORMATS), short="-o")
+    preview: Path | None = option(None)
+
+    def plan(self, prints_json: bool) -> Outputs[nm.Relief]:
+        """What is written."""
+        from nmaptool.io.output.relief import relief_outputs
+
+        refuse_stream("a relief or a preview is written to a file, such as -o relief.stl", *self.output, self.preview)
+        if not (self.output or self.preview or self.report or prints_json):
+            raise UsageError("nothing to write: say where, such as -o relief.stl --preview relief.png")
+        return relief_outputs(self.output, preview=self.preview, **self.shared)
 
 
-@contextlib.contextmanager
-def named_inputs(inputs: ReliefInputs) -> Iterator[None]:
-    """Errors that speak of the mask or a weight map name its file."""
-    try:
-        yield
-    except InputError as error:
-        text = str(error)
-        for words, file in (
-            ("the mask", inputs.mask),
-            ("the mu map", inputs.mu_map),
-            ("the beta map", inputs.beta_map),
-            ("the delta map", inputs.delta_map),
-            ("the curved background", inputs.surface),
-        ):
-            if file is not None:
-                text = text.replace(words, f"{words} {file}", 1)
-        raise InputError(text) from None
-
-
-def relief(
-    map: str,
-    /,
-    *,
-    inputs: Annotated[ReliefInputs, Parameter(name="*", group=INPUTS)] = ReliefInputs(),
-    outputs: Annotated[ReliefOutputs, Parameter(name="*", group=OUTPUTS)] = ReliefOutputs(),
-    options: Annotated[ReliefOptions, Parameter(name="*", group=RELIEF)] = ReliefOptions(),
-    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
-    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
-) -> None:
+@command(ReliefInputs, ReliefOutputs, ReliefOptions, ReadOptions)
+def relief(run: Run, map: str, /) -> None:
     """Make a relief in millimetres from one or two normal maps.
 
     With the original map and --detail, shape and detail are both kept; with a base map alone, the structure.
@@ -124,93 +101,56 @@ def relief(
     map:
         Original or base normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
     """
-    from nmaptool.io.output.relief import ReliefFiles
+    inputs = asdict(run[ReliefInputs])
+    outputs = run[ReliefOutputs].plan(run.options.json)
+    run.begin(outputs, original=map, **inputs)
+    from nmaptool_cli.wording.reliefs import describe_relief
 
-    session = Session(run)
-    to_stdout = str(outputs.report) == STREAM
-    files = ReliefFiles(
-        outputs.output, outputs.preview, None if to_stdout else outputs.report, overwrite=outputs.overwrite
-    )
-    if any(str(path) == STREAM for path in (*outputs.output, outputs.preview)):
-        raise UsageError("-: a relief or a preview is written to a file, such as -o relief.stl")
-    if not (files.targets or run.json or to_stdout):
-        raise UsageError("nothing to write: say where, such as -o relief.stl --preview relief.png")
-    files.check()
-    names = (map, inputs.detail, inputs.mask, inputs.surface, inputs.mu_map, inputs.beta_map, inputs.delta_map)
-    refuse_inputs(files.targets, names)
-    with input_files(*names) as sources, named_inputs(inputs):
-        result, metadata = _solve(session, sources, options, reading)
+    with run.work() as (files, progress), _named_inputs(inputs):
+        maps, result = _solve(run, files, progress)
+    describe_relief(run, maps, result)
+    read = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
+    metadata = run.header(inputs=read, reading=asdict(run[ReadOptions]), **result.report.to_dict())
+    heights = run[ReliefOutputs].output
+    written = [f"{path}{_png_range(path, result) if path in heights else ''}" for path in outputs.paths]
+    run.finish(outputs, result, metadata, written=written)
+
+
+def _solve(run: Run, files: Mapping[str, Any], progress: Progress | None) -> tuple[list[nm.NormalMap], nm.Relief]:
+    """Read the inputs and solve; the maps that were read, the original first."""
     import nmaptool as nm
 
-    roles = ("original", "detail", "mask", "surface", "mu_map", "beta_map", "delta_map")
-    metadata["files"] = {role: name for role, name in zip(roles, names, strict=True) if name is not None}
-    metadata["reading"] = asdict(reading)
-    metadata["outputs"] = [str(path) for path in files.targets]
-    nm.write_relief(
-        result, *files.outputs, preview=files.preview, report=files.report, overwrite=files.overwrite, metadata=metadata
-    )
-    for path in files.targets:
-        session.say(f"  wrote {path}{_png_range(path, result) if path in files.outputs else ''}")
-    if run.json or to_stdout:
-        session.data(metadata)
+    started = time.perf_counter()
+    original = read_map(run, files["original"])
+    detail = None
+    if files["detail"] is not None:
+        detail = read_map(run, files["detail"], like=original, own_layer=False)
+    surface = None
+    if files["surface"] is not None:
+        pitch_mm, _ = nm.pitch_of(original, run[ReliefOptions])
+        reading = dataclasses.replace(run[ReadOptions], layer=None)
+        surface = nm.read_surface(files["surface"], reading, like=original, pitch_mm=pitch_mm)
+    greys = {role: read_grey(run, files[role]) for role in ("mask", "mu_map", "beta_map", "delta_map")}
+    read_s = time.perf_counter() - started
+    result = nm.relief(original, detail, surface=surface, **greys, options=run[ReliefOptions], progress=progress)
+    report = dataclasses.replace(result.report, seconds={"reading": read_s, **result.report.seconds})
+    maps = [each for each in (original, detail, surface) if isinstance(each, nm.NormalMap)]
+    return maps, dataclasses.replace(result, report=report)
+
+
+@contextlib.contextmanager
+def _named_inputs(inputs: Mapping[str, str | None]) -> Iterator[None]:
+    """Errors that speak of the mask or a weight map name its file."""
+    try:
+        yield
+    except InputError as error:
+        text = str(error)
+        for role, called in _CALLED.items():
+            if inputs[role] is not None:
+                text = text.replace(called, f"{called} {inputs[role]}", 1)
+        raise InputError(text) from None
 
 
 def _png_range(path: Path, result: nm.Relief) -> str:
     low, high = result.height.range_mm
     return f" (black {low:.3f} mm, white {high:.3f} mm)" if path.suffix.lower() == ".png" else ""
-
-
-def _solve(
-    session: Session, sources: list[str | None], options: ReliefOptions, reading: ReadOptions
-) -> tuple[nm.Relief, dict[str, Any]]:
-    """Read the inputs, solve, say what was done; also the account for the report."""
-    import nmaptool as nm
-
-    source, detail_source, mask, surface_source, mu_map, beta_map, delta_map = sources
-    assert source is not None
-    started = time.perf_counter()
-    with session.progress() as progress:
-        original = nm.read_normal_map(source, reading)
-        others = dataclasses.replace(reading, layer=None)
-        detail = None if detail_source is None else nm.read_normal_map(detail_source, others, like=original)
-        surface = None
-        if surface_source is not None:
-            pitch_mm, _ = nm.pitch_of(original, options)
-            surface = nm.read_surface(surface_source, others, like=original, pitch_mm=pitch_mm)
-
-        def grey(path: str | None) -> Any:
-            return None if path is None else nm.read_grey(path, reading.max_megapixels)
-
-        maps = {"mask": mask, "mu_map": mu_map, "beta_map": beta_map, "delta_map": delta_map}
-        greys = {role: grey(path) for role, path in maps.items()}
-        read_s = time.perf_counter() - started
-        result = nm.relief(original, detail, surface=surface, **greys, options=options, progress=progress)
-    report = dataclasses.replace(result.report, seconds={"reading": read_s, **result.report.seconds})
-    result = dataclasses.replace(result, report=report)
-    read = [
-        dataclasses.replace(m, name=display_name(m.name))
-        for m in (original, detail, surface)
-        if isinstance(m, nm.NormalMap)
-    ]
-    _tell(session, read, nm.diagnose(original), result)
-    inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in read]
-    return result, {"version": nm.__version__, "inputs": inputs, **result.report.to_dict()}
-
-
-def _tell(session: Session, maps: list[nm.NormalMap], diagnose: tuple[str, ...], result: nm.Relief) -> None:
-    from nmaptool_cli.wording import describe_decoding, describe_relief
-
-    for each in maps:
-        share = float(each.foreground.mean())
-        session.say(f"{each.name}: {each.frame}, {describe_decoding(each.decoding, share)}")
-        for warning in each.decoding.warnings:
-            session.warn(f"{each.name}: {warning}")
-    for doubt in diagnose:
-        session.warn(f"{maps[0].name}: {doubt}")
-    for line in describe_relief(result.report):
-        session.say(line)
-    for warning in result.report.warnings:
-        session.warn(warning)
-    session.detail(f"  memory planned for the solver {memory_text(result.report.planned_bytes)}")
-    session.detail(f"  residuals {' '.join(f'{r:.1e}' for r in result.report.history)}")
-    session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in result.report.seconds.items())}")

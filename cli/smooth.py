@@ -2,63 +2,49 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING
 
 from nmaptool.core.errors import UsageError
 from nmaptool.options import FilterOptions, MeshReadOptions, ReconstructOptions, SmoothOptions
-from nmaptool_cli.learned import LearnedFilter
-from nmaptool_cli.session import (
-    FILTER,
-    OUTPUTS,
-    READING,
-    REBUILDING,
-    RUN,
-    STREAM,
-    RunOptions,
-    Session,
-    refuse_inputs,
-)
+from nmaptool.options.fields import option
+from nmaptool_cli.command import command
+from nmaptool_cli.inputs import LearnedFilter, mesh_header, read_mesh
+from nmaptool_cli.outputs import ReportOutputs
+from nmaptool_cli.run import Run
+from nmaptool_cli.streams import refuse_stream
 
 if TYPE_CHECKING:
     import nmaptool as nm
+    from nmaptool.io.output.transaction import Outputs
 
 
 @dataclass(frozen=True)
-class MeshOutputs:
-    """What is written.
+class MeshOutputs(ReportOutputs):
+    """Meshes.
 
     Parameters
     ----------
     output:
         Repeatable. By ending: .stl .ply .obj in mm, .glb in metres. A mesh whose units are not known is taken to be in
         mm: its numbers stay. Faces keep their order.
-    report:
-        Full account of the run as JSON; - for standard output.
-    overwrite:
-        Replace files that exist.
     """
 
-    output: Annotated[tuple[Path, ...], Parameter(name=["--output", "-o"])] = ()
-    report: Path | None = None
-    overwrite: bool = False
+    output: tuple[Path, ...] = option((), short="-o")
+
+    def plan(self, prints_json: bool) -> Outputs[nm.Mesh]:
+        """What is written."""
+        from nmaptool.io.output.mesh import mesh_outputs
+
+        refuse_stream("a mesh is written to a file, such as -o smooth.stl", *self.output)
+        if not (self.output or self.report or prints_json):
+            raise UsageError("nothing to write: say where, such as -o smooth.stl")
+        return mesh_outputs(self.output, **self.shared)
 
 
-def smooth(
-    mesh: str,
-    /,
-    *,
-    outputs: Annotated[MeshOutputs, Parameter(name="*", group=OUTPUTS)] = MeshOutputs(),
-    options: Annotated[SmoothOptions, Parameter(name="*", group=REBUILDING)] = SmoothOptions(),
-    rebuilding: Annotated[ReconstructOptions, Parameter(name="*", group=REBUILDING)] = ReconstructOptions(),
-    filter: Annotated[FilterOptions, Parameter(name="*", group=FILTER)] = FilterOptions(),
-    learned: Annotated[LearnedFilter, Parameter(name="*", group=FILTER)] = LearnedFilter(),
-    reading: Annotated[MeshReadOptions, Parameter(name="*", group=READING)] = MeshReadOptions(),
-    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
-) -> None:
+@command(MeshOutputs, SmoothOptions, ReconstructOptions, FilterOptions, LearnedFilter, MeshReadOptions)
+def smooth(run: Run, mesh: str, /) -> None:
     """Rebuild a mesh without its fine detail, or with more of it.
 
     What is finer than --sigma-s is detail; the vertices move until the faces look as without it, or with --detail-gain
@@ -71,54 +57,23 @@ def smooth(
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.output.meshes import MeshFiles
-
-    session = Session(run)
-    to_stdout = str(outputs.report) == STREAM
-    files = MeshFiles(outputs.output, None if to_stdout else outputs.report, outputs.overwrite)
-    if mesh == STREAM:
-        raise UsageError("-: a mesh is read from a file, whose ending tells what it is")
-    if any(str(path) == STREAM for path in outputs.output):
-        raise UsageError("-: a mesh is written to a file, such as -o smooth.stl")
-    if not (files.targets or run.json or to_stdout):
-        raise UsageError("nothing to write: say where, such as -o smooth.stl")
-    files.check()
-    refuse_inputs(files.targets, [mesh])
+    learned = run[LearnedFilter]
+    outputs = run[MeshOutputs].plan(run.options.json)
+    run.begin(outputs, mesh=mesh, **learned.files)
     import nmaptool as nm
+    from nmaptool.io.output.mesh import mesh_metadata
+    from nmaptool_cli.wording.meshes import describe_smoothing
 
-    with session.progress() as progress:
+    with run.work() as (files, progress):
         model = learned.read()
-        source = nm.read_mesh(mesh, unit=reading.unit, max_faces=reading.max_faces)
-        smoothed = nm.smooth(source, options, filter, rebuilding, model=model, progress=progress)
-    metadata: dict[str, Any] = {
-        "version": nm.__version__,
-        "files": {"mesh": mesh} | learned.files,
-        "reading": asdict(reading),
-        "outputs": [str(path) for path in files.targets],
-        "mm_per_unit": source.mm_per_unit,
-        "unit_from": source.unit_from,
-        **smoothed.report.to_dict(),
-    }
-    nm.write_mesh(smoothed.mesh, *files.outputs, report=files.report, overwrite=files.overwrite, metadata=metadata)
-    _tell(session, source, smoothed)
-    for path in files.targets:
-        session.say(f"  wrote {path}{_unit_of(path, source) if path in files.outputs else ''}")
-    if run.json or to_stdout:
-        session.data(metadata)
-
-
-def _tell(session: Session, source: nm.Mesh, smoothed: nm.SmoothResult) -> None:
-    from nmaptool_cli.mesh_wording import describe_reconstruction
-    from nmaptool_cli.wording import describe_findings
-
-    report = smoothed.report
-    session.say(describe_findings(source, report.findings))
-    for line in describe_reconstruction(report.reconstruction, report.detail_gain):
-        session.say(line)
-    for warning in report.warnings:
-        session.warn(f"{source.name}: {warning}")
-    session.detail(f"  moves {' '.join(f'{move:.1e}' for move in report.reconstruction.moves)} edges")
-    session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in report.seconds.items())}")
+        source = read_mesh(run, files["mesh"])
+        options, rebuilding = run[SmoothOptions], run[ReconstructOptions]
+        result = nm.smooth(source, options, run[FilterOptions], rebuilding, model=model, progress=progress)
+    describe_smoothing(run, source, result)
+    metadata = mesh_metadata(result.mesh, mesh_header(run, source) | result.report.to_dict())
+    meshes = run[MeshOutputs].output
+    written = [f"{path}{_unit_of(path, source) if path in meshes else ''}" for path in outputs.paths]
+    run.finish(outputs, result.mesh, metadata, written=written)
 
 
 def _unit_of(path: Path, source: nm.Mesh) -> str:

@@ -4,26 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from nmaptool.core.errors import UsageError
 from nmaptool.options import ReadOptions, WriteOptions
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, report_header, say_composition, say_map
-from nmaptool_cli.session import OUTPUTS, READING, RUN, RunOptions, Session, display_name, input_files
+from nmaptool_cli.command import command
+from nmaptool_cli.compose.edits import finish_edit
+from nmaptool_cli.outputs import MapOutputs
+from nmaptool_cli.run import Run
+from nmaptool_cli.streams import display_name
 
 
-def convert(
-    map: str,
-    out: Path | None = None,
-    /,
-    *,
-    outputs: Annotated[MapOutputs, Parameter(name="*", group=OUTPUTS)] = MapOutputs(),
-    writing: Annotated[WriteOptions, Parameter(name="*", group=OUTPUTS)] = WriteOptions(),
-    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
-    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
-) -> None:
+@command(MapOutputs, WriteOptions, ReadOptions)
+def convert(run: Run, map: str, out: Path | None = None, /) -> None:
     """Write a normal map as another kind of file: format, bits, green up or down, zero code, all three components.
 
     Codes that are sound stay as they are; vectors off unit length are normalised; a background that is white, grey,
@@ -38,27 +30,20 @@ def convert(
     out:
         What is written, .png, .exr or .tif; the same as -o.
     """
-    session = Session(run)
-    if out is not None and outputs.output is not None:
-        raise UsageError(f"{out}: the output is also named by -o {outputs.output}; name it once")
-    outputs = dataclasses.replace(outputs, output=outputs.output if out is None else out)
-    writer = MapWriter(session, outputs, writing, run, (map,))
+    flags, writing, reading = run[MapOutputs], run[WriteOptions], run[ReadOptions]
+    if out is not None and flags.output is not None:
+        raise UsageError(f"{out}: the output is also named by -o {flags.output}; name it once")
+    outputs = dataclasses.replace(flags, output=flags.output or out).plan(writing, run.options.json)
+    run.begin(outputs, map=map)
     import nmaptool as nm
     from nmaptool.composition.conversion import convert_image
-    from nmaptool.io.pictures.convert import conversion_recipe, kept_attributes
-    from nmaptool.io.pictures.normal_maps import bits_of
-    from nmaptool_cli.wording import describe_conversion
+    from nmaptool.io.output.conversion import converted_map
+    from nmaptool.io.output.normal_map import bits_of
+    from nmaptool_cli.wording.edits import describe_conversion
 
-    with input_files(map) as (source,):
-        assert source is not None
-        image = nm.read_raster(source, reading)
+    with run.work() as (files, _):
+        image = nm.read_raster(files["map"], reading)
         image = dataclasses.replace(image, name=display_name(image.name))
-        result, settled = convert_image(image, bits_of(writer.files.output, writing), reading, writing)
-    writer.files = dataclasses.replace(writer.files, options=settled)
-    say_map(session, result.normal_map)
-    for line in describe_conversion(result.report):
-        session.say(line)
-    metadata = report_header((result.normal_map,), files={"map": map}, reading=dataclasses.asdict(reading))
-    writer.write_composition(result, metadata, conversion_recipe(image, result.report), kept_attributes(image))
-    say_composition(session, result)
-    writer.finish()
+        result, settled = convert_image(image, bits_of(outputs.places[0], writing), reading, writing)
+    written, more = converted_map(image, result, settled), list(describe_conversion(result.report))
+    finish_edit(run, outputs, result, [result.normal_map], written=written, more=more)

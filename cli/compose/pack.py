@@ -3,43 +3,55 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING
 
 from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Offset
 from nmaptool.options import LayerOptions, PackOptions, ReadOptions
-from nmaptool_cli.compose.outputs import read_map, say_map
-from nmaptool_cli.session import COMPOSING, OUTPUTS, READING, RUN, RunOptions, Session, input_files, refuse_inputs
+from nmaptool.options.blend_modes import layer_meanings
+from nmaptool.options.fields import Options, option
+from nmaptool.options.formats import WORKSPACE_FORMATS
+from nmaptool.options.kinds import Kind, Switch, flag_of
+from nmaptool_cli.command import command
+from nmaptool_cli.inputs import read_grey, read_map
+from nmaptool_cli.outputs import FileOf
+from nmaptool_cli.run import Run
+from nmaptool_cli.wording.maps import say_map
 
 if TYPE_CHECKING:
     import nmaptool as nm
 
-_Words = Annotated[tuple[str, ...], Parameter(show_default=False)]
-_Numbers = Annotated[tuple[float, ...], Parameter(show_default=False)]
+
+@dataclass(frozen=True)
+class ModeNames(Kind):
+    """Modes of layers, which the help lists."""
+
+    def meanings(self) -> str:
+        """As `Kind.meanings`."""
+        return ", ".join(layer_meanings()) + "."
 
 
 @dataclass(frozen=True)
-class WorkspaceOutput:
-    """What is written.
+class WorkspaceOutput(Options, group="Outputs"):
+    """A workspace.
 
     Parameters
     ----------
     output:
-        Workspace: .psd (.psb where it is very large), .ora, .tif or .exr.
+        Workspace. By ending:
     overwrite:
         Replace a file that exists.
     """
 
-    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None
-    overwrite: bool = False
+    output: Path | None = option(None, FileOf(formats=lambda: WORKSPACE_FORMATS), short="-o")
+    overwrite: bool = option(False, Switch())
 
 
 @dataclass(frozen=True)
-class Layering:
+class Layering(Options, group="Composing"):
     """How the maps lie in the workspace; each flag once for every map, bottom to top.
 
     Parameters
@@ -50,52 +62,41 @@ class Layering:
     name:
         What the layer is called. Default: the file's name.
     mode:
-        How it is to be composed again after unpacking: over (default), rnm, pd, whiteout, udn, linear, overlay.
+        How it is to be composed again after unpacking. Default: over. One of
     strength:
         How much of it is composed then: 0 none, 1 all (default).
     mask:
         Grey picture of the map's size, white where it shows: the layer's mask. "none" for a map without.
     """
 
-    at: _Words = ()
-    name: _Words = ()
-    mode: _Words = ()
-    strength: _Numbers = ()
-    mask: _Words = ()
+    at: tuple[str, ...] = option(())
+    name: tuple[str, ...] = option(())
+    mode: tuple[str, ...] = option((), ModeNames())
+    strength: tuple[float, ...] = option(())
+    mask: tuple[str, ...] = option(())
 
-    def check(self, count: int, *, recipe: bool) -> None:
-        """Refuse flags that are not given once for every map, and those that a recipe already says."""
+    def of_each(self, count: int, *, recipe: bool) -> list[LayerOptions]:
+        """Name, mode, strength and place of each of ``count`` maps.
+
+        Raises
+        ------
+        UsageError
+            If a flag is not given once for every map, or a recipe says it already.
+        """
         for field in dataclasses.fields(self):
-            given = len(getattr(self, field.name))
+            given, flag = len(getattr(self, field.name)), flag_of(field.name)
             if given and recipe:
-                raise UsageError(f"--{field.name}: is for maps; a recipe says it of each layer")
+                raise UsageError(f"{flag}: is for maps; a recipe says it of each layer")
             if given not in (0, count):
-                raise UsageError(
-                    f"--{field.name}: is given {given} times for {count} maps; give it once for each map, or never"
-                )
-        modes, strengths = self.mode or ("over",) * count, self.strength or (1.0,) * count
-        for mode, strength in zip(modes, strengths, strict=True):
-            LayerOptions(mode=mode, strength=strength)
-
-    def places(self, frame: nm.Frame, count: int) -> list[tuple[int, int]]:
-        """(left, top) of each map on a canvas, in px."""
-        corners = [LayerOptions(at=text).place for text in self.at] or [(Offset(0, "px"),) * 2] * count
-        return [
-            (round(across.to_px(frame.pitch_mm, frame.cols)), round(down.to_px(frame.pitch_mm, frame.rows)))
-            for across, down in corners
-        ]
+                remedy = "give it once for each map, or never"
+                raise UsageError(f"{flag}: is given {given} times for {count} maps; {remedy}")
+        default = LayerOptions(at="0,0")
+        rows = (getattr(self, key) or (getattr(default, key),) * count for key in ("name", "mode", "strength", "at"))
+        return [LayerOptions(*row) for row in zip(*rows, strict=True)]
 
 
-def pack(
-    maps: Annotated[tuple[str, ...], Parameter(negative="")],
-    /,
-    *,
-    output: Annotated[WorkspaceOutput, Parameter(name="*", group=OUTPUTS)] = WorkspaceOutput(),
-    options: Annotated[PackOptions, Parameter(name="*", group=OUTPUTS)] = PackOptions(),
-    layering: Annotated[Layering, Parameter(name="*", group=COMPOSING)] = Layering(),
-    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
-    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
-) -> None:
+@command(WorkspaceOutput, PackOptions, Layering, ReadOptions)
+def pack(run: Run, /, *maps: str) -> None:
     """Lay normal maps over each other as the layers of one file for an image editor.
 
     A recipe (.toml) is packed with its layers on their places, vectors turned.
@@ -108,70 +109,76 @@ def pack(
     maps:
         Normal maps, bottom to top; FILE.exr:layer names a layer. Or one recipe, such as scene.toml.
     """
-    from nmaptool.io.replace import check_target
-    from nmaptool.io.workspaces.files import check_workspace_target
+    from nmaptool.io.output.workspace import check_workspace_target, workspace_outputs
 
-    session = Session(run)
-    target = output.output
+    target, options, layering = run[WorkspaceOutput].output, run[PackOptions], run[Layering]
+    if not maps:
+        raise UsageError("nothing to pack: give one or more maps, or a recipe")
     if target is None:
         raise UsageError("nothing to write: say where, such as -o work.psd")
     bits = check_workspace_target(target, options.bits, options.half)
     is_recipe = Path(maps[0]).suffix.lower() == ".toml"
     if is_recipe and len(maps) > 1:
         raise UsageError(f"{maps[0]}: a recipe is packed alone; give it, or maps")
-    layering.check(len(maps), recipe=is_recipe)
-    check_target(target, output.overwrite)
+    each = layering.of_each(len(maps), recipe=is_recipe)
+    outputs = workspace_outputs(target, overwrite=run[WorkspaceOutput].overwrite)
+    masks = tuple(name for name in layering.mask if name != "none")
+    run.begin(outputs, maps=maps, masks=masks)
     import nmaptool as nm
 
-    if is_recipe:
-        recipe = nm.read_recipe(maps[0], max_megapixels=reading.max_megapixels)
-        refuse_inputs([target], (maps[0], *(str(Path(recipe.folder) / name) for name in recipe.files)))
-        stack = nm.read_stack(recipe, reading)
-        read = list(stack.maps)
-        placed, frame = nm.place_layers(stack.layers, stack.canvas)
-        ground: str = stack.canvas.ground
-    else:
-        refuse_inputs([target], (*maps, *layering.mask))
-        read, placed, frame = _read(maps, layering, reading)
-        ground = "clear"
+    read, placed, frame, ground = _recipe(run, maps[0]) if is_recipe else _maps(run, each)
     workspace = nm.pack(placed, dataclasses.replace(options, bits=bits), frame=frame, ground=ground)
-    nm.write_workspace(target, workspace, overwrite=output.overwrite)
-    _say(session, read, target, workspace)
-    if run.json:
-        session.data({"output": str(target), **(workspace.metadata or {})})
+    for one in read:
+        say_map(run, one)
+    run.say(*_describe(workspace))
+    outputs.write(workspace)
+    run.say(f"  wrote {target}")
+    run.speak()
+    if run.options.json:
+        run.data({"output": str(target), **(workspace.metadata or {})})
 
 
-def _read(
-    maps: tuple[str, ...], layering: Layering, reading: ReadOptions
-) -> tuple[list[nm.NormalMap], tuple[nm.PackedMap, ...], nm.Frame]:
+_Placed = tuple[list["nm.NormalMap"], tuple["nm.PackedMap", ...], "nm.Frame", str]
+
+
+def _recipe(run: Run, name: str) -> _Placed:
+    """The layers of a recipe on their places."""
+    import nmaptool as nm
+
+    recipe = nm.read_recipe(name, max_megapixels=run[ReadOptions].max_megapixels)
+    run.refuse_inputs(name, *(str(Path(recipe.folder) / file) for file in recipe.files))
+    stack = nm.read_stack(recipe, run[ReadOptions])
+    placed, frame = nm.place_layers(stack.layers, stack.canvas)
+    return list(stack.maps), placed, frame, stack.canvas.ground
+
+
+def _maps(run: Run, each: list[LayerOptions]) -> _Placed:
     """The maps, how they lie, and their canvas."""
     import nmaptool as nm
     from nmaptool.workspace.pack import common_frame
 
-    masks = [None if name == "none" else name for name in layering.mask] or [None] * len(maps)
-    with input_files(*maps, *masks) as sources:
-        read = [read_map(name, reading) for name in sources[: len(maps)]]
-        grey = [None if m is None else nm.read_grey(m, reading.max_megapixels) for m in sources[len(maps) :]]
+    with run.work() as (files, _):
+        read = [read_map(run, name) for name in files["maps"]]
+        left = iter(files["masks"])
+        names = run[Layering].mask or ("none",) * len(read)
+        masks = [None if name == "none" else read_grey(run, next(left)) for name in names]
     frame = common_frame(read)
-    modes, strengths = layering.mode or ("over",) * len(maps), layering.strength or (1.0,) * len(maps)
-    rows = zip(
-        read, layering.name or ("",) * len(maps), layering.places(frame, len(maps)), modes, strengths, grey, strict=True
-    )
     placed = tuple(
-        nm.PackedMap(one, name, left, top, mode, strength, mask)
-        for one, name, (left, top), mode, strength, mask in rows
+        nm.PackedMap(one, o.name, *_pixels(o.place, frame), o.mode, o.strength, mask)
+        for one, o, mask in zip(read, each, masks, strict=True)
     )
-    return read, placed, frame
+    return read, placed, frame, "clear"
 
 
-def _say(session: Session, read: list[nm.NormalMap], target: Path, workspace: nm.Workspace) -> None:
-    for one in read:
-        say_map(session, one)
-    kind = f"{'half' if workspace.half else workspace.bits} {'' if workspace.half else 'bit '}".strip()
-    session.say(f"  {len(workspace.layers)} layers on {workspace.frame}, {kind}, bottom to top:")
+def _pixels(place: tuple[Offset, Offset], frame: nm.Frame) -> tuple[int, int]:
+    """Left and top of a map on a canvas."""
+    across, down = place
+    return round(across.to_px(frame.pitch_mm, frame.cols)), round(down.to_px(frame.pitch_mm, frame.rows))
+
+
+def _describe(workspace: nm.Workspace) -> Iterator[str]:
+    kind = "half" if workspace.half else f"{workspace.bits} bit"
+    yield f"  {len(workspace.layers)} layers on {workspace.frame}, {kind}, bottom to top:"
     for layer in workspace.layers:
         rows, cols = layer.size
-        session.say(
-            f"    {layer.name}: {cols} x {rows} at {layer.left},{layer.top}{', with a mask' if layer.mask else ''}"
-        )
-    session.say(f"  wrote {target}")
+        yield f"    {layer.name}: {cols} x {rows} at {layer.left},{layer.top}{', with a mask' if layer.mask else ''}"

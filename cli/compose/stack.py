@@ -3,35 +3,59 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING
 
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.units import Length
 from nmaptool.options import CanvasOptions, ReadOptions, WriteOptions
-from nmaptool_cli.compose.outputs import MapOutputs, MapWriter, report_header, say_composition, say_map
-from nmaptool_cli.session import COMPOSING, INPUTS, OUTPUTS, READING, RUN, STREAM, RunOptions, Session, input_files
+from nmaptool.options.fields import Options, option
+from nmaptool.options.kinds import SignedText
+from nmaptool.options.length_kinds import LengthText
+from nmaptool_cli.command import command
+from nmaptool_cli.compose.edits import finish_edit
+from nmaptool_cli.outputs import PlacedOutputs
+from nmaptool_cli.run import Run
+from nmaptool_cli.streams import STREAM
 
 if TYPE_CHECKING:
     import nmaptool as nm
     from nmaptool.core.progress import Progress
 
 
-def stack(
-    recipe: str,
-    /,
-    *,
-    folder: Annotated[Path | None, Parameter(group=INPUTS)] = None,
-    outputs: Annotated[MapOutputs, Parameter(name="*", group=OUTPUTS)] = MapOutputs(),
-    placed: Annotated[Path | None, Parameter(group=OUTPUTS)] = None,
-    writing: Annotated[WriteOptions, Parameter(name="*", group=OUTPUTS)] = WriteOptions(),
-    size: Annotated[str | None, Parameter(group=COMPOSING)] = None,
-    width: Annotated[Length | None, Parameter(group=COMPOSING)] = None,
-    reading: Annotated[ReadOptions, Parameter(name="*", group=READING)] = ReadOptions(),
-    run: Annotated[RunOptions, Parameter(name="*", group=RUN)] = RunOptions(),
-) -> None:
+@dataclass(frozen=True)
+class RecipeFolder(Options, group="Inputs"):
+    """Where the recipe's files are.
+
+    Parameters
+    ----------
+    folder:
+        What the recipe's files are relative to. Default: its own folder; the current one for standard input.
+    """
+
+    folder: Path | None = option(None)
+
+
+@dataclass(frozen=True)
+class StackCanvas(Options, group="Composing"):
+    """The canvas, instead of the recipe's.
+
+    Parameters
+    ----------
+    size:
+        Columns x rows of the canvas. Default: what the recipe says, else those of the lowest layer.
+    width:
+        Width of the whole picture, such as 100mm. Default: what the recipe says, else the lowest layer.
+    """
+
+    size: str | None = option(None, SignedText("1000x900"))
+    width: Length | None = option(None, LengthText("100mm"))
+
+
+@command(RecipeFolder, PlacedOutputs, WriteOptions, StackCanvas, ReadOptions)
+def stack(run: Run, recipe: str, /) -> None:
     """Compose the layers of a recipe.
 
     Any number of layers with place, mode, strength and mask, in groups or not; docs/recipes.md tells every key.
@@ -42,47 +66,40 @@ def stack(
     ----------
     recipe:
         TOML file, or a map that was composed by one, which is in its metadata; - reads TOML from standard input.
-    folder:
-        What the recipe's files are relative to. Default: its own folder; the current one for standard input.
-    placed:
-        Picture of where layers lie above the lowest, .png: the --mask of nmap relief for a background that keeps its
-        own height.
-    size:
-        Columns x rows of the canvas. Default: what the recipe says, else those of the lowest layer.
-    width:
-        Width of the whole picture, such as 100mm. Default: what the recipe says, else the lowest layer.
     """
-    session = Session(run)
-    given = CanvasOptions(size, width)
-    import nmaptool as nm
-
-    if recipe == STREAM and folder is None:
-        folder = Path()
-    with input_files(recipe) as (source,):
-        assert source is not None
-        read = nm.read_recipe(source, folder=folder, name=recipe, max_megapixels=reading.max_megapixels)
+    flags, reading = run[PlacedOutputs], run[ReadOptions]
+    given = CanvasOptions(run[StackCanvas].size, run[StackCanvas].width)
+    read = _read(run, recipe)
     canvas = CanvasOptions(given.size or read.canvas.size, given.width or read.canvas.width, read.canvas.ground)
     read = dataclasses.replace(read, canvas=canvas)
+    outputs = flags.plan(run[WriteOptions], run.options.json, placed=flags.placed)
     place = Path(read.folder)
-    files = (str(place / name) for name in (*read.sources, *read.files))
-    writer = MapWriter(session, outputs, writing, run, (recipe, *files), placed=placed)
-    with session.progress() as progress:
+    # checked as inputs: none of them may be an output
+    run.begin(outputs, recipe=recipe, files=tuple(str(place / name) for name in (*read.sources, *read.files)))
+    import nmaptool as nm
+    from nmaptool.io.output.composition import composed_map
+
+    with run.progress() as progress:
         layers = nm.read_stack(read, reading)
         result = _composed(layers, reading.max_megapixels, progress)
-    for each in layers.maps:
-        say_map(session, each)
-    _tell(session, layers)
-    metadata = report_header(
-        layers.maps,
-        files={"recipe": recipe, "recipes": read.sources, "layers": read.files},
-        reading=dataclasses.asdict(reading),
-        outside=layers.outside,
-        hidden=read.hidden,
-        notes=read.notes,
-    )
-    writer.write_composition(result, metadata, nm.to_toml(layers.recipe))
-    say_composition(session, result)
-    writer.finish()
+    written = composed_map(result, nm.to_toml(layers.recipe))
+    files = {"recipe": recipe, "recipes": list(read.sources), "layers": list(read.files)}
+    facts = {"outside": list(layers.outside), "hidden": list(read.hidden), "notes": list(read.notes)}
+    more = list(_notes(layers))
+    finish_edit(run, outputs, result, layers.maps, written=written, more=more, files=files, **facts)
+
+
+def _read(run: Run, recipe: str) -> nm.Recipe:
+    """The recipe, with the recipes that it names."""
+    import nmaptool as nm
+
+    folder = run[RecipeFolder].folder
+    if recipe == STREAM and folder is None:
+        folder = Path()
+    run.begin(recipe=recipe)
+    with run.work() as (files, _):
+        limit = run[ReadOptions].max_megapixels
+        return nm.read_recipe(files["recipe"], folder=folder, name=recipe, max_megapixels=limit)
 
 
 def _composed(layers: nm.Stack, max_megapixels: float, progress: Progress | None) -> nm.Composition:
@@ -96,11 +113,11 @@ def _composed(layers: nm.Stack, max_megapixels: float, progress: Progress | None
         raise type(error)(f"{layers.recipe.name}: {text}") from None
 
 
-def _tell(session: Session, layers: nm.Stack) -> None:
+def _notes(layers: nm.Stack) -> Iterator[str]:
     """What of the recipe was left out, and what it reads from elsewhere."""
     for label in layers.recipe.hidden:
-        session.say(f"{label}: hidden, left out")
+        yield f"{label}: hidden, left out"
     for note in layers.recipe.notes:
-        session.warn(note)
+        yield f"nmap: warning: {note}"
     for name in layers.outside:
-        session.warn(f"{layers.recipe.name}: reads {name}, which lies outside the recipe's folder")
+        yield f"nmap: warning: {layers.recipe.name}: reads {name}, which lies outside the recipe's folder"

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import inspect
+import re
 from collections.abc import Mapping
 from typing import Any, ClassVar, get_args
 
 from nmaptool.options.kinds import Choice, Kind
 
+# a field and what is said of it
+_ENTRY = re.compile(r"^(\w+):\n((?:    .*\n?)+)", re.MULTILINE)
 
-def option(default: Any, kind: Kind | None = None) -> Any:
-    """A field with its default and what it takes; None as the default means that it may be left out."""
-    return dataclasses.field(default=default, metadata={} if kind is None else {"kind": kind})
+
+def option(default: Any, kind: Kind | None = None, short: str = "") -> Any:
+    """A field with its default, what it takes and a short flag; None as the default means that it may be left out."""
+    metadata = {"kind": kind, "short": short}
+    return dataclasses.field(default=default, metadata={key: value for key, value in metadata.items() if value})
 
 
 def choice_of(literal: Any, such_as: str = "") -> Choice:
@@ -33,11 +39,13 @@ class Options:
     """
 
     group: ClassVar[str] = ""
+    written_doc: ClassVar[str] = ""
 
     def __init_subclass__(cls, group: str = "", **more: Any) -> None:
         super().__init_subclass__(**more)
         cls.group = group or cls.group
-        cls.__doc__ = _with_choices(cls.__doc__ or "", vars(cls))
+        cls.written_doc = inspect.cleandoc(cls.__doc__ or "")  # Python 3.13 strips the indent itself
+        cls.__doc__ = _with_choices(cls.written_doc, vars(cls))
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
@@ -48,20 +56,24 @@ class Options:
                     object.__setattr__(self, field.name, read)
 
 
-def choices_text(kind: Kind | None) -> str:
-    """The names of a choice with their meanings, as sentences for a help text; empty where they have none."""
-    if not isinstance(kind, Choice) or not kind.descriptions:
-        return ""
-    return "; ".join(f'"{name}" {meaning}' for name, meaning in kind.descriptions.items()) + "."
+def descriptions(options: type[Options]) -> dict[str, str]:
+    """What a class of options says of each field, as one line each; names of a choice as they are now."""
+    written: dict[str, str] = {}
+    for owner in options.__mro__:
+        for name, text in _ENTRY.findall(getattr(owner, "written_doc", "")):
+            written.setdefault(name, " ".join(text.split()))
+    kinds = {field.name: kind_of(field) for field in dataclasses.fields(options)}
+    meanings = {name: kind.meanings() for name, kind in kinds.items() if kind is not None}
+    return {name: f"{text} {meanings.get(name, '')}".strip() for name, text in written.items()}
 
 
 def _with_choices(doc: str, members: Mapping[str, Any]) -> str:
-    """A docstring with the meaning of each name under the field that takes it."""
-    for name, member in members.items():
+    """A docstring with the meaning of each name below the field that takes it."""
+
+    def filled(entry: re.Match[str]) -> str:
+        member = members.get(entry[1])
         kind = member.metadata.get("kind") if isinstance(member, dataclasses.Field) else None
-        text = choices_text(kind)
-        if text:
-            head, mark, rest = doc.partition(f"\n    {name}:\n")
-            first, newline, rest = rest.partition("\n")
-            doc = f"{head}{mark}{first} {text}{newline}{rest}" if mark else doc
-    return doc
+        text = "" if kind is None else kind.meanings()
+        return f"{entry[0].rstrip()}\n    {text}\n" if text else entry[0]
+
+    return _ENTRY.sub(filled, doc)

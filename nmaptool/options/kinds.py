@@ -54,6 +54,10 @@ class Kind:
         """
         return value
 
+    def meanings(self) -> str:
+        """What a table says of the values it offers, for the end of the help text; empty where there is no table."""
+        return ""
+
 
 @dataclass(frozen=True)
 class Text(Kind):
@@ -90,6 +94,11 @@ class Choice(Kind):
         """What each name means, where that is said."""
         now = self._now()
         return dict(now) if isinstance(now, Mapping) else {}
+
+    def meanings(self) -> str:
+        """As `Kind.meanings`."""
+        described = "; ".join(f'"{name}" {meaning}' for name, meaning in self.descriptions.items())
+        return f"{described}." if described else ""
 
     def _now(self) -> Mapping[str, str] | tuple[str, ...]:
         return self.choices() if callable(self.choices) else self.choices

@@ -1,12 +1,25 @@
-"""Reports on rebuilt meshes as sentences for a designer."""
+"""How meshes were rebuilt, compared and learned from."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from nmaptool_cli.wording.layers import describe_findings
+
 if TYPE_CHECKING:
-    from nmaptool import Comparison, ReconstructReport
+    from nmaptool import Comparison, FilterModel, Mesh, ReconstructReport, SmoothResult, TrainingExample
+    from nmaptool_cli.run import Run
+
+
+def describe_smoothing(run: Run, source: Mesh, result: SmoothResult) -> None:
+    """How a mesh was smoothed or exaggerated, and what speaks against it."""
+    report = result.report
+    run.say(describe_findings(source, report.findings))
+    run.say(*describe_reconstruction(report.reconstruction, report.detail_gain))
+    run.warn(*(f"{source.name}: {warning}" for warning in report.warnings))
+    run.detail(f"  moves {' '.join(f'{move:.1e}' for move in report.reconstruction.moves)} edges")
+    run.seconds(report.seconds)
 
 
 def describe_reconstruction(report: ReconstructReport, gain: float) -> Iterator[str]:
@@ -60,3 +73,13 @@ def describe_curves(comparison: Comparison) -> Iterator[str]:
         for p in points:
             pull = "" if p.closeness is None else f", closeness {p.closeness:g}"
             yield f"  {name}: {p.steps} steps{pull}: {p.normal_deg:.3f} degrees, {p.rms_mm:.4g} mm, {p.folded} folded"
+
+
+def describe_training(run: Run, examples: Sequence[TrainingExample], model: FilterModel) -> None:
+    """A filter that was learned, a line each."""
+    faces = sum(len(example.mesh.faces) for example in examples)
+    run.say(f"learned from {len(examples)} meshes, {faces} faces: filter {model.digest}")
+    before, *after = model.metadata["mean_angle_deg"]
+    stages = ", ".join(f"{angle:.2f}" for angle in after)
+    run.say(f"  mean angle to the targets {before:.2f} degrees, after each stage {stages}")
+    run.detail(f"  losses {' '.join(f'{loss:.2e}' for loss in model.metadata['losses'])}")

@@ -1,0 +1,104 @@
+"""Commands: functions of a run, whose flags are the fields of options' classes.
+
+``@command(BakeOptions, FilterOptions)`` turns ``bake(run, mesh)`` into a function that the parser calls with the words
+of the command line. Nothing about a flag is written here: `nmaptool_cli.flags` makes it from its class.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import inspect
+from collections.abc import Callable, Iterator
+from typing import Any, get_type_hints
+
+from nmaptool.options.fields import Options, kind_of
+from nmaptool.options.kinds import Count, Kind, flag_of
+from nmaptool_cli.flags import flags_of
+from nmaptool_cli.per_input import PerInput
+from nmaptool_cli.run import Run, RunOptions
+
+Function = Callable[..., "int | None"]
+
+
+class Command:
+    """A function of a run and its file names, and the options' classes that its flags come from.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(run, *files)``; its docstring is the command's help.
+    classes : tuple of type of Options
+    per_input : PerInput or None
+        Flags that are given once for all inputs, or once for each.
+    """
+
+    def __init__(self, function: Function, classes: tuple[type[Options], ...], per_input: PerInput | None) -> None:
+        self.function = function
+        self.classes = (*classes, RunOptions)
+        self.per_input = per_input
+
+    def __call__(self, *files: Any, **words: Any) -> int | None:
+        """Run the command with what the parser made of the words."""
+        given: dict[type[Options], Options] = {}
+        for options in self.classes:
+            names = [field.name for field in dataclasses.fields(options)]
+            given[options] = options(**{name: words.pop(name) for name in names if name in words})
+        return self.function(Run(given, words, self.per_input), *files)
+
+    def parameters(self) -> Iterator[inspect.Parameter]:
+        """File names first, then every flag."""
+        hints = get_type_hints(self.function, include_extras=True)
+        for parameter in list(inspect.signature(self.function).parameters.values())[1:]:
+            yield parameter.replace(annotation=hints[parameter.name])
+        if self.per_input is not None:
+            yield from self.per_input.flags()
+        for options in self.classes:
+            yield from flags_of(options)
+
+    @property
+    def kinds(self) -> dict[str, Kind]:
+        """What each flag takes."""
+        found = {} if self.per_input is None else self.per_input.kinds()
+        for options in self.classes:
+            found |= {field.name: kind for field in dataclasses.fields(options) if (kind := kind_of(field)) is not None}
+        return {flag_of(name): kind for name, kind in found.items()}
+
+    @property
+    def signed(self) -> frozenset[str]:
+        """Flags whose values may begin with a minus sign."""
+        return frozenset(flag for flag, kind in self.kinds.items() if kind.signed)
+
+    @property
+    def whole(self) -> frozenset[str]:
+        """Flags that take whole numbers."""
+        return frozenset(flag for flag, kind in self.kinds.items() if isinstance(kind, Count))
+
+
+def command(*classes: type[Options], per_input: PerInput | None = None) -> Callable[[Function], Any]:
+    """Make a function of a `Run` and its file names a command with the flags of these classes.
+
+    The result is a plain function, as the parser wants it; `command_of` gives its `Command`.
+    """
+
+    def make(function: Function) -> Any:
+        made = Command(function, classes, per_input)
+
+        @functools.wraps(function)
+        def call(*files: Any, **words: Any) -> int | None:
+            return made(*files, **words)
+
+        del call.__wrapped__  # type: ignore[attr-defined]  # the parser would go by its signature
+        call.command = made  # type: ignore[attr-defined]
+        return call
+
+    return make
+
+
+def command_of(call: Any) -> Command:
+    """The command behind a function, with its parameters as they are now: names may have been added to tables."""
+    made: Command = call.command
+    parameters = list(made.parameters())
+    call.__signature__ = inspect.Signature(parameters)
+    call.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    return made

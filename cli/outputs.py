@@ -1,0 +1,145 @@
+"""Where the results of commands go: the output flags that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from nmaptool.core.errors import UsageError
+from nmaptool.options import WriteOptions
+from nmaptool.options.fields import Options, choice_of, option
+from nmaptool.options.formats import NORMAL_MAP_FORMATS
+from nmaptool.options.kinds import Kind, Switch
+from nmaptool_cli.streams import STDOUT, STREAM, StandardOutput, refuse_stream
+
+if TYPE_CHECKING:
+    from nmaptool.io.output.normal_map import WrittenMap
+    from nmaptool.io.output.transaction import Outputs
+
+LayerFormat = Literal["exr", "png"]
+
+
+@dataclass(frozen=True)
+class FileOf(Kind):
+    """A file whose ending is one of a table of formats, which the help lists."""
+
+    formats: Callable[[], Mapping[str, Any]] = dict
+
+    def meanings(self) -> str:
+        """As `Kind.meanings`."""
+        return "; ".join(f"{ending} {entry.description}" for ending, entry in self.formats().items()) + "."
+
+
+@dataclass(frozen=True)
+class ReportOutputs(Options, group="Outputs"):
+    """The report, and whether files may be replaced.
+
+    Parameters
+    ----------
+    report:
+        Full account of the run as JSON; - for standard output.
+    overwrite:
+        Replace files that exist.
+    """
+
+    report: Path | None = option(None)
+    overwrite: bool = option(False, Switch())
+
+    @property
+    def prints_report(self) -> bool:
+        """Whether the report goes to standard output."""
+        return str(self.report) == STREAM
+
+    @property
+    def shared(self) -> dict[str, Any]:
+        """The arguments ``report`` and ``overwrite`` of every plan of outputs."""
+        return {"report": None if self.prints_report else self.report, "overwrite": self.overwrite}
+
+
+@dataclass(frozen=True)
+class MapOutputs(ReportOutputs):
+    """A normal map and a picture of its curl.
+
+    Parameters
+    ----------
+    output:
+        Normal map; - writes EXR to standard output, for the next command. By ending:
+    curl:
+        Picture of where the map stops being a surface, .png: black is sound, yellow is torn.
+    """
+
+    output: Path | None = option(None, FileOf(formats=lambda: NORMAL_MAP_FORMATS), short="-o")
+    curl: Path | None = option(None)
+
+    def plan(self, writing: WriteOptions, prints_json: bool, **pictures: Path | None) -> Outputs[WrittenMap]:
+        """What is written; more pictures by kind."""
+        from nmaptool.io.output.normal_map import map_outputs
+        from nmaptool.io.output.targets import OutputStream
+
+        if self.output is None:
+            raise UsageError("nothing to write: say where, such as -o map.exr")
+        beside = {"curl": self.curl, **pictures}
+        refuse_stream("pictures are written to files, such as --curl curl.png", *beside.values())
+        to_stdout = str(self.output) == STREAM
+        if to_stdout and (prints_json or self.prints_report):
+            raise UsageError("-: the map and the report cannot both go to standard output; give one of them a file")
+        place = OutputStream(StandardOutput(), ".exr", STDOUT) if to_stdout else self.output
+        return map_outputs(place, writing, pictures=beside, **self.shared)
+
+
+@dataclass(frozen=True)
+class PlacedOutputs(MapOutputs):
+    """A composed normal map with pictures of its curl and of where layers lie.
+
+    Parameters
+    ----------
+    placed:
+        Picture of where layers lie above the lowest, .png: the --mask of nmap relief for a background that keeps its
+        own height.
+    """
+
+    placed: Path | None = option(None)
+
+
+@dataclass(frozen=True)
+class LayerOutputs(ReportOutputs):
+    """Layers in a folder or in one file.
+
+    Parameters
+    ----------
+    output:
+        Folder for original, base, detail, coverage and a contact sheet; or one file .exr that holds them all.
+    format:
+        Of the files in a folder: "exr" (float) or "png" (16 bit).
+    plot:
+        Figure of the residuals, the two Gaussians and the threshold, .png.
+    curl:
+        Picture of where the base stops being a surface, .png: black is sound, yellow is torn.
+    """
+
+    output: Path | None = option(None, short="-o")
+    format: LayerFormat = option("exr", choice_of(LayerFormat))
+    plot: Path | None = option(None)
+    curl: Path | None = option(None)
+
+    def plan(self, **more: Any) -> Outputs[Any]:
+        """What is written; ``more`` as in `nmaptool.io.output.layers.layer_outputs`."""
+        from nmaptool.io.output.layers import layer_outputs
+
+        if self.output is None:
+            raise UsageError("nothing to write: say where, such as -o maps or -o maps.exr")
+        refuse_stream("layers and pictures are written to files, such as -o maps", self.output, self.plot, self.curl)
+        files = {"format": self.format, "plot": self.plot, "curl": self.curl}
+        return layer_outputs(self.output, **files, **more, **self.shared)
+
+
+def by_folder(paths: list[Path]) -> Iterator[str]:
+    """Files as messages list them: one line for each folder."""
+    folders: dict[Path, list[str]] = {}
+    for path in paths:
+        folders.setdefault(path.parent, []).append(path.name)
+    for folder, names in folders.items():
+        place = "" if folder == Path() else f"{folder}: "
+        yield str(folder / names[0]) if len(names) == 1 else place + " ".join(names)

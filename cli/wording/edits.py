@@ -1,0 +1,101 @@
+"""How maps were edited, converted, made from depth pictures and unpacked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from nmaptool_cli.wording.maps import COMPONENTS
+
+if TYPE_CHECKING:
+    from nmaptool import Composition, ConvertReport, DepthReport, DepthResult, UnpackResult
+    from nmaptool_cli.run import Run
+
+
+def describe_composition(composition: Composition) -> Iterator[str]:
+    """An edit, a line each layer."""
+    report, frame = composition.report, composition.normal_map.frame
+    for layer in report.layers:
+        where = ""
+        if "box_px" in layer:
+            left, top, cols, rows = layer["box_px"]
+            where = f" at {left},{top} px, {cols} x {rows}"
+        strength = "" if layer["strength"] == 1 else f", strength {layer['strength']:g}"
+        yield f"  {layer['name']}: {layer['mode']}{strength}{where}, on {layer['share']:.0%} of the canvas"
+    before = "" if report.curl_before is None else f" (before {report.curl_before:.4f})"
+    pitch = "" if frame.pitch_mm is None else f", pitch {frame.pitch_mm:.4g} mm"
+    yield f"  {report.command}: {frame}{pitch}, mean |curl| {report.curl_after:.4f} slope per px{before}"
+
+
+def describe_depth(run: Run, name: str, result: DepthResult) -> None:
+    """How a depth picture was read, and what speaks against it."""
+    run.say(f"{name}: {result.normal_map.frame}")
+    run.warn(*(f"{name}: {warning}" for warning in result.report.warnings))
+    run.say(*describe_depth_report(result.report))
+    run.seconds(result.report.seconds)
+
+
+def describe_depth_report(report: DepthReport) -> Iterator[str]:
+    """What was read off a depth picture, a line each."""
+    near = "near is dark or small" if report.inverted else "near is bright or large"
+    lens = f", {report.fov:g} degrees across ({report.fov_from})" if report.fov else ""
+    kind = f"{report.bits} bit {report.kind}"
+    yield f"  {kind}, {near} ({report.inverted_from}), scale {report.scale_px:.4g} px ({report.scale_from}){lens}"
+    steps = f"steps of {report.step_px:.3g} px" if report.step_px else "no steps"
+    noise = f"noise {report.noise_px:.3g} px" if report.noise_px else "no noise"
+    fitted = f"fitted within {report.tolerance_px:.3g} px" if report.tolerance_px else "slopes taken as they are"
+    yield f"  {steps}, {noise}: {fitted}"
+    if report.jump_px is None:
+        yield "  jumps were not looked for"
+    else:
+        mixed = f", {report.mixed_pixels} mixed pixels put on one side" if report.mixed_pixels else ""
+        yield f"  jumps of {report.jump_px:.3g} px or more beside {report.jump_share:.1%} of the surface{mixed}"
+    yield f"  background {report.background}, {report.background_share:.0%} of the picture"
+    yield f"  mean |curl| {report.curl:.4f} slope per px"
+    if report.scale_from == "assumed":
+        yield "  no depth was given: white stands 10% of the width above black; say --depth-scale 5% for your own"
+
+
+def describe_conversion(report: ConvertReport) -> Iterator[str]:
+    """What a conversion changed, a line each."""
+    was, now = report.source, report.target
+    lossy = ", compressed with loss" if was["lossy"] else ""
+    yield f"  was: {_kind(was)}{lossy}; now: {_kind(now)}"
+    if was["components"] != "xyz":
+        yield f"  {COMPONENTS[was['components']]}: all three are written"
+    if report.off_length:
+        off = f"{report.off_length} of {report.vectors} vectors were off unit length"
+        yield f"  {off}, by up to {report.off_length_largest:.2g}: normalised"
+    else:
+        yield "  no vector was off unit length by more than rounding"
+    if report.rim_pixels:
+        yield f"  {report.rim_pixels} anti-aliased pixels took the normals just inside them"
+    if report.flattened:
+        yield f"  {report.flattened} pixels of noise in the flat background are flat now"
+    if now["alpha"]:
+        yield f"  background {was['background']}: coverage is in alpha"
+
+
+def _kind(facts: Mapping[str, Any]) -> str:
+    bits, zero = facts["bits"], facts["zero_code"]
+    codes = f"{bits} bit, zero at {zero}" if bits in ("8", "16") else bits
+    return f"{codes}, green {facts['green']}"
+
+
+def describe_unpacked(unpacked: UnpackResult) -> Iterator[str]:
+    """A workspace taken apart, a line each."""
+    yield f"{unpacked.name}: {unpacked.frame}, {unpacked.bits} bit, {len(unpacked.layers)} layers, bottom to top"
+    for layer in unpacked.layers:
+        groups = f" in {' / '.join(group.name for group in layer.groups)}" if layer.groups else ""
+        more = f"{', mask' if layer.mask is not None else ''}{'' if layer.visible else ', hidden'}"
+        place = f"{layer.normal_map.frame} at {layer.left},{layer.top}"
+        yield f"  {layer.name}{groups}: {place}, {layer.mode}, strength {layer.strength:.3g}{more}"
+        for repair in layer.repairs:
+            yield f"    repaired: {repair}"
+    if not unpacked.has_metadata:
+        yield "  nmaptool's own words are not in the file: moves, mirrorings and fitted curves cannot be told"
+    for finding in unpacked.findings:
+        yield f"! {f'{finding.layer}: ' if finding.layer is not None else ''}{finding.message}"
+        yield f"    -> {finding.remedy}"
+    if not unpacked.findings:
+        yield "  clean: nothing to report"
