@@ -84,22 +84,22 @@ def bake(
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.output.layers import LayerFiles
+    from nmaptool.io.output.layers import layer_outputs
 
     session = Session(run)
     output, report, to_stdout = destination(outputs)
     if mesh == STREAM:
         raise UsageError("-: a mesh is read from a file, whose ending tells what it is")
-    files = LayerFiles(
+    files = layer_outputs(
         output,
-        outputs.format,
-        drawn.depth,
-        drawn.faces,
-        outputs.plot,
-        report,
-        outputs.curl,
-        options.views,
-        outputs.overwrite,
+        format=outputs.format,
+        depth=drawn.depth,
+        faces=drawn.faces,
+        plot=outputs.plot,
+        report=report,
+        curl=outputs.curl,
+        views=options.views,
+        overwrite=outputs.overwrite,
     )
     files.check()
     import nmaptool as nm
@@ -112,23 +112,12 @@ def bake(
         "version": nm.__version__,
         "files": {"mesh": mesh} | learned.files,
         "reading": asdict(reading),
-        "outputs": [str(path) for path in files.targets],
+        "outputs": files.names,
         "layers": [layers.report.to_dict() for layers in layer_sets],
     }
-    written = nm.write_layers(
-        layer_sets,
-        output,
-        format=outputs.format,
-        depth=drawn.depth,
-        faces=drawn.faces,
-        plot=outputs.plot,
-        report=report,
-        curl=outputs.curl,
-        overwrite=outputs.overwrite,
-        metadata=metadata,
-    )
+    files.write(layer_sets, metadata)
     _tell(session, source, layer_sets)
-    say_written(session, written)
+    say_written(session, files.paths)
     if run.json or to_stdout:
         session.data(metadata)
 

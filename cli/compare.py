@@ -70,19 +70,21 @@ def compare(
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.output.comparison import ComparisonFiles
+    from nmaptool.io.output.comparison import comparison_outputs
 
     session = Session(run)
     to_stdout = str(outputs.report) == STREAM
-    files = ComparisonFiles(outputs.output, None if to_stdout else outputs.report, outputs.overwrite)
+    files = comparison_outputs(
+        outputs.output, report=None if to_stdout else outputs.report, overwrite=outputs.overwrite
+    )
     if mesh == STREAM:
         raise UsageError("-: a mesh is read from a file, whose ending tells what it is")
     if str(outputs.output) == STREAM:
         raise UsageError("-: a figure is written to a file, such as -o figure.png")
-    if not (files.targets or run.json or to_stdout):
+    if not (files.places or run.json or to_stdout):
         raise UsageError("nothing to write: say where, such as -o figure.png")
     files.check()
-    refuse_inputs(files.targets, [mesh])
+    refuse_inputs(files.paths, [mesh])
     import nmaptool as nm
 
     with session.progress() as progress:
@@ -93,15 +95,15 @@ def compare(
         "version": nm.__version__,
         "files": {"mesh": mesh} | learned.files,
         "reading": asdict(reading),
-        "outputs": [str(path) for path in files.targets],
+        "outputs": files.names,
         "mm_per_unit": source.mm_per_unit,
         "unit_from": source.unit_from,
         **comparison.to_dict(),
     }
-    nm.write_comparison(comparison, files.figure, report=files.report, overwrite=files.overwrite, metadata=metadata)
+    files.write(comparison, metadata)
     _tell(session, comparison)
-    for path in files.targets:
-        session.say(f"  wrote {path}")
+    for name in files.names:
+        session.say(f"  wrote {name}")
     if run.json or to_stdout:
         session.data(metadata)
 

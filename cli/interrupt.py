@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Iterator
 
-from nmaptool.io.unfinished import remove_unfinished
+from nmaptool.io.interruption import UNFINISHED
 from nmaptool_cli.session import interrupted
 
 # Python itself hears of Ctrl-C between two of its steps only: decoding or compressing a large picture is one step.
@@ -37,5 +37,5 @@ def _wait(ours: socket.socket) -> None:
     while numbers := ours.recv(1):
         if numbers[0] == signal.SIGINT:
             time.sleep(_PATIENCE_S)
-            remove_unfinished()
+            UNFINISHED.sweep()
             os._exit(interrupted())

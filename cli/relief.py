@@ -124,33 +124,28 @@ def relief(
     map:
         Original or base normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
     """
-    from nmaptool.io.output.relief import ReliefFiles
+    from nmaptool.io.output.relief import relief_outputs
 
     session = Session(run)
     to_stdout = str(outputs.report) == STREAM
-    files = ReliefFiles(
-        outputs.output, outputs.preview, None if to_stdout else outputs.report, overwrite=outputs.overwrite
-    )
+    report = None if to_stdout else outputs.report
+    files = relief_outputs(outputs.output, preview=outputs.preview, report=report, overwrite=outputs.overwrite)
     if any(str(path) == STREAM for path in (*outputs.output, outputs.preview)):
         raise UsageError("-: a relief or a preview is written to a file, such as -o relief.stl")
-    if not (files.targets or run.json or to_stdout):
+    if not (files.places or run.json or to_stdout):
         raise UsageError("nothing to write: say where, such as -o relief.stl --preview relief.png")
     files.check()
     names = (map, inputs.detail, inputs.mask, inputs.surface, inputs.mu_map, inputs.beta_map, inputs.delta_map)
-    refuse_inputs(files.targets, names)
+    refuse_inputs(files.paths, names)
     with input_files(*names) as sources, named_inputs(inputs):
         result, metadata = _solve(session, sources, options, reading)
-    import nmaptool as nm
-
     roles = ("original", "detail", "mask", "surface", "mu_map", "beta_map", "delta_map")
     metadata["files"] = {role: name for role, name in zip(roles, names, strict=True) if name is not None}
     metadata["reading"] = asdict(reading)
-    metadata["outputs"] = [str(path) for path in files.targets]
-    nm.write_relief(
-        result, *files.outputs, preview=files.preview, report=files.report, overwrite=files.overwrite, metadata=metadata
-    )
-    for path in files.targets:
-        session.say(f"  wrote {path}{_png_range(path, result) if path in files.outputs else ''}")
+    metadata["outputs"] = files.names
+    files.write(result, metadata)
+    for path in files.paths:
+        session.say(f"  wrote {path}{_png_range(path, result) if path in outputs.output else ''}")
     if run.json or to_stdout:
         session.data(metadata)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import os
 import sys
@@ -19,7 +20,7 @@ from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensErr
 from nmaptool.core.errors import InputError, NmaptoolError, OutputError, UsageError, reason_of
 from nmaptool.core.progress import Progress
 from nmaptool.core.units import Length, length
-from nmaptool.io.unfinished import are_files_done, files_are_done, temporary_folder
+from nmaptool.io.interruption import UNFINISHED
 from nmaptool.options import FilterOptions
 
 EXIT_USAGE = 2
@@ -142,6 +143,20 @@ def standard_output() -> Iterator[BinaryIO]:
         raise OutputError(f"{STDOUT}: cannot be written ({reason_of(error)})") from None
 
 
+class StandardOutput(io.RawIOBase):
+    """Standard output as a stream for results; it may be closed until it is written to."""
+
+    def writable(self) -> bool:
+        """It is only written to."""
+        return True
+
+    def write(self, data: Any, /) -> int:
+        """Write all of the bytes."""
+        with standard_output() as stream:
+            stream.write(data)
+        return len(data)
+
+
 @contextlib.contextmanager
 def input_files(*names: str | None) -> Iterator[list[str | None]]:
     """The names, with `STREAM` replaced by a temporary file that holds standard input.
@@ -158,7 +173,7 @@ def input_files(*names: str | None) -> Iterator[list[str | None]]:
     if STREAM not in names:
         yield list(names)
         return
-    with temporary_folder() as folder:
+    with UNFINISHED.temporary_folder() as folder:
         data = sys.stdin.buffer.read() if sys.stdin is not None else b""
         if not data:
             raise InputError(f"{STREAM}: is empty")
@@ -225,7 +240,7 @@ def interrupted() -> int:
     """Say so, once however many threads say it."""
     if not _ending.acquire(False):
         return EXIT_INTERRUPTED
-    left = "what was to be written is complete" if are_files_done() else "nothing was written"
+    left = "what was to be written is complete" if UNFINISHED.is_complete else "nothing was written"
     return _fail(f"interrupted; {left}", EXIT_INTERRUPTED)
 
 
@@ -233,7 +248,7 @@ def run_guarded(command: Callable[[], Any]) -> int:
     """Run a command; every failure is one line on stderr and an exit code, never a traceback."""
     if _ending.locked():  # by a command before, where one process runs several
         _ending.release()
-    files_are_done(False)
+    UNFINISHED.is_complete = False
     try:
         code = command()
         sys.stdout.flush()

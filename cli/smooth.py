@@ -71,19 +71,19 @@ def smooth(
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.output.meshes import MeshFiles
+    from nmaptool.io.output.mesh import mesh_metadata, mesh_outputs
 
     session = Session(run)
     to_stdout = str(outputs.report) == STREAM
-    files = MeshFiles(outputs.output, None if to_stdout else outputs.report, outputs.overwrite)
+    files = mesh_outputs(outputs.output, report=None if to_stdout else outputs.report, overwrite=outputs.overwrite)
     if mesh == STREAM:
         raise UsageError("-: a mesh is read from a file, whose ending tells what it is")
     if any(str(path) == STREAM for path in outputs.output):
         raise UsageError("-: a mesh is written to a file, such as -o smooth.stl")
-    if not (files.targets or run.json or to_stdout):
+    if not (files.places or run.json or to_stdout):
         raise UsageError("nothing to write: say where, such as -o smooth.stl")
     files.check()
-    refuse_inputs(files.targets, [mesh])
+    refuse_inputs(files.paths, [mesh])
     import nmaptool as nm
 
     with session.progress() as progress:
@@ -94,15 +94,15 @@ def smooth(
         "version": nm.__version__,
         "files": {"mesh": mesh} | learned.files,
         "reading": asdict(reading),
-        "outputs": [str(path) for path in files.targets],
+        "outputs": files.names,
         "mm_per_unit": source.mm_per_unit,
         "unit_from": source.unit_from,
         **smoothed.report.to_dict(),
     }
-    nm.write_mesh(smoothed.mesh, *files.outputs, report=files.report, overwrite=files.overwrite, metadata=metadata)
+    files.write(smoothed.mesh, mesh_metadata(smoothed.mesh, metadata))
     _tell(session, source, smoothed)
-    for path in files.targets:
-        session.say(f"  wrote {path}{_unit_of(path, source) if path in files.outputs else ''}")
+    for path in files.paths:
+        session.say(f"  wrote {path}{_unit_of(path, source) if path in outputs.output else ''}")
     if run.json or to_stdout:
         session.data(metadata)
 

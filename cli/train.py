@@ -100,7 +100,7 @@ def train(
     meshes:
         One or more: OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    from nmaptool.io.output.filter_models import TrainingFiles
+    from nmaptool.io.output.filter_models import TrainingFile, filter_outputs
 
     session = Session(run)
     if not meshes:
@@ -110,9 +110,12 @@ def train(
     if outputs.output is None:
         raise UsageError("nothing to write: say where, such as -o filter.npz")
     to_stdout = str(outputs.report) == STREAM
-    files = TrainingFiles(outputs.output, outputs.state, None if to_stdout else outputs.report, outputs.overwrite)
+    kept = TrainingFile(outputs.state)
+    report = None if to_stdout else outputs.report
+    files = filter_outputs(outputs.output, report=report, overwrite=outputs.overwrite, kept=kept)
     files.check()
-    refuse_inputs(files.targets, meshes)
+    state = kept.begun()
+    refuse_inputs(files.paths, meshes)
     filters = targets.of_each(len(meshes))
     import nmaptool as nm
 
@@ -126,26 +129,26 @@ def train(
             mesh = nm.read_mesh(name, unit=reading.unit, max_faces=reading.max_faces)
             examples.append(nm.training_example(mesh, target))
         seconds["targets"] = time.perf_counter() - begun
-        state = files.begun()
         model = nm.train(
             examples,
             options,
             state=state,
-            keep=files.keep,
+            keep=kept.keep,
             progress=lambda word, share: notify(word, _TARGETS + (1 - _TARGETS) * share),
         )
         seconds["training"] = time.perf_counter() - begun - seconds["targets"]
     metadata = {"version": nm.__version__, "filter": model.digest, "options": plain_values(options), **model.metadata}
     metadata["seconds"] = {stage: round(value, 4) for stage, value in seconds.items()}
-    metadata["outputs"] = [str(path) for path in files.targets]
+    metadata["outputs"] = files.names
     files.write(model, metadata)
+    kept.remove()
     if state is not None:
         session.say(f"  went on from {state.name}, where {len(state.losses)} networks were finished")
     _tell(session, examples, model)
     session.detail(f"  losses {' '.join(f'{loss:.2e}' for loss in model.metadata['losses'])}")
     session.detail(f"  seconds {', '.join(f'{stage} {value:.2f}' for stage, value in seconds.items())}")
-    for path in files.targets:
-        session.say(f"  wrote {path}")
+    for name in files.names:
+        session.say(f"  wrote {name}")
     if run.json or to_stdout:
         session.data(metadata)
 

@@ -45,7 +45,7 @@ AT = {
         """,
     "preview": """
         from nmaptool.io.output import relief as outputs
-        outputs.preview = lambda height: stop()
+        outputs.preview_picture = lambda height: stop()
         """,
 }
 # a call that Python cannot leave before it has ended, in a thread of its own accord: minutes, and Ctrl-C at its start

@@ -45,20 +45,19 @@ def convert(
     writer = MapWriter(session, outputs, writing, run, (map,))
     import nmaptool as nm
     from nmaptool.composition.conversion import convert_image
-    from nmaptool.io.pictures.convert import conversion_recipe, kept_attributes
-    from nmaptool.io.pictures.normal_maps import bits_of
+    from nmaptool.io.output.conversion import converted_map
+    from nmaptool.io.output.normal_map import bits_of
     from nmaptool_cli.wording import describe_conversion
 
     with input_files(map) as (source,):
         assert source is not None
         image = nm.read_raster(source, reading)
         image = dataclasses.replace(image, name=display_name(image.name))
-        result, settled = convert_image(image, bits_of(writer.files.output, writing), reading, writing)
-    writer.files = dataclasses.replace(writer.files, options=settled)
+        result, settled = convert_image(image, bits_of(writer.output, writing), reading, writing)
     say_map(session, result.normal_map)
     for line in describe_conversion(result.report):
         session.say(line)
     metadata = report_header((result.normal_map,), files={"map": map}, reading=dataclasses.asdict(reading))
-    writer.write_composition(result, metadata, conversion_recipe(image, result.report), kept_attributes(image))
+    writer.write(converted_map(image, result, settled), metadata | result.report.to_dict())
     say_composition(session, result)
     writer.finish()

@@ -68,7 +68,8 @@ def depth(
     session = Session(run)
     writer = MapWriter(session, outputs, writing, run, (image, mask), jumps=jumps_out)
     import nmaptool as nm
-    from nmaptool.io.output.maps import jumps_picture
+    from nmaptool.io.output.map_pictures import jumps_picture
+    from nmaptool.io.output.normal_map import WrittenMap
     from nmaptool.options.plain_values import plain_values
     from nmaptool_cli.wording import describe_depth
 
@@ -84,7 +85,8 @@ def depth(
         **result.report.to_dict(),
         "writing": asdict(writing),
     }
-    writer.write(result.normal_map, {"jumps": lambda: jumps_picture(result.jumps)}, metadata, recipe)
+    pictures = {"jumps": lambda: jumps_picture(result.jumps)}
+    writer.write(WrittenMap(result.normal_map, {"recipe": recipe}, pictures=pictures), metadata)
     name = display_name(picture.name)
     session.say(f"{name}: {result.normal_map.frame}")
     for warning in result.report.warnings:

@@ -2,35 +2,29 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from nmaptool.core.errors import OutputError, UsageError
-from nmaptool.io.unfinished import temporary_folder
+from nmaptool.core.errors import UsageError
 from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool_cli.session import (
     STDOUT,
     STREAM,
     RunOptions,
     Session,
+    StandardOutput,
     display_name,
     refuse_inputs,
-    standard_output,
 )
 
 if TYPE_CHECKING:
     import nmaptool as nm
-    from nmaptool.io.output.maps import MapFiles
-    from nmaptool.io.pictures.writer import Picture
-
-_STREAMED = "map.exr"
+    from nmaptool.io.output.normal_map import WrittenMap
 
 
 @dataclass(frozen=True)
@@ -79,83 +73,42 @@ class MapWriter:
         inputs: tuple[str | None, ...],
         **pictures: Path | None,
     ) -> None:
-        from nmaptool.io.output.maps import MapFiles
+        from nmaptool.io.output.normal_map import map_outputs
+        from nmaptool.io.output.targets import OutputStream
 
         if outputs.output is None:
             raise UsageError("nothing to write: say where, such as -o map.exr")
         beside = {"curl": outputs.curl, **pictures}
         self.session = session
         self.report_to_stdout = str(outputs.report) == STREAM or run.json
-        self.map_to_stdout = str(outputs.output) == STREAM
+        map_to_stdout = str(outputs.output) == STREAM
         if any(str(path) == STREAM for path in beside.values()):
             raise UsageError("-: pictures are written to files, such as --curl curl.png")
-        if self.map_to_stdout and self.report_to_stdout:
+        if map_to_stdout and self.report_to_stdout:
             raise UsageError("-: the map and the report cannot both go to standard output; give one of them a file")
-        self.files: MapFiles = MapFiles(
-            outputs.output,
-            options,
-            {kind: path for kind, path in beside.items() if path is not None},
-            None if str(outputs.report) == STREAM else outputs.report,
-            outputs.overwrite,
-        )
+        self.output = OutputStream(StandardOutput(), ".exr", STDOUT) if map_to_stdout else outputs.output
+        report = None if str(outputs.report) == STREAM else outputs.report
+        self.files = map_outputs(self.output, options, pictures=beside, report=report, overwrite=outputs.overwrite)
         self._account: Mapping[str, Any] = {}
-        with self._placed_files() as files:
-            files.check()
-        refuse_inputs(self.files.targets, inputs)
+        self.files.check()
+        refuse_inputs(self.files.paths, inputs)
 
-    @contextlib.contextmanager
-    def _placed_files(self) -> Iterator[MapFiles]:
-        """The files, with one in a temporary folder for the map that goes to standard output."""
-        if not self.map_to_stdout:
-            yield self.files
-            return
-        with temporary_folder() as folder:
-            try:
-                yield replace(self.files, output=folder / _STREAMED)
-            except OutputError as error:  # nobody knows the temporary file
-                raise OutputError(str(error).replace(str(folder / _STREAMED), STDOUT)) from None
-
-    @property
-    def named_targets(self) -> list[str]:
-        """Every output as the user called it."""
-        return [STDOUT if str(path) == STREAM else str(path) for path in self.files.targets]
-
-    def write(
-        self,
-        normal_map: nm.NormalMap,
-        pictures: Mapping[str, Callable[[], Picture]],
-        metadata: Mapping[str, Any],
-        recipe: str,
-        attributes: Mapping[str, str] | None = None,
-    ) -> None:
+    def write(self, written: WrittenMap, metadata: Mapping[str, Any]) -> None:
         """Write everything."""
-        from nmaptool.io.output.maps import write_map_files
-
-        self._account = {**metadata, "outputs": self.named_targets}
-        with self._placed_files() as files:
-            write_map_files(files, normal_map, pictures, self._account, recipe, attributes)
-            if self.map_to_stdout:
-                with files.output.open("rb") as made, standard_output() as stream:
-                    shutil.copyfileobj(made, stream)
+        self._account = {**metadata, "outputs": self.files.names}
+        self.files.write(written, self._account)
 
     def write_composition(
-        self,
-        composition: nm.Composition,
-        metadata: Mapping[str, Any],
-        recipe: str | None = None,
-        attributes: Mapping[str, str] | None = None,
+        self, composition: nm.Composition, metadata: Mapping[str, Any], recipe: str | None = None
     ) -> None:
         """Write a composition, with its picture of where layers lie."""
-        from nmaptool.io.output.maps import composition_recipe, placed_picture
+        from nmaptool.io.output.composition import composed_map
 
-        everything = {**metadata, **composition.report.to_dict()}
-        recipe = composition_recipe(composition) if recipe is None else recipe
-        pictures = {"placed": lambda: placed_picture(composition)}
-        self.write(composition.normal_map, pictures, everything, recipe, attributes)
+        self.write(composed_map(composition, recipe), {**metadata, **composition.report.to_dict()})
 
     def finish(self) -> None:
         """Say what was written; print the report where it goes to standard output."""
-        for name in self.named_targets:
+        for name in self.files.names:
             self.session.say(f"  wrote {'the map to standard output' if name == STDOUT else name}")
         if self.report_to_stdout:
             self.session.data(self._account)

@@ -108,8 +108,7 @@ def pack(
     maps:
         Normal maps, bottom to top; FILE.exr:layer names a layer. Or one recipe, such as scene.toml.
     """
-    from nmaptool.io.replace import check_target
-    from nmaptool.io.workspaces.files import check_workspace_target
+    from nmaptool.io.output.workspace import check_workspace_target, workspace_outputs
 
     session = Session(run)
     target = output.output
@@ -120,7 +119,8 @@ def pack(
     if is_recipe and len(maps) > 1:
         raise UsageError(f"{maps[0]}: a recipe is packed alone; give it, or maps")
     layering.check(len(maps), recipe=is_recipe)
-    check_target(target, output.overwrite)
+    files = workspace_outputs(target, overwrite=output.overwrite)
+    files.check()
     import nmaptool as nm
 
     if is_recipe:
@@ -135,7 +135,7 @@ def pack(
         read, placed, frame = _read(maps, layering, reading)
         ground = "clear"
     workspace = nm.pack(placed, dataclasses.replace(options, bits=bits), frame=frame, ground=ground)
-    nm.write_workspace(target, workspace, overwrite=output.overwrite)
+    files.write(workspace)
     _say(session, read, target, workspace)
     if run.json:
         session.data({"output": str(target), **(workspace.metadata or {})})

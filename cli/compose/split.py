@@ -31,12 +31,12 @@ def split(
     map:
         Normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
     """
-    from nmaptool.io.output.layers import LayerFiles
+    from nmaptool.io.output.layers import layer_outputs
 
     session = Session(run)
     output, report, to_stdout = destination(outputs)
-    files = LayerFiles(
-        output, outputs.format, plot=outputs.plot, report=report, curl=outputs.curl, overwrite=outputs.overwrite
+    files = layer_outputs(
+        output, format=outputs.format, plot=outputs.plot, report=report, curl=outputs.curl, overwrite=outputs.overwrite
     )
     files.check()
     import nmaptool as nm
@@ -50,23 +50,14 @@ def split(
         "version": nm.__version__,
         "files": {"map": map},
         "reading": asdict(reading),
-        "outputs": [str(path) for path in files.targets],
+        "outputs": files.names,
         "layers": [layers.report.to_dict()],
     }
-    written = nm.write_layers(
-        layers,
-        output,
-        format=outputs.format,
-        plot=outputs.plot,
-        report=report,
-        curl=outputs.curl,
-        overwrite=outputs.overwrite,
-        metadata=metadata,
-    )
+    files.write([layers], metadata)
     say_map(session, original)
     for line in describe_split(layers.report):
         session.say(line)
     session.detail(f"  seconds {', '.join(f'{k} {v:.2f}' for k, v in layers.report.seconds.items())}")
-    say_written(session, written)
+    say_written(session, files.paths)
     if run.json or to_stdout:
         session.data(metadata)

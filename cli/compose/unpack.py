@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -56,7 +57,7 @@ def unpack(
     max_megapixels:
         Of the canvas, and of all layers together; larger files are refused before any memory is taken.
     """
-    from nmaptool.io.output.unpacked import UnpackedFiles
+    from nmaptool.io.output.unpacked import unpacked_outputs
 
     session = Session(run)
     if workspace == STREAM:
@@ -67,25 +68,22 @@ def unpack(
         raise UsageError("nothing to write: say where, such as -o maps")
     to_stdout = run.json or str(outputs.report) == STREAM
     report = None if str(outputs.report) == STREAM else outputs.report
-    UnpackedFiles(outputs.output, outputs.format, report, outputs.overwrite).check()
+    planned = partial(
+        unpacked_outputs, outputs.output, format=outputs.format, report=report, overwrite=outputs.overwrite
+    )
+    planned().check()
     import nmaptool as nm
     from nmaptool_cli.wording import describe_unpacked
 
     unpacked = nm.unpack(nm.read_workspace(workspace, max_megapixels))
     metadata: dict[str, Any] = {"version": nm.__version__, **unpacked.to_dict()}
-    written = nm.write_unpacked(
-        unpacked,
-        outputs.output,
-        format=outputs.format,
-        report=report,
-        overwrite=outputs.overwrite,
-        metadata=metadata,
-    )
+    files = planned(unpacked)
+    files.write(unpacked, metadata)
     if to_stdout:
-        session.data({**metadata, "outputs": [str(path) for path in written]})
+        session.data({**metadata, "outputs": files.names})
     elif not run.quiet:
         print("\n".join(describe_unpacked(unpacked)))
-    for path in written:
-        session.detail(f"  wrote {path}")
-    session.say(f"  wrote {len(written)} files into {outputs.output}")
+    for name in files.names:
+        session.detail(f"  wrote {name}")
+    session.say(f"  wrote {len(files.names)} files into {outputs.output}")
     return 1 if unpacked.findings else 0
