@@ -15,9 +15,9 @@ def main() -> None:
     cols, rows = (int(side) for side in size.split("x"))
     made = scene(rows, cols)
     lined = Scene(made.normals, lines(max(rows, cols))[:rows, :cols] > 0)
-    nm.write_normal_map(motif, made.cut_out())
-    nm.write_normal_map(thin, lined.cut_out())
-    nm.write_normal_map(full, made.all_surface())
+    nm.write_normal_map(made.cut_out(), motif)
+    nm.write_normal_map(lined.cut_out(), thin)
+    nm.write_normal_map(made.all_surface(), full)
     print(f"{made.motif.mean():.3f} {lined.motif.mean():.3f}")
 
 

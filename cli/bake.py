@@ -8,7 +8,7 @@ from nmaptool.options import BakeOptions, FilterOptions, MeshReadOptions
 from nmaptool.options.fields import Options, option
 from nmaptool.options.kinds import Switch
 from nmaptool_cli.command import command
-from nmaptool_cli.inputs import LearnedFilter, read_mesh
+from nmaptool_cli.inputs import LearnedFilter, begin_mesh, read_mesh
 from nmaptool_cli.outputs import LayerOutputs, by_folder
 from nmaptool_cli.run import Run
 
@@ -42,14 +42,14 @@ def bake(run: Run, mesh: str, /) -> None:
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    options, drawn, learned = run[BakeOptions], run[DrawnOutputs], run[LearnedFilter]
+    options, drawn = run[BakeOptions], run[DrawnOutputs]
     outputs = run[LayerOutputs].plan(views=options.views, depth=drawn.depth, faces=drawn.faces)
-    run.begin(outputs, mesh=mesh, **learned.files)
+    begin_mesh(run, outputs, mesh)
     import nmaptool as nm
     from nmaptool_cli.wording.layers import describe_layers
 
     with run.work() as (files, progress):
-        model = learned.read()
+        model = run[LearnedFilter].read()
         source = read_mesh(run, files["mesh"])
         layer_sets = nm.bake_views(source, options, run[FilterOptions], model=model, progress=progress)
     describe_layers(run, source, layer_sets)

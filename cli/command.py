@@ -88,8 +88,9 @@ def command(*classes: type[Options], per_input: PerInput | None = None) -> Calla
         def call(*files: Any, **words: Any) -> int | None:
             return made(*files, **words)
 
-        del call.__wrapped__  # type: ignore[attr-defined]  # the parser would go by its signature
+        del call.__wrapped__  # the parser would go by its signature
         call.command = made  # type: ignore[attr-defined]
+        command_of(call)
         return call
 
     return make

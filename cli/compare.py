@@ -10,7 +10,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.options import CompareOptions, FilterOptions, MeshReadOptions, ReconstructOptions
 from nmaptool.options.fields import option
 from nmaptool_cli.command import command
-from nmaptool_cli.inputs import LearnedFilter, mesh_header, read_mesh
+from nmaptool_cli.inputs import LearnedFilter, begin_mesh, mesh_header, read_mesh
 from nmaptool_cli.outputs import ReportOutputs
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import refuse_stream
@@ -55,14 +55,13 @@ def compare(run: Run, mesh: str, /) -> None:
     mesh:
         OBJ, PLY, STL, OFF, GLB or glTF.
     """
-    learned = run[LearnedFilter]
     outputs = run[FigureOutputs].plan(run.options.json)
-    run.begin(outputs, mesh=mesh, **learned.files)
+    begin_mesh(run, outputs, mesh)
     import nmaptool as nm
     from nmaptool_cli.wording.meshes import describe_comparison, describe_curves
 
     with run.work() as (files, progress):
-        model = learned.read()
+        model = run[LearnedFilter].read()
         source = read_mesh(run, files["mesh"])
         options, rebuilding = run[CompareOptions], run[ReconstructOptions]
         comparison = nm.compare(source, options, run[FilterOptions], rebuilding, model=model, progress=progress)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from cyclopts import Group, Parameter
@@ -16,13 +17,13 @@ from nmaptool.options.kinds import Choice, Kind, flag_of
 _ORDER = ("Inputs", "Outputs", "Camera", "Filter", "Rebuilding", "Composing", "Relief", "Reading", "Run")
 GROUPS = {name: Group(name, sort_key=place) for place, name in enumerate(_ORDER, start=1)}
 # what the parser reads by itself
-_PARSED = (str, bool, int, float)
+_PARSED = (str, bool, int, float, Path)
 
 
 def flags_of(options: type[Options]) -> Iterator[inspect.Parameter]:
-    """The fields of a class as keyword parameters of a command; those of its base classes last."""
+    """The fields of a class as keyword parameters of a command: the output first, those of base classes last."""
     hints, help_texts = get_type_hints(options), descriptions(options)
-    for field in sorted(dataclasses.fields(options), key=lambda field: _depth(options, field.name)):
+    for field in sorted(dataclasses.fields(options), key=lambda f: (f.name != "output", _depth(options, f.name))):
         kind = kind_of(field)
         shown = Parameter(
             name=[flag_of(field.name), *([field.metadata["short"]] if "short" in field.metadata else [])],
@@ -44,7 +45,7 @@ def _depth(options: type[Options], name: str) -> int:
 
 def _hint(name: str, hint: Any, kind: Kind | None) -> Any:
     """The type that the parser goes by."""
-    if isinstance(kind, Choice) and hint is str:
+    if isinstance(kind, Choice) and callable(kind.choices):
         return Literal[kind.names]
     parts = [part for part in (get_args(hint) or (hint,)) if part is not type(None)]
     if kind is None or get_origin(hint) in (tuple, Literal) or all(_is_parsed(part) for part in parts):

@@ -12,6 +12,7 @@ from nmaptool_cli.streams import display_name, refuse_stream
 
 if TYPE_CHECKING:
     import nmaptool as nm
+    from nmaptool.io.output.transaction import Outputs
     from nmaptool_cli.run import Run
 
 ONLY_FILES = "a mesh is read from a file, whose ending tells what it is"
@@ -41,11 +42,16 @@ class LearnedFilter(Options, group="Filter"):
         return None if self.model is None else nm.read_filter_model(self.model)
 
 
+def begin_mesh(run: Run, outputs: Outputs[Any], mesh: str) -> None:
+    """Check what can be checked before a mesh is worked on."""
+    refuse_stream(ONLY_FILES, mesh)
+    run.begin(outputs, mesh=mesh, **run[LearnedFilter].files)
+
+
 def read_mesh(run: Run, name: str) -> nm.Mesh:
     """A mesh, read as the run's options say."""
     import nmaptool as nm
 
-    refuse_stream(ONLY_FILES, name)
     reading = run[MeshReadOptions]
     return nm.read_mesh(name, unit=reading.unit, max_faces=reading.max_faces)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, BinaryIO, Literal, cast
 
 from nmaptool.core.errors import UsageError
 from nmaptool.options import WriteOptions
@@ -85,7 +85,7 @@ class MapOutputs(ReportOutputs):
         to_stdout = str(self.output) == STREAM
         if to_stdout and (prints_json or self.prints_report):
             raise UsageError("-: the map and the report cannot both go to standard output; give one of them a file")
-        place = OutputStream(StandardOutput(), ".exr", STDOUT) if to_stdout else self.output
+        place = OutputStream(cast("BinaryIO", StandardOutput()), ".exr", STDOUT) if to_stdout else self.output
         return map_outputs(place, writing, pictures=beside, **self.shared)
 
 
@@ -131,8 +131,7 @@ class LayerOutputs(ReportOutputs):
         if self.output is None:
             raise UsageError("nothing to write: say where, such as -o maps or -o maps.exr")
         refuse_stream("layers and pictures are written to files, such as -o maps", self.output, self.plot, self.curl)
-        files = {"format": self.format, "plot": self.plot, "curl": self.curl}
-        return layer_outputs(self.output, **files, **more, **self.shared)
+        return layer_outputs(self.output, format=self.format, plot=self.plot, curl=self.curl, **more, **self.shared)
 
 
 def by_folder(paths: list[Path]) -> Iterator[str]:

@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 from cyclopts import Parameter
@@ -52,7 +53,7 @@ class PerInput:
                 name=flag_of(name),
                 group=GROUPS[self.options.group],
                 help=help_texts[name],
-                show_default=False if default in (None, "", False) else lambda _, text=str(default): text,
+                show_default=False if default in (None, "", False) else partial(_shown, str(default)),
             )
             if isinstance(kind, Switch):
                 yield keyword(name, False, bool, shown)
@@ -69,12 +70,17 @@ class PerInput:
         """
         each: list[dict[str, Any]] = [{} for _ in range(count)]
         for name in self.names:
-            given = words[name]
+            given = words.get(name, ())
             values = [given] * count if isinstance(given, bool) else spread(name, given or [None], count, self.inputs)
             for options, value in zip(each, values, strict=True):
                 if value is not None:
                     options[name] = value
         return [dataclasses.replace(self.base, **options) for options in each]
+
+
+def _shown(default: str, _: Any) -> str:
+    """The default of each input; that of the flag itself is no input at all."""
+    return default
 
 
 def _word_type(kind: Kind) -> type:

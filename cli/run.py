@@ -109,7 +109,7 @@ class Run:
     def header(self, **more: Any) -> dict[str, Any]:
         """What every report begins with: the version and the files that were read."""
         files = {role: names for role, names in self.inputs.items() if names is not None}
-        return {"version": __version__, "files": json.loads(json.dumps(files)), **more}
+        return {"version": __version__, "files": files, **more}
 
     def finish(
         self,

@@ -138,7 +138,7 @@ def save(path: Path, normals: Array, coverage: Array | None = None) -> None:
     vectors = unit(normals)
     vectors[covered <= 0] = (0, 0, 1)
     normal_map = nm.NormalMap(vectors, covered.astype(np.float32), nm.Frame(rows, cols))
-    nm.write_normal_map(path, normal_map, overwrite=True)
+    nm.write_normal_map(normal_map, path, overwrite=True)
 
 
 def make_medal(folder: Path, side: int = 248) -> None:
@@ -157,7 +157,7 @@ def make_shell(folder: Path, side: int = 280) -> None:
     cover = shell_cover(x, y)[..., None]
     codes = (fine_normals(shell, x, y) + 1) / 2 * cover + (1 - cover)  # an editor's soft edge on white
     picture = encode_codes((pooled(codes) * 2 - 1).astype(np.float32), 8)
-    write_image(folder / "shell.png", picture, ("R", "G", "B"), {})
+    write_image(picture, folder / "shell.png", ("R", "G", "B"), {})
 
 
 def make_leaf(folder: Path, side: int = 224) -> None:
@@ -165,7 +165,7 @@ def make_leaf(folder: Path, side: int = 224) -> None:
     save(folder / "leaf_on_roll.png", pooled(fine_normals(leaf, x, y)))
     save(folder / "roll.png", pooled(fine_normals(roll, x, y)))
     mask = (pooled(leaf_cover(x, y)) * 255 + 0.5).astype(np.uint8)
-    write_image(folder / "leaf_mask.png", mask[..., None], ("Y",), {})
+    write_image(mask[..., None], folder / "leaf_mask.png", ("Y",), {})
 
 
 def main() -> None:

@@ -19,9 +19,9 @@ def waves(rows, cols, frequency, pitch=None, disc=False, name="map"):
 
 def write_maps(folder, png):
     """``plate.exr`` (80 x 60, 0.5 mm), ``bunny.exr`` (30 x 40, a disc), ``leaf.png`` (24 x 20) and two masks."""
-    nm.write_normal_map(folder / "plate.exr", waves(60, 80, 4, 0.5))
-    nm.write_normal_map(folder / "bunny.exr", waves(40, 30, 9, 0.5, disc=True))
-    nm.write_normal_map(folder / "leaf.png", waves(20, 24, 6, disc=True))
+    nm.write_normal_map(waves(60, 80, 4, 0.5), folder / "plate.exr")
+    nm.write_normal_map(waves(40, 30, 9, 0.5, disc=True), folder / "bunny.exr")
+    nm.write_normal_map(waves(20, 24, 6, disc=True), folder / "leaf.png")
     half = np.zeros((40, 30), np.uint8)
     half[:, :15] = 255
     png(folder / "half.png", half)

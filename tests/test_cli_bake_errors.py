@@ -249,11 +249,11 @@ def test_a_full_disk(refused, place, monkeypatch, out, late):
     begun = []
     write = layer_files.write_pictures
 
-    def failing(path, pictures):
+    def failing(pictures, path):
         begun.append(path)
         path.write_bytes(bytes(99))
         if late and len(begun) < 3 and out != "m.exr":
-            return write(path, pictures)
+            return write(pictures, path)
         raise OutputError(f"{path}: cannot be written (is the disk full?)")
 
     monkeypatch.setattr(layer_files, "write_pictures", failing)

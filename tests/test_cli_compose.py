@@ -23,10 +23,10 @@ def place(tmp_path, monkeypatch, png):
     """A folder with a base, a detail, a plate, a round motif and masks, which is where commands run."""
     monkeypatch.chdir(tmp_path)
     disc = np.hypot(*(np.mgrid[0:20, 0:20] - 9.5)) < 9
-    nm.write_normal_map("base.exr", bump_map(30, 40))
-    nm.write_normal_map("detail.exr", as_map(random_normals(30, 40, seed=1, lowest=0.5)))
-    nm.write_normal_map("plate.png", flat_map(30, 40, pitch_mm=0.5))
-    nm.write_normal_map("motif.exr", as_map(random_normals(20, 20, seed=2), disc))
+    nm.write_normal_map(bump_map(30, 40), "base.exr")
+    nm.write_normal_map(as_map(random_normals(30, 40, seed=1, lowest=0.5)), "detail.exr")
+    nm.write_normal_map(flat_map(30, 40, pitch_mm=0.5), "plate.png")
+    nm.write_normal_map(as_map(random_normals(20, 20, seed=2), disc), "motif.exr")
     left = np.zeros((30, 40), np.uint8)
     left[:, :20] = 255
     png(tmp_path / "left.png", left)
@@ -137,7 +137,7 @@ def test_pictures_have_the_maps_size_and_mean_what_they_say(made, place):
 
 
 def test_a_placed_picture_is_a_mask_for_a_relief(made, run, place):
-    nm.write_normal_map("hill.exr", bump_map(30, 40, height=0.2))
+    nm.write_normal_map(bump_map(30, 40, height=0.2), "hill.exr")
     made("paste", "hill.exr", "motif.exr", "--placed", "p.png")
     words = ("--mask", "p.png", "--background", "surface", "--surface", "hill.exr", "-o", "r.exr")
     assert run("relief", "out.exr", *words).code == 0
@@ -221,7 +221,7 @@ def test_what_is_pasted_is_what_the_library_pastes(made):
 def test_layers_of_an_exr_are_named(made, place):
     names = ("original", "base", "detail")
     maps = [as_map(random_normals(30, 40, seed=seed)) for seed in range(3)]
-    write_pictures(place / "maps.exr", [normal_picture(m, 32, name=n) for m, n in zip(maps, names, strict=True)])
+    write_pictures([normal_picture(m, 32, name=n) for m, n in zip(maps, names, strict=True)], place / "maps.exr")
     result = made("blend", "maps.exr:base", "maps.exr:detail", "--report", "r.json")
     assert np.array_equal(result.map.normals, nm.blend(maps[1], maps[2]).normal_map.normals)
     assert json.loads((place / "r.json").read_text())["layers"][0]["name"] == "maps.exr:detail"
@@ -236,7 +236,7 @@ def test_layers_of_an_exr_are_named(made, place):
 
 
 def test_a_detail_map_of_another_size_is_stretched_when_told(made, place):
-    nm.write_normal_map("small.exr", bump_map(15, 20))
+    nm.write_normal_map(bump_map(15, 20), "small.exr")
     fitted = made("blend", "base.exr", "small.exr", "--fit").map
     assert np.array_equal(
         fitted.normals,
@@ -256,7 +256,7 @@ def test_words_on_stderr(made, run, place):
     assert "seconds" not in made("paste", "plate.png", "motif.exr").err
     quiet = made("paste", "plate.png", "motif.exr", "-q", "-v")
     assert (quiet.out, quiet.err) == ("", "")
-    nm.write_normal_map("coarse.exr", as_map(random_normals(10, 10), pitch_mm=1.0))
+    nm.write_normal_map(as_map(random_normals(10, 10), pitch_mm=1.0), "coarse.exr")
     warned = made("paste", "plate.png", "coarse.exr").err
     assert "nmap: warning: coarse.exr: its pixels are 1 mm, the canvas's 0.5 mm" in warned
 

@@ -21,11 +21,11 @@ def place(tmp_path, monkeypatch, png, picture):
     """A folder with a base, a detail, a motif, masks and files of other kinds, which is where commands run."""
     monkeypatch.chdir(tmp_path)
     disc = np.hypot(*(np.mgrid[0:20, 0:20] - 9.5)) < 9
-    nm.write_normal_map("base.exr", bump_map(30, 40))
-    nm.write_normal_map("detail.exr", as_map(random_normals(30, 40, seed=1)))
-    nm.write_normal_map("plate.png", flat_map(30, 40, pitch_mm=0.5))
-    nm.write_normal_map("motif.exr", as_map(random_normals(20, 20, seed=2), disc))
-    nm.write_normal_map("clear.exr", as_map(random_normals(20, 20), np.zeros((20, 20))))
+    nm.write_normal_map(bump_map(30, 40), "base.exr")
+    nm.write_normal_map(as_map(random_normals(30, 40, seed=1)), "detail.exr")
+    nm.write_normal_map(flat_map(30, 40, pitch_mm=0.5), "plate.png")
+    nm.write_normal_map(as_map(random_normals(20, 20, seed=2), disc), "motif.exr")
+    nm.write_normal_map(as_map(random_normals(20, 20), np.zeros((20, 20))), "clear.exr")
     bad = random_normals(30, 40)
     bad[4, 7] = np.nan, np.inf, 1
     picture(tmp_path / "nan.exr", bad)
@@ -231,7 +231,7 @@ def fail_with(error):
     return fail
 
 
-@pytest.mark.parametrize("where", ["nmaptool.io.output.maps.curl_picture", "nmaptool.core.vectors.curl"])
+@pytest.mark.parametrize("where", ["nmaptool.io.output.map_pictures.curl_picture", "nmaptool.core.vectors.curl"])
 @pytest.mark.parametrize("start", [BLEND, PASTE, TRANSFORM])
 @pytest.mark.parametrize("out", ["out.exr", "old.exr", "-"])
 def test_ctrl_c_anywhere(refused, place, monkeypatch, where, start, out):
@@ -245,15 +245,15 @@ def test_ctrl_c_anywhere(refused, place, monkeypatch, where, start, out):
 )
 @pytest.mark.parametrize("count", [1, 2])
 def test_a_full_disk(refused, place, monkeypatch, out, stated, count):
-    from nmaptool.io.output import maps as map_files
+    from nmaptool.io.output import normal_map as map_files
 
     begun = []
     write = map_files.write_pictures
 
-    def failing(path, pictures):
+    def failing(pictures, path):
         begun.append(path)
         if len(begun) < count:
-            return write(path, pictures)
+            return write(pictures, path)
         path.write_bytes(bytes(99))
         raise OutputError(f"{path}: cannot be written (is the disk full?)")
 

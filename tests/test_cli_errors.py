@@ -25,7 +25,7 @@ CTRL_C = (
     "import os, signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
     "from nmaptool.io.pictures import reader as images\nfrom nmaptool.io.output import relief as outputs\n"
     "from nmaptool_cli.main import main\n"
-    "def interrupted(path, mesh):\n"
+    "def interrupted(mesh, path):\n"
     "    path.write_bytes(bytes(99))\n"
     "    os.kill(os.getpid(), signal.SIGINT)\n"
     "outputs.meshes.write_mesh = interrupted\n"
@@ -210,8 +210,7 @@ def test_outputs_that_exist_are_left_alone_until_told(refused, run, tree, clean_
 
 def test_an_output_that_appears_meanwhile_is_left_alone_and_none_is_written(refused, clean_map, tmp_path, monkeypatch):
     (tmp_path / "view.png").write_text("hers")
-    monkeypatch.setattr("nmaptool.io.output.relief.check_targets", lambda *_: None)
-    monkeypatch.setattr("nmaptool.io.replace.check_target", lambda *_: None)
+    monkeypatch.setattr("nmaptool.io.output.targets.check_place", lambda *_: None)
     words = ("relief", "-q", clean_map, "-o", tmp_path / "out.exr", "--preview", tmp_path / "view.png")
     refused(OUTPUT, r"view\.png: exists already", *words)
 
@@ -244,7 +243,7 @@ def test_ctrl_c_while_writing(tree, fails, clean_map, tmp_path):
     fails(result, INTERRUPTED, "interrupted; nothing was written")
 
 
-@pytest.mark.parametrize("place", ["nmaptool.io.output.relief.preview", "nmaptool.reliefs.session.prepare"])
+@pytest.mark.parametrize("place", ["nmaptool.io.output.relief.preview_picture", "nmaptool.reliefs.session.prepare"])
 def test_ctrl_c_anywhere(refused, clean_map, tmp_path, monkeypatch, place):
     monkeypatch.setattr(place, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
     words = ("-q", "-o", tmp_path / "a.exr", "--preview", tmp_path / "b.png")

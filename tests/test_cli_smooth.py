@@ -131,7 +131,7 @@ def test_inputs_and_outputs_that_cannot_be(refused, place):
 
 
 def test_a_full_disk_leaves_nothing(refused, place, monkeypatch):
-    def full(path, mesh, glb_in_metres=False):
+    def full(mesh, path):
         path.write_text("half")
         raise OutputError(f"{path}: cannot be written (No space left on device)")
 

@@ -80,7 +80,7 @@ def test_names_in_a_description_come_back_whatever_is_in_them(folder, tmp_path):
     text = "a = 'x'\r\nnmaptool:green=down\n\\n\\\\n \u2028 ä漢😀 \x85"
     leaf = nm.read_normal_map(folder / "leaf.png")
     for ending in ("png", "tif", "exr"):
-        nm.write_normal_map(tmp_path / f"out.{ending}", leaf, attributes={"recipe": text})
+        nm.write_normal_map(leaf, tmp_path / f"out.{ending}", attributes={"recipe": text})
         attributes = nm.read_raster(tmp_path / f"out.{ending}").attributes
         assert attributes["recipe"] == text
         assert attributes["green"] == "up"

@@ -55,23 +55,23 @@ def test_the_command_is_the_function(run, meshes, trained):
 
 
 def test_an_interrupted_training_goes_on(run, meshes, trained, tree, tmp_path, monkeypatch):
-    from nmaptool.io.output.filter_models import TrainingFiles
+    from nmaptool.io.output.filter_models import TrainingFile
 
-    keep, kept = TrainingFiles.keep, []
+    keep, kept = TrainingFile.keep, []
 
-    def stop(files, state):
-        keep(files, state)
+    def stop(file, state):
+        keep(file, state)
         kept.append(state)
         if len(kept) == 2:
             raise KeyboardInterrupt
 
     words = ("train", *meshes, *QUICK, "-o", tmp_path / "f.npz", "--state", tmp_path / "state.npz")
-    monkeypatch.setattr(TrainingFiles, "keep", stop)
+    monkeypatch.setattr(TrainingFile, "keep", stop)
     done = run(*words)
     assert done.code == 130
     assert done.err == "nmap: error: interrupted; nothing was written\n"
     assert set(tree()) == {"mine.npz", "roof0.obj", "roof1.obj", "state.npz"}
-    monkeypatch.setattr(TrainingFiles, "keep", keep)
+    monkeypatch.setattr(TrainingFile, "keep", keep)
     done = run(*words)
     assert done.code == 0, done.err
     assert f"went on from {tmp_path / 'state.npz'}, where 2 networks were finished\n" in done.err

@@ -46,7 +46,7 @@ def as_map(normals, coverage=None, pitch_mm=None):
 
 
 def round_trip(path, normal_map, **how):
-    nm.write_normal_map(path, normal_map, nm.WriteOptions(**how))
+    nm.write_normal_map(normal_map, path, nm.WriteOptions(**how))
     return nm.read_normal_map(path)
 
 
@@ -54,7 +54,7 @@ def test_stored_components_are_within_half_a_code(tmp_path, form):
     ending, how, step = form
     normals = random_normals(1)
     path = tmp_path / f"map{ending}"
-    nm.write_normal_map(path, as_map(normals), nm.WriteOptions(**how))
+    nm.write_normal_map(as_map(normals), path, nm.WriteOptions(**how))
     image = nm.read_raster(path)
     stored = image.pixels[..., :3].astype(np.float64)
     if not image.is_float:
@@ -120,7 +120,7 @@ def test_a_layer_with_partial_alpha_is_not_multiplied_by_it(tmp_path, form):
     coverage = np.ones((40, 50))
     coverage[::7] = 0.25
     path = tmp_path / f"map{ending}"
-    nm.write_normal_map(path, as_map(random_normals(6), coverage), nm.WriteOptions(**how))
+    nm.write_normal_map(as_map(random_normals(6), coverage), path, nm.WriteOptions(**how))
     image = nm.read_raster(path)
     stored = image.pixels[..., :3].astype(np.float64)
     stored = stored if image.is_float else stored * 2 / image.max_code - 1
@@ -135,7 +135,7 @@ def test_pitch_and_convention_travel_in_the_file(tmp_path, form):
 
 
 def test_written_png_carries_no_colour_management(tmp_path):
-    nm.write_normal_map(tmp_path / "map.png", as_map(random_normals(8)))
+    nm.write_normal_map(as_map(random_normals(8)), tmp_path / "map.png")
     data = (tmp_path / "map.png").read_bytes()
     assert not [kind for kind in (b"sRGB", b"gAMA", b"cHRM", b"iCCP", b"cICP") if kind in data]
 
@@ -153,11 +153,11 @@ def test_bits_that_a_format_has_not_are_refused(tmp_path):
         (".tif", "half", "16 or 8"),
     ):
         with pytest.raises(nm.UsageError, match=rf"--bits {bits} is not offered for {ending}; use {offered}"):
-            nm.write_normal_map(tmp_path / f"map{ending}", as_map(random_normals(9)), nm.WriteOptions(bits=bits))
+            nm.write_normal_map(as_map(random_normals(9)), tmp_path / f"map{ending}", nm.WriteOptions(bits=bits))
     with pytest.raises(nm.UsageError, match="--bits '12': use one of auto, 8, 16, half, float"):
         nm.WriteOptions(bits="12")
     with pytest.raises(nm.UsageError, match=r"ends in \.jpg; normal maps are written as \.png, \.exr, \.tif"):
-        nm.write_normal_map(tmp_path / "map.jpg", as_map(random_normals(9)))
+        nm.write_normal_map(as_map(random_normals(9)), tmp_path / "map.jpg")
     assert not list(tmp_path.iterdir())
 
 

@@ -44,7 +44,7 @@ def test_to_its_own_kind_nothing_changes(tmp_path, ending, bits, covered):
     source, target = tmp_path / f"a{ending}", tmp_path / f"b{ending}"
     if covered:
         normals = np.where((cover > 0)[..., None], normals, np.float32([0, 0, 1]))
-    nm.write_normal_map(source, as_map(normals, cover), nm.WriteOptions(bits=bits))
+    nm.write_normal_map(as_map(normals, cover), source, nm.WriteOptions(bits=bits))
     result = nm.convert(source, target, writing=nm.WriteOptions(bits=bits))
     assert np.array_equal(stored(target), stored(source))
     assert result.report.off_length == 0
@@ -90,7 +90,7 @@ def test_16_bits_come_back_from_floats(tmp_path, codes, png):
 @pytest.mark.parametrize("zero", ["127.5", "128"])
 def test_green_down_twice_is_nothing(tmp_path, bits, zero):
     source, down, back = (tmp_path / f"{name}.png" for name in ("up", "down", "back"))
-    nm.write_normal_map(source, as_map(facing(4)), nm.WriteOptions(bits=bits, write_zero_code=zero))
+    nm.write_normal_map(as_map(facing(4)), source, nm.WriteOptions(bits=bits, write_zero_code=zero))
     nm.convert(source, down, writing=nm.WriteOptions(bits=bits, write_green="down"))
     turned = nm.convert(down, back, writing=nm.WriteOptions(bits=bits))
     assert turned.report.source["green"] == "down"
@@ -108,7 +108,7 @@ def test_green_down_twice_is_nothing(tmp_path, bits, zero):
 
 def test_the_zero_code_is_the_files_own_unless_it_is_given(tmp_path):
     flat = np.zeros((20, 30, 3), np.float32) + np.float32([0, 0, 1])
-    nm.write_normal_map(tmp_path / "a.png", as_map(flat), nm.WriteOptions(bits="8", write_zero_code="128"))
+    nm.write_normal_map(as_map(flat), tmp_path / "a.png", nm.WriteOptions(bits="8", write_zero_code="128"))
     for given, expected in (("auto", "128"), ("127", "127"), ("127.5", "127.5")):
         nm.convert(tmp_path / "a.png", tmp_path / "b.png", None, nm.WriteOptions("16", "up", given), overwrite=True)
         assert nm.read_normal_map(tmp_path / "b.png").decoding.zero_code == expected
@@ -184,7 +184,7 @@ def test_noise_in_a_flat_background_is_counted(tmp_path, dome, codes, png):
 def test_what_the_file_says_of_itself_is_kept_and_the_conversion_noted(tmp_path, ending):
     recipe = {"command": "blend", "options": {"mode": "rnm"}}
     own = {"recipe": json.dumps(recipe), "layer": "detail", "view": "front"}
-    nm.write_normal_map(tmp_path / "a.exr", as_map(facing(7), pitch_mm=0.125), attributes=own)
+    nm.write_normal_map(as_map(facing(7), pitch_mm=0.125), tmp_path / "a.exr", attributes=own)
     nm.convert(tmp_path / "a.exr", tmp_path / f"b{ending}", writing=nm.WriteOptions(write_green="down"))
     stated = nm.read_raster(tmp_path / f"b{ending}").attributes
     assert (stated["layer"], stated["view"], stated["green"], stated["pitch_mm"]) == (
@@ -210,7 +210,7 @@ def test_a_layers_name_and_a_recipe_that_is_no_json_are_kept(tmp_path, picture):
 
 @pytest.mark.parametrize("recipe", ["[" * 200_000, "{", ""])
 def test_a_recipe_that_cannot_be_read_is_kept_as_text(tmp_path, recipe):
-    nm.write_normal_map(tmp_path / "a.png", as_map(facing(10)), attributes={"recipe": recipe})
+    nm.write_normal_map(as_map(facing(10)), tmp_path / "a.png", attributes={"recipe": recipe})
     nm.convert(tmp_path / "a.png", tmp_path / "b.png")
     assert json.loads(nm.read_raster(tmp_path / "b.png").attributes["recipe"])["before"] == recipe
 

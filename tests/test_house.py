@@ -13,7 +13,7 @@ import pytest
 
 import nmaptool as nm
 from nmaptool.core.errors import UsageError
-from nmaptool_cli.compose.paste import Placing
+from nmaptool_cli.compose.paste import PLACING
 from nmaptool_cli.main import main
 
 ROOT = Path(__file__).parents[1]
@@ -131,13 +131,13 @@ def test_every_option_of_a_layer_is_a_flag_of_paste_with_its_default(capsys, mon
     shown = capsys.readouterr().out.splitlines()
     defaults = {field.name: field.default for field in dataclasses.fields(nm.LayerOptions)}
     # a pasted layer is called by its file
-    assert {field.name for field in dataclasses.fields(Placing)} - {"mask"} == set(defaults) - {"name"}
+    assert set(PLACING.names) == set(defaults) - {"name"}
     for name in set(defaults) - {"name"}:
         (line,) = (line for line in shown if line.startswith(f"│ --{name.replace('_', '-')} "))
         if defaults[name]:  # else the help need not speak of it
-            stated = f"{defaults[name]:g}" if isinstance(defaults[name], float) else defaults[name]
-            assert f" {stated} (default)" in line or f" {stated} all (default)" in line or f"Default: {stated}." in line
-    assert [nm.LayerOptions(**flags) for flags in Placing().of_each(2)] == [nm.LayerOptions()] * 2
+            assert f"[default: {defaults[name]}]" in line
+    words = {name: False if isinstance(defaults[name], bool) else () for name in PLACING.names}
+    assert PLACING.spread(words, 2) == [nm.LayerOptions()] * 2
 
 
 @pytest.mark.parametrize(

@@ -132,7 +132,7 @@ def test_no_format_is_a_fault(tmp_path, dome, codes, picture):
 
 def test_what_is_written_is_clean(tmp_path, clean_map):
     for name, how in (("a.png", {}), ("b.png", {"bits": "8"}), ("c.exr", {}), ("d.tif", {"bits": "float"})):
-        nm.write_normal_map(tmp_path / name, nm.read_normal_map(clean_map), nm.WriteOptions(**how))
+        nm.write_normal_map(nm.read_normal_map(clean_map), tmp_path / name, nm.WriteOptions(**how))
         assert found(tmp_path / name) == set()
 
 

@@ -11,7 +11,7 @@ LINE = "nmap: error: interrupted; nothing was written\n"
 # a process that sends itself SIGINT where the text in its place is reached
 SCRIPT = """
 import os, signal, sys
-from nmaptool_cli import main, session
+from nmaptool_cli import main, run
 
 def stop():
     os.kill(os.getpid(), signal.SIGINT)
@@ -36,7 +36,7 @@ AT = {
         def progress(word, share):
             if word == "solving":
                 stop()
-        session.Session.progress = lambda self: contextlib.nullcontext(progress)
+        run.Run.progress = lambda self: contextlib.nullcontext(progress)
         """,
     "writing": """
         from nmaptool.io.output import relief as outputs
@@ -45,7 +45,7 @@ AT = {
         """,
     "preview": """
         from nmaptool.io.output import relief as outputs
-        outputs.preview = lambda height: stop()
+        outputs.preview_picture = lambda height: stop()
         """,
 }
 # a call that Python cannot leave before it has ended, in a thread of its own accord: minutes, and Ctrl-C at its start

@@ -211,7 +211,7 @@ def test_heights_come_back_as_a_curved_background(tmp_path, ending):
     height = nm.Height(z, np.ones((ROWS, COLS), bool), nm.Frame(ROWS, COLS, 0.5))
     from nmaptool.io.pictures.heights import write_height
 
-    write_height(tmp_path / f"h{ending}", height, {})
+    write_height(height, tmp_path / f"h{ending}", {})
     back = nm.read_height(tmp_path / f"h{ending}", pitch_mm=0.5)
     assert np.abs(back.z_mm - z).max() < 3 * np.ptp(z) / 65535
     assert back.pitch_mm == 0.5

@@ -210,7 +210,7 @@ def test_a_height_file_with_holes_is_no_curved_background(tmp_path, ending):
     inside = np.ones((8, 9), bool)
     inside[2:4, 3:6] = False
     z = np.random.default_rng(22).uniform(size=(9, 10))
-    write_height(tmp_path / f"ground.{ending}", nm.Height(z, inside, nm.Frame(8, 9, 0.1)), {})
+    write_height(nm.Height(z, inside, nm.Frame(8, 9, 0.1)), tmp_path / f"ground.{ending}", {})
     with pytest.raises(nm.InputError, match=rf"ground\.{ending}: .*must be defined everywhere"):
         nm.read_height(tmp_path / f"ground.{ending}", 0.1)
 

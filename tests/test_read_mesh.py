@@ -251,7 +251,7 @@ def test_options_that_cannot_be_meant(tmp_path):
 
 @pytest.mark.parametrize("ending", ["stl", "ply", "obj", "glb"])
 def test_what_is_written_is_read(tmp_path, ending):
-    write_mesh(tmp_path / f"a.{ending}", Mesh(VERTICES.astype(float), FACES))
+    write_mesh(Mesh(VERTICES.astype(float), FACES), tmp_path / f"a.{ending}")
     mesh = read_mesh(str(tmp_path / f"a.{ending}"))
     assert mesh.mm_per_unit == (1000 if ending == "glb" else 1)
     same_surface(Mesh(mesh.vertices_mm.round(6), mesh.faces))  # 0.003 m are 3.0000000001 mm

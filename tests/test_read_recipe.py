@@ -65,7 +65,7 @@ def test_files_that_are_no_recipes(folder):
     latin = folder / "latin.toml"
     latin.write_bytes('# a\nname = "é"'.encode("latin-1"))
     (folder / "empty.toml").touch()
-    nm.write_normal_map(folder / "json.png", waves(8, 8, 1), attributes={"recipe": '{"command": "paste"}'})
+    nm.write_normal_map(waves(8, 8, 1), folder / "json.png", attributes={"recipe": '{"command": "paste"}'})
     for path, message in (
         (latin, r"latin.toml: is not UTF-8 text \(line 2\); save the recipe as UTF-8"),
         (folder / "empty.toml", "empty.toml: is empty"),

@@ -36,5 +36,5 @@ def test_a_companion_is_read_like_its_original(tmp_path, dome, codes, png):
     assert nm.read_normal_map(smooth).normals[0, 0, 1] > 0
     assert nm.read_normal_map(smooth, like=down).normals[0, 0, 1] < 0
     assert nm.read_normal_map(smooth, nm.ReadOptions(green="up"), like=down).normals[0, 0, 1] > 0
-    nm.write_normal_map(tmp_path / "own.png", nm.read_normal_map(smooth))  # says itself that green is up
+    nm.write_normal_map(nm.read_normal_map(smooth), tmp_path / "own.png")  # says itself that green is up
     assert nm.read_normal_map(tmp_path / "own.png", like=down).normals[0, 0, 1] > 0

@@ -68,8 +68,8 @@ def test_every_word_that_a_key_takes_is_documented():
 def test_the_example_runs(tmp_path, png, run):
     (example,) = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
     (tmp_path / "scene.toml").write_text(example)
-    nm.write_normal_map(tmp_path / "plate.exr", waves(90, 120, 3))
-    nm.write_normal_map(tmp_path / "leaf.png", waves(40, 50, 6, disc=True))
+    nm.write_normal_map(waves(90, 120, 3), tmp_path / "plate.exr")
+    nm.write_normal_map(waves(40, 50, 6, disc=True), tmp_path / "leaf.png")
     bunny = waves(64, 64, 9, disc=True)
     nm.write_layers(nm.split(bunny), tmp_path / "bunny.exr")
     png(tmp_path / "bunny_mask.png", np.full((64, 64), 255, np.uint8))

@@ -91,8 +91,8 @@ def test_a_plate_is_the_ground_however_its_place_is_put_into_words(place):
 def test_a_plate_comes_back_from_a_workspace(tmp_path, run, refused):
     plate = flat_map(ROWS, COLS, 0.5).normals.copy()
     plate[5:30, 5:30] = bump_map(25, 25).normals
-    nm.write_normal_map(tmp_path / "plate.exr", as_map(plate, pitch_mm=0.5))
-    nm.write_normal_map(tmp_path / "motif.exr", bump_map(10, 12))
+    nm.write_normal_map(as_map(plate, pitch_mm=0.5), tmp_path / "plate.exr")
+    nm.write_normal_map(bump_map(10, 12), tmp_path / "motif.exr")
     (tmp_path / "scene.toml").write_text(
         '[[layer]]\nfile = "plate.exr"\n[[layer]]\nfile = "motif.exr"\nat = "10px,20px"\n'
     )

@@ -105,7 +105,7 @@ def test_a_map_without_detail_is_left_alone():
 
 def test_the_command_writes_layers_that_relief_takes(run, bumpy, tmp_path):
     source = tmp_path / "dome.exr"
-    nm.write_normal_map(source, bumpy[0])
+    nm.write_normal_map(bumpy[0], source)
     out = tmp_path / "layers"
     done = run("compose", "split", source, "-o", out, "--sigma-s", "4px", "--plot", tmp_path / "p.png", "--json")
     assert done.code == 0, done.err
@@ -123,7 +123,7 @@ def test_the_command_writes_layers_that_relief_takes(run, bumpy, tmp_path):
 
 def test_one_file_holds_all_layers(run, bumpy, tmp_path):
     source, out = tmp_path / "dome.exr", tmp_path / "layers.exr"
-    nm.write_normal_map(source, bumpy[0])
+    nm.write_normal_map(bumpy[0], source)
     assert run("compose", "split", source, "-o", out, "-q").err == ""
     layers = nm.split(bumpy[0])
     for name in ("original", "base", "detail"):
@@ -134,7 +134,7 @@ def test_one_file_holds_all_layers(run, bumpy, tmp_path):
 
 def test_the_command_refuses(refused, bumpy, tmp_path):
     source = tmp_path / "dome.exr"
-    nm.write_normal_map(source, bumpy[0])
+    nm.write_normal_map(bumpy[0], source)
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "base.exr").touch()
     out = tmp_path / "out"
@@ -148,7 +148,7 @@ def test_the_command_refuses(refused, bumpy, tmp_path):
 
 
 def test_curl_is_reported_and_shown(bumpy, tmp_path, run):
-    nm.write_normal_map(tmp_path / "map.exr", bumpy[0])
+    nm.write_normal_map(bumpy[0], tmp_path / "map.exr")
     done = run("compose", "split", tmp_path / "map.exr", "-o", tmp_path / "maps", "--curl", tmp_path / "curl.png")
     assert done.code == 0
     layers = nm.split(bumpy[0])

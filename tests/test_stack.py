@@ -129,12 +129,12 @@ def test_a_file_is_read_once(folder):
 def test_files_outside_the_folder_are_told(folder, tmp_path_factory):
     far = tmp_path_factory.mktemp("far")
     for name in ("one.exr", "two.exr", "three.exr"):
-        nm.write_normal_map(far / name, waves(10, 12, 2))
+        nm.write_normal_map(waves(10, 12, 2), far / name)
     scenes = folder / "scenes"
     scenes.mkdir()
     (scenes / "link.exr").symlink_to(far / "two.exr")
     (folder / "inner.exr").symlink_to("plate.exr")
-    nm.write_normal_map(scenes / "near.exr", waves(60, 80, 2))
+    nm.write_normal_map(waves(60, 80, 2), scenes / "near.exr")
     up = os.path.relpath(far / "three.exr", scenes)
     names = ("near.exr", "../scenes/near.exr", f"{scenes}/near.exr", f"{far}/one.exr", "link.exr", up, "../bunny.exr")
     text = "".join(f'[[layer]]\nfile = "{name}"\n' for name in names)

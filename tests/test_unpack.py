@@ -9,13 +9,13 @@ import pytest
 from workspace_cases import bumpy, packed
 
 import nmaptool as nm
-from nmaptool.io.output.unpacked import safe_names
+from nmaptool.io.output.unpacked_recipe import safe_names
 
 
 @pytest.fixture
 def maps(tmp_path):
-    nm.write_normal_map(tmp_path / "base.exr", bumpy())
-    nm.write_normal_map(tmp_path / "detail.png", bumpy(60, 50, 1))
+    nm.write_normal_map(bumpy(), tmp_path / "base.exr")
+    nm.write_normal_map(bumpy(60, 50, 1), tmp_path / "detail.png")
     return tmp_path
 
 
@@ -62,7 +62,7 @@ def test_png_masks_names_and_the_report(maps, run, png):
 
 def test_findings_are_printed_and_the_exit_code_is_1(tmp_path, run):
     pixels = packed().layers[0].pixels[:, ::-1].copy()
-    nm.write_workspace(tmp_path / "w.psd", packed(pixels=pixels))
+    nm.write_workspace(packed(pixels=pixels), tmp_path / "w.psd")
     done = run("compose", "unpack", tmp_path / "w.psd", "-o", tmp_path / "out")
     assert done.code == 1
     assert "! bumpy: was mirrored left to right without its vectors" in done.out
@@ -102,7 +102,7 @@ def test_groups_that_only_keep_layers_together_are_none_in_the_recipe(tmp_path, 
 @pytest.mark.parametrize("ending", ["psd", "ora", "tif", "exr"])
 def test_the_recipe_composes_the_layers_again(tmp_path, run, ending):
     maps = [bumpy(), nm.PackedMap(bumpy(60, 50, 1, "small.png"), left=-7, top=20, mode="rnm", group=("kept", "deep"))]
-    nm.write_workspace(tmp_path / f"w.{ending}", nm.pack(maps, nm.PackOptions(bits=32 if ending == "exr" else 16)))
+    nm.write_workspace(nm.pack(maps, nm.PackOptions(bits=32 if ending == "exr" else 16)), tmp_path / f"w.{ending}")
     assert run("compose", "unpack", tmp_path / f"w.{ending}", "-o", tmp_path / "out").code == 0
     done = run("compose", "stack", tmp_path / "out" / "recipe.toml", "-o", tmp_path / "out.exr")
     assert done.code == 0, done.err

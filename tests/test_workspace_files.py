@@ -44,7 +44,7 @@ def same(first, second):
 )
 def test_everything_comes_back(tmp_path, name, kind):
     workspace = random_workspace(kind)
-    nm.write_workspace(tmp_path / name, workspace)
+    nm.write_workspace(workspace, tmp_path / name)
     back = nm.read_workspace(tmp_path / name)
     same(workspace, back)
     assert back.bits == workspace.bits
@@ -55,7 +55,7 @@ def test_everything_comes_back(tmp_path, name, kind):
 
 def test_a_psd_through_psd_tools(tmp_path):
     workspace = random_workspace()
-    nm.write_workspace(tmp_path / "a.psd", workspace)
+    nm.write_workspace(workspace, tmp_path / "a.psd")
     document = psd_tools.PSDImage.open(tmp_path / "a.psd")
     assert (document.width, document.height, document.depth) == (100, 90, 16)
     found = {layer.name: layer for layer in document.descendants() if not layer.is_group()}
@@ -74,7 +74,7 @@ def test_a_psd_through_psd_tools(tmp_path):
 
 def test_the_preview_in_a_psd_is_the_layers_painted_over_each_other(tmp_path):
     workspace = nm.pack([bumpy(), nm.PackedMap(bumpy(60, 50, 1), left=30, top=20)])
-    nm.write_workspace(tmp_path / "a.psd", workspace)
+    nm.write_workspace(workspace, tmp_path / "a.psd")
     merged = psd_tools.PSDImage.open(tmp_path / "a.psd").numpy()
     inside = workspace.layers[1].pixels[20:40, 15:35]
     assert np.abs(merged[40:60, 45:65] - inside / 65535).max() < 1e-4
@@ -82,7 +82,7 @@ def test_the_preview_in_a_psd_is_the_layers_painted_over_each_other(tmp_path):
 
 def test_an_ora_through_a_zip_reader(tmp_path):
     workspace = random_workspace()
-    nm.write_workspace(tmp_path / "a.ora", workspace)
+    nm.write_workspace(workspace, tmp_path / "a.ora")
     with zipfile.ZipFile(tmp_path / "a.ora") as archive:
         first = archive.infolist()[0]
         assert (first.filename, first.compress_type) == ("mimetype", zipfile.ZIP_STORED)
@@ -106,7 +106,7 @@ def test_an_ora_through_a_zip_reader(tmp_path):
 
 def test_a_tiff_through_tifffile(tmp_path):
     workspace = random_workspace()
-    nm.write_workspace(tmp_path / "a.tif", workspace)
+    nm.write_workspace(workspace, tmp_path / "a.tif")
     with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
         names = [page.tags["PageName"].value for page in tiff.pages]
         layers = {layer.name: layer for layer in workspace.layers}
@@ -124,7 +124,7 @@ def test_an_exr_through_openimageio(tmp_path, half):
     workspace = nm.pack(
         [bumpy(), nm.PackedMap(bumpy(60, 50, 1, "b.png"), left=-7, top=20)], nm.PackOptions(bits=32, half=half)
     )
-    nm.write_workspace(tmp_path / "a.exr", workspace)
+    nm.write_workspace(workspace, tmp_path / "a.exr")
     source = oiio.ImageInput.open(str(tmp_path / "a.exr"))
     assert source.seek_subimage(1, 0)
     spec = source.spec()
@@ -139,7 +139,7 @@ def test_an_exr_through_openimageio(tmp_path, half):
 @pytest.mark.parametrize(("name", "bits"), [("a.psd", 16), ("a.ora", 16), ("a.tif", 16), ("a.exr", 32)])
 def test_own_words_come_back(tmp_path, name, bits):
     workspace = nm.pack([nm.PackedMap(bumpy(), mode="pd", strength=0.5)], nm.PackOptions(bits=bits))
-    nm.write_workspace(tmp_path / name, workspace)
+    nm.write_workspace(workspace, tmp_path / name)
     back = nm.read_workspace(tmp_path / name)
     assert back.metadata["layers"] == json.loads(json.dumps(workspace.metadata["layers"]))
     assert back.frame.pitch_mm == 0.1
@@ -149,23 +149,23 @@ def test_own_words_come_back(tmp_path, name, bits):
 
 def test_the_same_workspace_is_the_same_file(tmp_path):
     for name in ("a.psd", "b.psd", "a.ora", "b.ora"):
-        nm.write_workspace(tmp_path / name, random_workspace())
+        nm.write_workspace(random_workspace(), tmp_path / name)
     assert (tmp_path / "a.psd").read_bytes() == (tmp_path / "b.psd").read_bytes()
     assert (tmp_path / "a.ora").read_bytes() == (tmp_path / "b.ora").read_bytes()
 
 
 def test_what_a_format_cannot_hold(tmp_path):
     with pytest.raises(nm.UsageError, match=r"a\.png: ends in \.png; a workspace is written as \.psd"):
-        nm.write_workspace(tmp_path / "a.png", random_workspace())
+        nm.write_workspace(random_workspace(), tmp_path / "a.png")
     with pytest.raises(nm.UsageError, match=r"--bits 32 is not offered; \.psd holds 8 or 16 bits"):
-        nm.write_workspace(tmp_path / "a.psd", random_workspace(np.float32))
+        nm.write_workspace(random_workspace(np.float32), tmp_path / "a.psd")
     with pytest.raises(nm.UsageError, match=r"--bits 16 is not offered; \.exr holds floats"):
-        nm.write_workspace(tmp_path / "a.exr", random_workspace())
-    nm.write_workspace(tmp_path / "a.psd", random_workspace())
+        nm.write_workspace(random_workspace(), tmp_path / "a.exr")
+    nm.write_workspace(random_workspace(), tmp_path / "a.psd")
     with pytest.raises(nm.OutputError, match="exists already"):
-        nm.write_workspace(tmp_path / "a.psd", random_workspace())
+        nm.write_workspace(random_workspace(), tmp_path / "a.psd")
     wide = nm.Workspace(nm.Frame(2, 30_001), (nm.WorkspaceLayer("a", np.zeros((2, 30_001, 4), np.uint8)),), bits=8)
     with pytest.raises(nm.OutputError, match=r"too large for PSD; write a \.psb"):
-        nm.write_workspace(tmp_path / "wide.psd", wide)
-    nm.write_workspace(tmp_path / "wide.psb", wide)
+        nm.write_workspace(wide, tmp_path / "wide.psd")
+    nm.write_workspace(wide, tmp_path / "wide.psb")
     assert nm.read_workspace(tmp_path / "wide.psb").frame.cols == 30_001

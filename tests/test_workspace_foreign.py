@@ -29,7 +29,7 @@ def rewritten(path, change):
 
 @pytest.fixture
 def psd(tmp_path):
-    nm.write_workspace(tmp_path / "a.psd", random_workspace())
+    nm.write_workspace(random_workspace(), tmp_path / "a.psd")
     return tmp_path / "a.psd"
 
 
@@ -179,7 +179,7 @@ def test_a_tiff_as_gimp_writes_it(tmp_path):
 
 
 def test_a_layer_moved_in_a_tiff_that_kept_its_words(tmp_path):
-    nm.write_workspace(tmp_path / "a.tif", nm.pack([nm.PackedMap(bumpy(), left=-5, top=4)]))
+    nm.write_workspace(nm.pack([nm.PackedMap(bumpy(), left=-5, top=4)]), tmp_path / "a.tif")
     assert (nm.read_workspace(tmp_path / "a.tif").layers[0].left) == -5
     raw = (tmp_path / "a.tif").read_bytes()
     moved = raw.replace(np.array([4, 72], "<u4").tobytes(), np.array([9, 72], "<u4").tobytes())
@@ -191,6 +191,6 @@ def test_a_layer_moved_in_a_tiff_that_kept_its_words(tmp_path):
 def test_without_words_most_faults_are_told_all_the_same(tmp_path):
     pixels = turned_freely(nm.pack([bumpy()]).layers[0].pixels, 25)
     workspace = nm.Workspace(nm.Frame(160, 180), (nm.WorkspaceLayer("a", np.rint(pixels / 257).astype(np.uint8)),), 8)
-    nm.write_workspace(tmp_path / "a.psd", workspace)
+    nm.write_workspace(workspace, tmp_path / "a.psd")
     codes = {finding.code for finding in nm.unpack(nm.read_workspace(tmp_path / "a.psd")).findings}
     assert codes == {"eight-bit", "turned-freely"}

@@ -39,7 +39,7 @@ def test_random_damage(tmp_path, capfd, name, bits):
     mask = np.random.default_rng(0).random((30, 20)).astype(np.float32)
     maps = [bumpy(40, 50), nm.PackedMap(bumpy(30, 20, 1), left=-5, top=20, mask=mask, group=("a", "b"))]
     path = tmp_path / name
-    nm.write_workspace(path, nm.pack(maps, nm.PackOptions(bits=bits)))
+    nm.write_workspace(nm.pack(maps, nm.PackOptions(bits=bits)), path)
     data = path.read_bytes()
     chance = random.Random(bits)
     refused = 0

@@ -162,7 +162,7 @@ def patched(path, at, data):
 @pytest.fixture
 def psd(tmp_path):
     path = tmp_path / "a.psd"
-    nm.write_workspace(path, random_workspace())
+    nm.write_workspace(random_workspace(), path)
     return path
 
 
@@ -193,7 +193,7 @@ def test_psd_sizes(psd):
 
 @pytest.mark.parametrize("name", ["a.psd", "a.ora", "a.tif", "a.exr"])
 def test_cut_short(tmp_path, name):
-    nm.write_workspace(tmp_path / name, random_workspace(np.float32 if name == "a.exr" else np.uint16))
+    nm.write_workspace(random_workspace(np.float32 if name == "a.exr" else np.uint16), tmp_path / name)
     data = (tmp_path / name).read_bytes()
     for share in (0.1, 0.5, 0.9):
         (tmp_path / name).write_bytes(data[: int(len(data) * share)])
@@ -214,7 +214,7 @@ def test_wrong_endings_and_other_files(tmp_path, psd):
 
 
 def test_tiff_pages_over_the_limit_together(tmp_path):
-    nm.write_workspace(tmp_path / "a.tif", nm.pack([bumpy()] * 4))
+    nm.write_workspace(nm.pack([bumpy()] * 4), tmp_path / "a.tif")
     refuses(tmp_path / "a.tif", "hold more than 0.1 megapixels together", nm.LimitError, 0.1)
-    nm.write_workspace(tmp_path / "a.exr", nm.pack([bumpy()] * 4, nm.PackOptions(bits=32)))
+    nm.write_workspace(nm.pack([bumpy()] * 4, nm.PackOptions(bits=32)), tmp_path / "a.exr")
     refuses(tmp_path / "a.exr", "hold 0.115 megapixels together, more than the limit of 0.1", nm.LimitError, 0.1)

@@ -49,4 +49,5 @@ def blend(run: Run, base: str, detail: str, /) -> None:
         above = read_map(run, files["detail"], like=below, own_layer=False)
         chosen = read_grey(run, files["mask"])
         result = nm.blend(below, above, run[BlendOptions], mask=chosen, mask_name=mask or "")
-    finish_edit(run, outputs, result, [below, above])
+    files = {"base": base, "detail": detail, "mask": mask}
+    finish_edit(run, outputs, result, [below, above], files=files)

@@ -45,5 +45,6 @@ def convert(run: Run, map: str, out: Path | None = None, /) -> None:
         image = nm.read_raster(files["map"], reading)
         image = dataclasses.replace(image, name=display_name(image.name))
         result, settled = convert_image(image, bits_of(outputs.places[0], writing), reading, writing)
-    written, more = converted_map(image, result, settled), list(describe_conversion(result.report))
-    finish_edit(run, outputs, result, [result.normal_map], written=written, more=more)
+    assert isinstance(result.report, nm.ConvertReport)
+    more = list(describe_conversion(result.report))
+    finish_edit(run, outputs, result, [result.normal_map], written=converted_map(image, result, settled), more=more)

@@ -76,5 +76,7 @@ def depth(run: Run, image: str, /) -> None:
     describe_depth(run, display_name(picture.name), result)
     recipe = json.dumps({"command": "depth", "options": plain_values(options)})
     pictures = {"jumps": partial(jumps_picture, result.jumps)}
-    metadata = run.header(**result.report.to_dict(), writing=asdict(run[WriteOptions]))
+    metadata = run.header(
+        files={"image": image, "mask": inputs.mask}, **result.report.to_dict(), writing=asdict(run[WriteOptions])
+    )
     run.finish(outputs, WrittenMap(result.normal_map, {"recipe": recipe}, pictures=pictures), metadata)

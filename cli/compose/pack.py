@@ -14,7 +14,7 @@ from nmaptool.options import LayerOptions, PackOptions, ReadOptions
 from nmaptool.options.blend_modes import layer_meanings
 from nmaptool.options.fields import Options, option
 from nmaptool.options.formats import WORKSPACE_FORMATS
-from nmaptool.options.kinds import Kind, Switch, flag_of
+from nmaptool.options.kinds import Kind, Numeric, SignedText, Switch, flag_of
 from nmaptool_cli.command import command
 from nmaptool_cli.inputs import read_grey, read_map
 from nmaptool_cli.outputs import FileOf
@@ -69,10 +69,10 @@ class Layering(Options, group="Composing"):
         Grey picture of the map's size, white where it shows: the layer's mask. "none" for a map without.
     """
 
-    at: tuple[str, ...] = option(())
+    at: tuple[str, ...] = option((), SignedText())
     name: tuple[str, ...] = option(())
     mode: tuple[str, ...] = option((), ModeNames())
-    strength: tuple[float, ...] = option(())
+    strength: tuple[float, ...] = option((), Numeric())
     mask: tuple[str, ...] = option(())
 
     def of_each(self, count: int, *, recipe: bool) -> list[LayerOptions]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from nmaptool.core.errors import UsageError
 from nmaptool.options.fields import Options, option
-from nmaptool.options.kinds import Count, Number, require_number
+from nmaptool.options.kinds import Count, Number
 
 _MOST_PASSES = 20
 _MOST_SCALES = 16
@@ -35,7 +35,8 @@ class DescriptorOptions:
             if not 1 <= len(values) <= _MOST_SCALES:
                 raise UsageError(f"{name}: {len(values)} values, expected 1 to {_MOST_SCALES}")
             for value in values:
-                require_number(name, value, low, high, "3")
+                if not low <= value <= high:  # also for NaN
+                    raise UsageError(f"--{name} {value:g}: must lie between {low:g} and {high:g}, such as 3")
         if not 1 <= self.passes <= _MOST_PASSES:
             raise UsageError(f"passes {self.passes}: must lie between 1 and {_MOST_PASSES}, such as 3")
 

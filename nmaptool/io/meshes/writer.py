@@ -9,18 +9,17 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import OutputError, UsageError, reason_of
+from nmaptool.options.formats import MESH_FORMATS
 from nmaptool.types.mesh import Mesh
 
-ENDINGS = (".stl", ".ply", ".obj", ".glb")
 
-
-def write_mesh(path: Path, mesh: Mesh) -> None:
+def write_mesh(mesh: Mesh, path: Path) -> None:
     """Write triangles: binary STL and PLY, OBJ, with coordinates in mm; or GLB in metres, as its specification says.
 
     Parameters
     ----------
-    path : Path
     mesh : Mesh
+    path : Path
 
     Raises
     ------
@@ -30,10 +29,15 @@ def write_mesh(path: Path, mesh: Mesh) -> None:
         If it cannot be written.
     """
     kind = path.suffix.lower()
-    if kind not in ENDINGS:
-        raise UsageError(f"{path}: meshes are written as {', '.join(ENDINGS)}")
+    if kind not in MESH_FORMATS:
+        raise UsageError(f"{path}: meshes are written as {', '.join(MESH_FORMATS)}")
+    (MESH_FORMATS[kind].write or _write_triangles)(mesh, path)
+
+
+def _write_triangles(mesh: Mesh, path: Path) -> None:
     import trimesh
 
+    kind = path.suffix.lower()
     in_metres = kind == ".glb"
     vertices = mesh.vertices_mm / 1000 if in_metres else mesh.vertices_mm
     shape = trimesh.Trimesh(vertices, mesh.faces, process=False, metadata={"units": "m" if in_metres else "mm"})

@@ -19,11 +19,10 @@ from nmaptool.io.pictures.writer import write_image
 from nmaptool.maps.background import alpha_is_data
 from nmaptool.maps.decoding import decode_normal_map
 from nmaptool.options import ReadOptions
+from nmaptool.options.formats import HEIGHT_FORMATS
 from nmaptool.types.height import Height
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame, RasterImage
-
-ENDINGS = (".exr", ".tif", ".tiff", ".npy", ".png")
 
 
 def height_attributes(height: Height) -> dict[str, str]:
@@ -38,16 +37,16 @@ def height_attributes(height: Height) -> dict[str, str]:
     }
 
 
-def write_height(path: Path, height: Height, attributes: Mapping[str, str]) -> None:
-    """Write heights in mm at pixel centres.
+def write_height(height: Height, path: Path, attributes: Mapping[str, str]) -> None:
+    """Write heights in mm at pixel centres, as `nmaptool.options.formats.HEIGHT_FORMATS` says.
 
     ``.exr`` and ``.tif`` hold float32 mm, with alpha 0 outside the surface; ``.npy`` float64 mm, NaN outside; ``.png``
     16-bit codes, 0 for the surface's lowest and 65535 for its highest corner, the range being in the file's text.
 
     Parameters
     ----------
-    path : Path
     height : Height
+    path : Path
     attributes : mapping
         Metadata beside that of `height_attributes`.
 
@@ -59,31 +58,47 @@ def write_height(path: Path, height: Height, attributes: Mapping[str, str]) -> N
         If it cannot be written.
     """
     kind = path.suffix.lower()
-    z = height.at_pixels()
-    if kind == ".npy":
-        try:
-            with path.open("wb") as stream:
-                np.save(stream, z, allow_pickle=False)
-        except OSError as error:
-            raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None
-        return
-    if kind not in ENDINGS:
-        raise UsageError(f"{path}: heights are written as {', '.join(ENDINGS)}")
-    everything = {**height_attributes(height), **attributes}
+    if kind not in HEIGHT_FORMATS:
+        raise UsageError(f"{path}: heights are written as {', '.join(HEIGHT_FORMATS)}")
+    write = HEIGHT_FORMATS[kind].write or _WRITERS[kind]
+    write(height, path, {**height_attributes(height), **attributes})
+
+
+def _write_array(height: Height, path: Path, attributes: Mapping[str, str]) -> None:
+    try:
+        with path.open("wb") as stream:
+            np.save(stream, height.at_pixels(), allow_pickle=False)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None
+
+
+def _write_codes(height: Height, path: Path, attributes: Mapping[str, str]) -> None:
+    (low, high), z, inside = height.range_mm, height.at_pixels(), height.domain
+    share = (z - low) / (high - low) if high > low else np.zeros_like(z)
+    codes = np.floor(np.where(inside, share, 0) * 65535 + 0.5).astype(np.uint16)
+    _write_grey(codes, inside.astype(np.uint16) * np.uint16(65535), path, attributes)
+
+
+def _write_floats(height: Height, path: Path, attributes: Mapping[str, str]) -> None:
     inside = height.domain
-    values: NDArray[Any]
-    if kind == ".png":
-        low, high = height.range_mm
-        share = (z - low) / (high - low) if high > low else np.zeros_like(z)
-        values = np.floor(np.where(inside, share, 0) * 65535 + 0.5).astype(np.uint16)
-        opaque: NDArray[Any] = inside.astype(np.uint16) * np.uint16(65535)
+    values = np.where(inside, height.at_pixels(), 0).astype(np.float32)
+    _write_grey(values, inside.astype(np.float32), path, attributes)
+
+
+def _write_grey(values: NDArray[Any], opaque: NDArray[Any], path: Path, attributes: Mapping[str, str]) -> None:
+    if opaque.all():
+        write_image(values[..., None], path, ("Y",), attributes)
     else:
-        values = np.where(inside, z, 0).astype(np.float32)
-        opaque = inside.astype(np.float32)
-    if inside.all():
-        write_image(path, values[..., None], ("Y",), everything)
-    else:
-        write_image(path, np.dstack([values, opaque]), ("Y", "A"), everything)
+        write_image(np.dstack([values, opaque]), path, ("Y", "A"), attributes)
+
+
+_WRITERS = {
+    ".exr": _write_floats,
+    ".tif": _write_floats,
+    ".tiff": _write_floats,
+    ".npy": _write_array,
+    ".png": _write_codes,
+}
 
 
 def to_vertices(centre: Float64) -> Float64:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,24 +12,14 @@ from numpy.typing import NDArray
 
 from nmaptool._version import __version__
 from nmaptool.core.arrays import Float32
-from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.errors import InputError
 from nmaptool.io.pictures.reader import read_image
-from nmaptool.io.pictures.writer import Picture, write_pictures
-from nmaptool.io.replace import named, written_beside
+from nmaptool.io.pictures.writer import Picture
 from nmaptool.maps import codec
 from nmaptool.maps.decoding import decode_normal_map
-from nmaptool.options import Bits, ReadOptions, WriteOptions
+from nmaptool.options import ReadOptions
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import RasterImage
-
-# what each ending can hold, the default first
-_BITS: dict[str, tuple[Bits, ...]] = {
-    ".png": ("16", "8"),
-    ".exr": ("float", "half"),
-    ".tif": ("16", "8", "float"),
-    ".tiff": ("16", "8", "float"),
-}
-WRITE_ENDINGS = tuple(_BITS)
 
 
 def split_layer(text: str) -> tuple[Path, str | None]:
@@ -136,76 +125,6 @@ def read_grey(path: str | Path, max_megapixels: float = 270.0) -> Float32:
     if alpha is not None and values.min() == values.max() and alpha.min() < alpha.max():
         return alpha
     return values
-
-
-def _bits(ending: str, options: WriteOptions) -> Bits:
-    return _BITS[ending][0] if options.bits == "auto" else options.bits
-
-
-def bits_of(path: Path, options: WriteOptions) -> Bits:
-    """The bits that a normal map is written with there: "8", "16", "half" or "float"."""
-    check_ending(path, options)
-    return _bits(path.suffix.lower(), options)
-
-
-def check_ending(path: Path, options: WriteOptions) -> None:
-    """Refuse an ending that no normal map is written with, or bits that it cannot hold.
-
-    Raises
-    ------
-    UsageError
-    """
-    ending = path.suffix.lower()
-    if ending not in WRITE_ENDINGS:
-        found = f"ends in {path.suffix}" if path.suffix else "has no ending"
-        raise UsageError(f"{path}: {found}; normal maps are written as {', '.join(WRITE_ENDINGS)}")
-    offered = _BITS[ending]
-    if options.bits not in ("auto", *offered):
-        raise UsageError(f"{path}: --bits {options.bits} is not offered for {ending}; use {' or '.join(offered)}")
-
-
-def write_normal_map(
-    path: str | Path,
-    normal_map: NormalMap,
-    options: WriteOptions | None = None,
-    *,
-    attributes: Mapping[str, str] | None = None,
-    overwrite: bool = False,
-) -> None:
-    """Write a normal map; coverage travels as unassociated alpha, the convention and pitch as metadata.
-
-    Parameters
-    ----------
-    path : str or Path
-        ``.png``, ``.tif`` (integer codes) or ``.exr`` (signed floats).
-    normal_map : NormalMap
-    options : WriteOptions, optional
-    attributes : mapping, optional
-        More metadata, such as the recipe.
-    overwrite : bool
-        Replace a file that exists.
-
-    Raises
-    ------
-    UsageError
-        If the ending or the bits are not offered.
-    OutputError
-        If it cannot be written, or exists.
-    """
-    target, options = Path(path), options or WriteOptions()
-    check_ending(target, options)
-    picture = map_picture(normal_map, target.suffix.lower(), options)
-    picture = replace(picture, attributes={**picture.attributes, **(attributes or {})})
-    with written_beside([target], overwrite) as (beside,), named(target, beside):
-        write_pictures(beside, [picture])
-
-
-def map_picture(normal_map: NormalMap, ending: str, options: WriteOptions) -> Picture:
-    """A normal map as a file of that ending holds it."""
-    bits = _bits(ending, options)
-    depth = 32 if bits in ("half", "float") else int(bits)
-    zero_code = "127.5" if options.write_zero_code == "auto" else options.write_zero_code
-    return normal_picture(normal_map, depth, half=bits == "half", green=options.write_green, zero_code=zero_code)
 
 
 def normal_picture(

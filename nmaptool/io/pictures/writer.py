@@ -44,24 +44,24 @@ class Picture:
 
 
 def write_image(
-    path: Path,
     pixels: NDArray[Any],
+    path: Path,
     channels: tuple[str, ...],
     attributes: Mapping[str, str],
     half: bool = False,
 ) -> None:
     """`write_pictures` of one."""
-    write_pictures(path, [Picture(pixels, channels, attributes, half=half)])
+    write_pictures([Picture(pixels, channels, attributes, half=half)], path)
 
 
-def write_pictures(path: Path, pictures: Sequence[Picture]) -> None:
+def write_pictures(pictures: Sequence[Picture], path: Path) -> None:
     """Write pictures and read them back; no colour-space data, metadata under ``nmaptool:``.
 
     Parameters
     ----------
-    path : Path
-        Where to write; several pictures become the parts of an EXR.
     pictures : sequence of Picture
+        Several become the parts of an EXR.
+    path : Path
 
     Raises
     ------

@@ -1,20 +1,13 @@
-"""Workspaces as files, by ending and first bytes: PSD, PSB, ORA, TIFF, EXR."""
+"""Workspaces from files, by ending and first bytes: PSD, PSB, ORA, TIFF, EXR."""
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from nmaptool.core.errors import InputError, LimitError, OutputError, UsageError, reason_of
+from nmaptool.core.errors import InputError, LimitError, reason_of
 from nmaptool.io.opening import read_head
-from nmaptool.io.replace import written_beside
-from nmaptool.types.workspace import Workspace, WorkspaceMask
+from nmaptool.types.workspace import Workspace
 
-WRITE_ENDINGS = (".psd", ".psb", ".ora", ".tif", ".tiff", ".exr")
 _KINDS = {
     b"8BPS\0\1": ("PSD", (".psd",)),
     b"8BPS\0\2": ("PSB", (".psb", ".psd")),
@@ -25,9 +18,7 @@ _KINDS = {
     b"MM\0+": ("TIFF", (".tif", ".tiff")),
     b"\x76\x2f\x31\x01": ("EXR", (".exr",)),
 }
-_NO_LIMIT = 1e7  # megapixels
 _ACCEPTED = "PSD, PSB, ORA, TIFF or EXR"
-_BITS = {".psd": (8, 16), ".psb": (8, 16), ".ora": (8, 16), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (32,)}
 
 
 def _kind(path: Path) -> str:
@@ -82,108 +73,3 @@ def read_workspace(path: str | Path, max_megapixels: float = 270.0) -> Workspace
         raise InputError(f"{path}: cannot be read ({reason_of(error)})") from None
     except MemoryError:
         raise LimitError(f"{path}: does not fit in memory; make it smaller") from None
-
-
-def check_workspace_target(path: Path, bits: int | None, half: bool) -> int:
-    """Refuse what a format cannot hold; the bits that a file of this ending gets.
-
-    Raises
-    ------
-    UsageError
-        If the ending, or the bits for it, are not offered.
-    """
-    ending = path.suffix.lower()
-    if ending not in _BITS:
-        found = f"ends in {path.suffix}" if path.suffix else "has no ending"
-        raise UsageError(f"{path}: {found}; a workspace is written as {', '.join(WRITE_ENDINGS)}")
-    if half and ending != ".exr":
-        raise UsageError(f"{path}: --half is for EXR; {ending} holds codes of 8 or 16 bits")
-    if bits is None:
-        return max(_BITS[ending])
-    if bits not in _BITS[ending]:
-        held = "floats; leave --bits out" if ending == ".exr" else "8 or 16 bits"
-        raise UsageError(f"{path}: --bits {bits} is not offered; {ending} holds {held}")
-    return bits
-
-
-def write_workspace(path: str | Path, workspace: Workspace, *, overwrite: bool = False) -> None:
-    """Write a workspace and read it back before it gets its name.
-
-    Parameters
-    ----------
-    path : str or Path
-        ``.psd``, ``.psb``, ``.ora``, ``.tif`` (8 or 16 bits) or ``.exr`` (floats).
-    workspace : Workspace
-    overwrite : bool
-        Replace a file that exists.
-
-    Raises
-    ------
-    UsageError
-        If the ending is not offered, or does not hold the workspace's bits.
-    OutputError
-        If it cannot be written, or exists.
-    """
-    target = Path(path)
-    check_workspace_target(target, workspace.bits, workspace.half)
-    with written_beside([target], overwrite) as (beside,):
-        try:
-            _write(beside, workspace)
-            back = read_workspace(beside, _NO_LIMIT)
-        except (OutputError, InputError, LimitError) as error:
-            reason = str(error).replace(str(beside), str(target))
-            raise OutputError(reason if isinstance(error, OutputError) else _full(target)) from None
-        except OSError as error:
-            raise OutputError(f"{target}: cannot be written ({reason_of(error)})") from None
-        except (struct.error, OverflowError):
-            raise OutputError(f"{target}: is too large for the format; write an .exr, or fewer layers") from None
-        if not _same(workspace, back):
-            raise OutputError(_full(target))
-
-
-def _full(target: Path) -> str:
-    return f"{target}: cannot be written (is the disk full?)"
-
-
-def _write(path: Path, workspace: Workspace) -> None:
-    ending = path.suffix.lower()
-    if ending in (".psd", ".psb"):
-        from nmaptool.io.workspaces.psd_writer import version_of, write_psd
-
-        if ending == ".psd" and version_of(workspace) == 2:
-            raise OutputError(f"{path}: is too large for PSD; write a .psb")
-        write_psd(path, workspace, 2 if ending == ".psb" else 1)
-    elif ending == ".ora":
-        from nmaptool.io.workspaces.ora_writer import write_ora
-
-        write_ora(path, workspace)
-    elif ending == ".exr":
-        from nmaptool.io.workspaces.layered_exr import write_layered_exr
-
-        write_layered_exr(path, workspace)
-    else:
-        from nmaptool.io.workspaces.layered_tiff import write_layered_tiff
-
-        write_layered_tiff(path, workspace)
-
-
-def _same(workspace: Workspace, back: Workspace) -> bool:
-    if len(workspace.layers) != len(back.layers) or workspace.frame.shape != back.frame.shape:
-        return False
-    for sent, came in zip(workspace.layers, back.layers, strict=True):
-        if (sent.name, sent.left, sent.top, sent.visible) != (came.name, came.left, came.top, came.visible):
-            return False
-        if not _equal(sent.pixels, came.pixels, workspace.half) or not _same_mask(sent.mask, came.mask, workspace.half):
-            return False
-    return True
-
-
-def _same_mask(sent: WorkspaceMask | None, came: WorkspaceMask | None, half: bool) -> bool:
-    if sent is None or came is None:
-        return sent is came
-    return (sent.left, sent.top) == (came.left, came.top) and _equal(sent.values, came.values, half)
-
-
-def _equal(sent: NDArray[Any], came: NDArray[Any], half: bool) -> bool:
-    expected = sent.astype(np.float16).astype(np.float32) if half else sent
-    return expected.dtype == came.dtype and bool(np.array_equal(expected, came))

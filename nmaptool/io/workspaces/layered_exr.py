@@ -17,7 +17,7 @@ from nmaptool.types.workspace import MASK_SUFFIX, Workspace
 _CHANNELS = ("R", "G", "B", "A")
 
 
-def write_layered_exr(path: Path, workspace: Workspace) -> None:
+def write_layered_exr(workspace: Workspace, path: Path) -> None:
     """Write one part a layer, bottom to top; a mask is a part ``NAME [mask]`` with the one channel Y.
 
     Raises
@@ -35,7 +35,7 @@ def write_layered_exr(path: Path, workspace: Workspace) -> None:
             said = page_attributes(workspace, number, mask=True)
             place, grey = (layer.mask.left, layer.mask.top, *window), layer.mask.values[..., None]
             pictures.append(Picture(grey, ("Y",), said, layer.name + MASK_SUFFIX, workspace.half, place))
-    write_pictures(path, pictures)
+    write_pictures(pictures, path)
 
 
 def read_layered_exr(path: Path, max_megapixels: float) -> Workspace:

@@ -33,7 +33,7 @@ _DAMAGE = (
 )
 
 
-def write_layered_tiff(path: Path, workspace: Workspace) -> None:
+def write_layered_tiff(workspace: Workspace, path: Path) -> None:
     """Write one page a layer, bottom to top; a mask is a grey page after its layer, called ``NAME [mask]``.
 
     A page's name is its PageName, its place XPosition and YPosition (which cannot be negative) and, exactly, in its

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.errors import InputError, LimitError
+from nmaptool.io.interruption import UNFINISHED
 from nmaptool.io.pictures.png import SIGNATURE, check_size
 from nmaptool.io.pictures.reader import read_image
-from nmaptool.io.unfinished import temporary_folder
 from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.io.workspaces.limits import Budget
 from nmaptool.io.workspaces.ora_archive import OraArchive
@@ -54,7 +54,7 @@ def read_ora(path: Path, max_megapixels: float) -> Workspace:
         cols, rows = (_whole(root, key, archive, 1) for key in ("w", "h"))
         check_size(path, cols, rows, max_megapixels)
         own = metadata.from_json(archive.read(METADATA_FILE, _LARGEST_METADATA)) if METADATA_FILE in archive else None
-        with temporary_folder() as folder:
+        with UNFINISHED.temporary_folder() as folder:
             found = _Layers(archive, max_megapixels, folder / "picture.png")
             for child in root.children:
                 if child.tag == "stack":

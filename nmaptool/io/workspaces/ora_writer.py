@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import OutputError
+from nmaptool.io.interruption import UNFINISHED
 from nmaptool.io.pictures.writer import write_image
-from nmaptool.io.unfinished import temporary_folder
 from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.types.workspace import MASK_SUFFIX, PASS_THROUGH, Workspace, WorkspaceGroup, WorkspaceLayer, flattened
 
@@ -23,7 +23,7 @@ _THUMBNAIL_PX = 256
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # so that the same workspace is the same file
 
 
-def write_ora(path: Path, workspace: Workspace) -> None:
+def write_ora(workspace: Workspace, path: Path) -> None:
     """Write an OpenRaster file; a layer's mask is a hidden grey layer above it, called ``NAME [mask]``.
 
     Raises
@@ -31,14 +31,14 @@ def write_ora(path: Path, workspace: Workspace) -> None:
     OutputError
         If a picture in it cannot be written.
     """
-    with zipfile.ZipFile(path, "w") as archive, temporary_folder() as folder:
+    with zipfile.ZipFile(path, "w") as archive, UNFINISHED.temporary_folder() as folder:
         _add(archive, "mimetype", MIMETYPE.encode("ascii"))
         picture = folder / "picture.png"
 
         def add_png(name: str, pixels: NDArray[Any]) -> None:
             count = pixels.shape[2]
             try:
-                write_image(picture, pixels, ("R", "G", "B", "A") if count == 4 else ("Y",), {})
+                write_image(pixels, picture, ("R", "G", "B", "A") if count == 4 else ("Y",), {})
             except OutputError as error:
                 raise OutputError(str(error).replace(str(picture), str(path))) from None
             _add(archive, name, picture.read_bytes())

@@ -36,14 +36,14 @@ _LARGEST_PSD_BYTES = 1_500_000_000  # the format's lengths end at 2 GB
 _COLOR_CHANNELS = (ChannelID.CHANNEL_0, ChannelID.CHANNEL_1, ChannelID.CHANNEL_2)
 
 
-def write_psd(path: Path, workspace: Workspace, version: int = 1) -> None:
+def write_psd(workspace: Workspace, path: Path, version: int = 1) -> None:
     """Write a PSD or a PSB.
 
     Parameters
     ----------
-    path : Path
     workspace : Workspace
         Of 8 or 16 bits, all layers of the same.
+    path : Path
     version : int
         1 for a PSD, 2 for a PSB, which holds more.
     """

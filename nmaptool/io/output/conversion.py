@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from nmaptool.composition.conversion import convert_image
 from nmaptool.core.errors import UsageError
-from nmaptool.io.output.maps import MapFiles, write_map_files
-from nmaptool.io.pictures.normal_maps import bits_of, read_raster, split_layer
+from nmaptool.io.output.composition import composed_map
+from nmaptool.io.output.normal_map import WrittenMap, bits_of, map_outputs
+from nmaptool.io.output.targets import Destination, place_of
+from nmaptool.io.pictures.normal_maps import read_raster, split_layer
 from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool.types.composition import ComposeReport, Composition
 from nmaptool.types.picture import RasterImage
@@ -20,12 +23,12 @@ _RENEWED = ("version", "kind", "green", "zero_code", "encoding", "pitch_mm", "re
 
 def convert(
     path_in: str | Path,
-    path_out: str | Path,
+    output: Destination,
     reading: ReadOptions | None = None,
     writing: WriteOptions | None = None,
     *,
-    curl: str | Path | None = None,
-    report: str | Path | None = None,
+    curl: Destination | None = None,
+    report: Destination | None = None,
     overwrite: bool = False,
 ) -> Composition:
     """Write a normal map file as another kind of file: bits, format, green, zero code, all three components.
@@ -38,13 +41,13 @@ def convert(
     ----------
     path_in : str or Path
         ``FILE`` or ``FILE.exr:layer``.
-    path_out : str or Path
+    output : str, Path or OutputStream
         .png, .exr or .tif.
     reading : ReadOptions, optional
     writing : WriteOptions, optional
-    curl : str or Path, optional
+    curl : str, Path or OutputStream, optional
         Picture of |curl|, .png: see `nmaptool.curl_picture`.
-    report : str or Path, optional
+    report : str, Path or OutputStream, optional
         JSON account of the run.
     overwrite : bool
         Replace files that exist.
@@ -63,31 +66,36 @@ def convert(
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
     """
-    reading, writing, output = reading or ReadOptions(), writing or WriteOptions(), Path(path_out)
-    pictures = {} if curl is None else {"curl": Path(curl)}
-    files = MapFiles(output, writing, pictures, Path(report) if report is not None else None, overwrite)
-    files.check()
+    reading, writing = reading or ReadOptions(), writing or WriteOptions()
+    outputs = map_outputs(output, writing, pictures={"curl": curl}, report=report, overwrite=overwrite)
+    outputs.check()
     source = split_layer(str(path_in))[0]
-    if any(target.exists() and source.exists() and target.samefile(source) for target in files.targets):
+    if any(path.exists() and source.exists() and path.samefile(source) for path in outputs.paths):
         raise UsageError(f"{path_in}: is also an output; give another name for the output")
     image = read_raster(path_in, reading)
-    result, writing = convert_image(image, bits_of(output, writing), reading, writing)
-    files = MapFiles(output, writing, pictures, files.report, overwrite)
-    metadata = {"input": str(path_in), **result.report.to_dict(), "outputs": [str(path) for path in files.targets]}
-    recipe = conversion_recipe(image, result.report)
-    write_map_files(files, result.normal_map, {}, metadata, recipe, kept_attributes(image))
+    result, settled = convert_image(image, bits_of(place_of(output), writing), reading, writing)
+    metadata = {"input": str(path_in), **result.report.to_dict(), "outputs": outputs.names}
+    outputs.write(converted_map(image, result, settled), metadata)
     return result
 
 
-def kept_attributes(image: RasterImage) -> dict[str, str]:
-    """What a file says of itself that stays true of the same map in another file."""
+def converted_map(image: RasterImage, result: Composition, settled: WriteOptions) -> WrittenMap:
+    """The map of a conversion as it is written, with what its file says of itself that stays true.
+
+    Parameters
+    ----------
+    image : RasterImage
+    result : Composition
+    settled : WriteOptions
+        What `nmaptool.composition.conversion.convert_image` settled.
+    """
     kept = {key: " ".join(value.split()) for key, value in image.attributes.items() if key not in _RENEWED}
     if image.layer is not None:
         kept.setdefault("layer", image.layer)
-    return kept
+    return replace(composed_map(result, _recipe(image, result.report), kept), options=settled)
 
 
-def conversion_recipe(image: RasterImage, report: ComposeReport) -> str:
+def _recipe(image: RasterImage, report: ComposeReport) -> str:
     """The conversion as JSON, and under ``before`` the recipe that came with the file."""
     recipe: dict[str, Any] = {"command": report.command, "options": dict(report.options)}
     before = image.attributes.get("recipe")

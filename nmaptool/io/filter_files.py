@@ -1,0 +1,99 @@
+"""Learned filters and unfinished trainings from files: NumPy's .npz, of which nothing is ever executed."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.errors import InputError, reason_of
+from nmaptool.filters.learned.arrays import filter_from_arrays, training_from_arrays
+from nmaptool.filters.learned.model import FilterModel, TrainingState
+
+# of a file and of what it unpacks to: shipped ones take a hundredth
+_MOST_BYTES = 64_000_000
+_MOST_ARRAYS = 4000
+# zip files begin with the time they were made, unless told otherwise
+_NO_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def read_filter_model(path: str | Path) -> FilterModel:
+    """Read a learned filter, such as `nmaptool.train` makes.
+
+    Parameters
+    ----------
+    path : str or Path
+        .npz
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or is none. No code in it is ever run.
+    """
+    try:
+        return filter_from_arrays(_read(Path(path)))
+    except InputError as error:
+        raise _about(path, "a learned filter", error) from None
+
+
+def read_training(path: str | Path) -> TrainingState:
+    """Read a training that was begun.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read or is none.
+    """
+    try:
+        return replace(training_from_arrays(_read(Path(path))), name=str(path))
+    except InputError as error:
+        raise _about(path, "a training that was begun", error) from None
+
+
+def _about(path: str | Path, what: str, error: InputError) -> InputError:
+    return InputError(f"{path}: cannot be used as {what}: {error}")
+
+
+def _read(path: Path) -> dict[str, NDArray[Any]]:
+    """The arrays of a .npz file, none of them of Python objects, all of them small."""
+    try:
+        size = path.stat().st_size
+        if size > _MOST_BYTES:
+            raise InputError(f"it has {size} bytes, more than the limit of {_MOST_BYTES}")
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"it cannot be read ({reason_of(error)})") from None
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            members = archive.infolist()
+            if len(members) > _MOST_ARRAYS or sum(member.file_size for member in members) > _MOST_BYTES:
+                raise InputError(f"it unpacks to more than the limit of {_MOST_BYTES} bytes")
+            return {member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in members}
+    except InputError:
+        raise
+    except Exception:  # noqa: BLE001 - whatever a damaged archive makes a reader stumble over
+        raise InputError("it is no .npz file, or damaged") from None
+
+
+def _array(data: bytes) -> NDArray[Any]:
+    stream = io.BytesIO(data)
+    array: NDArray[Any] = np.lib.format.read_array(stream, allow_pickle=False)
+    return array
+
+
+def packed(arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    """Arrays as the bytes of a .npz file: the same arrays always give the same bytes."""
+    held = io.BytesIO()
+    with zipfile.ZipFile(held, "w") as archive:
+        for name, array in arrays.items():
+            data = io.BytesIO()
+            np.lib.format.write_array(data, np.ascontiguousarray(array), allow_pickle=False)
+            member = zipfile.ZipInfo(f"{name}.npy", _NO_DATE)
+            archive.writestr(member, data.getvalue(), zipfile.ZIP_DEFLATED)
+    return held.getvalue()

@@ -1,0 +1,79 @@
+"""A composition to files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import partial
+
+from nmaptool.io.output.map_pictures import mask_picture
+from nmaptool.io.output.normal_map import WrittenMap, map_outputs
+from nmaptool.io.output.targets import Destination
+from nmaptool.io.output.transaction import Metadata
+from nmaptool.options import WriteOptions
+from nmaptool.types.composition import Composition
+
+
+def composed_map(
+    composition: Composition, recipe: str | None = None, kept: Mapping[str, str] | None = None
+) -> WrittenMap:
+    """The map of a composition as it is written.
+
+    Parameters
+    ----------
+    composition : Composition
+    recipe : str, optional
+        How the map came about, for its metadata. Default: command, options and layers as JSON.
+    kept : mapping, optional
+        Metadata of the file that the map came from.
+    """
+    if recipe is None:
+        values = composition.report.to_dict()
+        recipe = json.dumps({key: values[key] for key in ("command", "options", "layers")})
+    pictures = {"placed": partial(mask_picture, composition.placed)}
+    return WrittenMap(composition.normal_map, {"recipe": recipe}, kept or {}, pictures)
+
+
+def write_composition(
+    composition: Composition,
+    output: Destination,
+    options: WriteOptions | None = None,
+    *,
+    curl: Destination | None = None,
+    placed: Destination | None = None,
+    report: Destination | None = None,
+    overwrite: bool = False,
+    metadata: Metadata | None = None,
+    recipe: str | None = None,
+) -> None:
+    """Write a composition: all files appear, or none.
+
+    Parameters
+    ----------
+    composition : Composition
+    output : str, Path or OutputStream
+        The map: .png, .exr or .tif.
+    options : WriteOptions, optional
+    curl : str, Path or OutputStream, optional
+        Picture of |curl|, .png: see `nmaptool.curl_picture`.
+    placed : str, Path or OutputStream, optional
+        Where layers lie above the lowest, .png: the mask for a relief of them.
+    report : str, Path or OutputStream, optional
+        JSON account of the run.
+    overwrite : bool
+        Replace files that exist.
+    metadata : mapping, optional
+        What to put in the report. Default: ``composition.report.to_dict()``.
+    recipe : str, optional
+        How the map came about, for its metadata. Default: command, options and layers as JSON.
+
+    Raises
+    ------
+    UsageError
+        If an ending is not offered.
+    OutputError
+        If a file cannot be written, or exists and ``overwrite`` is False.
+    """
+    pictures = {"curl": curl, "placed": placed}
+    outputs = map_outputs(output, options, pictures=pictures, report=report, overwrite=overwrite)
+    outputs.write(composed_map(composition, recipe), metadata or composition.report.to_dict())

@@ -1,0 +1,58 @@
+"""A mesh to files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from nmaptool._version import __version__
+from nmaptool.io.meshes import writer as meshes
+from nmaptool.io.output.targets import Destination, place_of
+from nmaptool.io.output.transaction import Metadata, Outputs, Target
+from nmaptool.options.formats import MESH_FORMATS
+from nmaptool.types.mesh import Mesh
+
+
+def mesh_outputs(
+    outputs: Iterable[Destination], *, report: Destination | None = None, overwrite: bool = False
+) -> Outputs[Mesh]:
+    """The plan of `write_mesh`."""
+    targets = [Target(place_of(output), "a mesh", MESH_FORMATS, meshes.write_mesh) for output in outputs]
+    return Outputs(targets, place_of(report), overwrite)
+
+
+def mesh_metadata(mesh: Mesh, metadata: Metadata | None = None) -> dict[str, Any]:
+    """What the report of a mesh says: its size, and the metadata of the run."""
+    return {"version": __version__, "vertices": len(mesh.vertices), "faces": len(mesh.faces), **(metadata or {})}
+
+
+def write_mesh(
+    mesh: Mesh,
+    *outputs: Destination,
+    report: Destination | None = None,
+    overwrite: bool = False,
+    metadata: Metadata | None = None,
+) -> None:
+    """Write a mesh to any number of files: all of them appear, or none.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    *outputs : str, Path or OutputStream
+        By ending: .stl .ply .obj in mm, .glb in metres as its specification says. Where the units of a mesh are not
+        known they are taken as mm, so its numbers stay as they are but in .glb. Vertices and faces keep their order.
+    report : str, Path or OutputStream, optional
+        JSON account of the run.
+    overwrite : bool
+        Replace files that exist.
+    metadata : mapping, optional
+        What to put in the report beside the numbers of vertices and faces.
+
+    Raises
+    ------
+    UsageError
+        If an ending is not offered.
+    OutputError
+        If a file cannot be written, or exists and ``overwrite`` is False.
+    """
+    mesh_outputs(outputs, report=report, overwrite=overwrite).write(mesh, mesh_metadata(mesh, metadata))

@@ -1,0 +1,186 @@
+"""Where results go: files and open streams, and every reason to refuse one before the work."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, TypeAlias, overload
+
+from nmaptool.core.errors import OutputError, UsageError, reason_of
+
+
+@dataclass(frozen=True, eq=False)
+class OutputStream:
+    """An open binary stream to write a result to, wherever a writer takes a file.
+
+    The stream gets its bytes, in order from where it stands, only when everything else of the run is written; it is
+    flushed and stays open.
+
+    Parameters
+    ----------
+    stream : binary stream
+        Open for writing, and blocking.
+    ending : str
+        What kind of file to write, such as ``.png``.
+    name : str
+        What to call it in messages.
+
+    Raises
+    ------
+    UsageError
+        If the ending does not begin with a dot.
+
+    Examples
+    --------
+    >>> import io
+    >>> str(OutputStream(io.BytesIO(), ".stl", "the response"))
+    'the response'
+    """
+
+    stream: BinaryIO
+    ending: str
+    name: str = "stream"
+
+    def __post_init__(self) -> None:
+        if not self.ending.startswith("."):
+            raise UsageError(f"{self.name}: the ending {self.ending!r} must begin with a dot, such as .png")
+
+    def __str__(self) -> str:
+        return self.name
+
+    @property
+    def suffix(self) -> str:
+        """The ending, as a path has it."""
+        return self.ending
+
+
+Place: TypeAlias = Path | OutputStream
+Destination: TypeAlias = str | Path | OutputStream
+
+
+@overload
+def place_of(destination: Destination) -> Place: ...
+@overload
+def place_of(destination: None) -> None: ...
+def place_of(destination: Destination | None) -> Place | None:
+    """What a caller named as a file or a stream."""
+    return destination if destination is None or isinstance(destination, OutputStream) else Path(destination)
+
+
+def check_ending(place: Place, endings: Collection[str], what: str) -> None:
+    """Refuse an ending that ``what``, such as "a preview" or "normal maps", is not written with.
+
+    Raises
+    ------
+    UsageError
+    """
+    if place.suffix.lower() in endings:
+        return
+    found = f"ends in {place.suffix}; " if place.suffix else "has no ending; "
+    verb = "is" if what.startswith(("a ", "an ", "the ")) else "are"
+    raise UsageError(f"{place}: {found if len(endings) > 1 else ''}{what} {verb} written as {', '.join(endings)}")
+
+
+def check_place(place: Place, overwrite: bool) -> None:
+    """Refuse a place that cannot be written, before any work is done.
+
+    Raises
+    ------
+    UsageError
+        If it is a stream for text.
+    OutputError
+        If the folder is missing or not writable, the target is a folder, or it exists and ``overwrite`` is False; if a
+        stream is not open for writing.
+    """
+    if isinstance(place, OutputStream):
+        _check_stream(place)
+        return
+    folder = place.parent
+    try:
+        if place.is_dir():
+            raise OutputError(f"{place}: is a folder; give a file name")
+        _check_folder(place, folder)
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise OutputError(f"{place}: the folder {folder} cannot be written to")
+        place.lstat()
+    except FileNotFoundError:
+        return
+    except OutputError:
+        raise
+    except OSError as error:
+        raise cannot_be_written(place, error) from None
+    if not overwrite:
+        raise exists_already(place)
+
+
+def _check_stream(place: OutputStream) -> None:
+    if isinstance(place.stream, io.TextIOBase):
+        raise UsageError(f"{place}: is a stream for text; give a binary one")
+    if place.stream.closed or not place.stream.writable():
+        raise OutputError(f"{place}: is not open for writing")
+
+
+def _check_folder(place: Path, folder: Path) -> None:
+    if folder.exists() and not folder.is_dir():
+        raise OutputError(f"{place}: {folder} is a file, not a folder; give another place")
+    if not folder.is_dir():
+        raise OutputError(f"{place}: the folder {folder} does not exist; make it first")
+
+
+def check_places(places: Iterable[Place], overwrite: bool, folders: Sequence[Path] = ()) -> None:
+    """`check_place` of each, none of them named twice; nothing is in the ``folders`` that are yet to be made.
+
+    Raises
+    ------
+    UsageError
+        If two are the same file or stream.
+    OutputError
+        As `check_place`.
+    """
+    seen: set[object] = set()
+    for place in places:
+        what = place.stream if isinstance(place, OutputStream) else place.resolve()
+        if what in seen:
+            raise UsageError(f"{place}: is named twice as an output")
+        seen.add(what)
+        if isinstance(place, OutputStream) or place.parent not in folders or place.parent.exists():
+            check_place(place, overwrite)
+
+
+def check_folders(folders: Sequence[Path], needed: str) -> None:
+    """Refuse folders that cannot be made.
+
+    Parameters
+    ----------
+    folders : sequence of Path
+        The outermost first.
+    needed : str
+        What needs them, and the remedy.
+
+    Raises
+    ------
+    OutputError
+    """
+    for folder in folders:
+        try:
+            if folder.exists() and not folder.is_dir():
+                raise OutputError(f"{folder}: is a file; {needed}")
+        except OutputError:
+            raise
+        except OSError as error:  # a name too long, a folder that may not be looked into
+            raise cannot_be_written(folder, error) from None
+    if folders:
+        _check_folder(folders[0], folders[0].parent)
+
+
+def cannot_be_written(place: Place, error: OSError) -> OutputError:
+    """What the operating system said, about a place."""
+    return OutputError(f"{place}: cannot be written ({reason_of(error)})")
+
+
+def exists_already(place: Path) -> OutputError:
+    """What to say of a file that may not be replaced."""
+    return OutputError(f"{place}: exists already; give another name, or --overwrite")

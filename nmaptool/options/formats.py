@@ -1,0 +1,103 @@
+"""What can be written, by ending: one table for each kind of thing.
+
+Help texts, error messages and writers derive from these tables, so a format is added by one entry, at run time too:
+``NORMAL_MAP_FORMATS[".xyz"] = MapFormat("My format", ("8",), write)``. An entry without a writer is written by
+`nmaptool.io`. Nothing heavy is imported here, so that ``nmap --help`` stays quick.
+"""
+
+from __future__ import annotations
+
+from collections import ChainMap
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from nmaptool.options.write import Bits
+
+
+@dataclass(frozen=True)
+class FileFormat:
+    """A kind of file that heights or a mesh are written as.
+
+    Parameters
+    ----------
+    description : str
+        What such a file holds, in one line.
+    write : callable, optional
+        ``write(height, path, attributes)`` for heights: a `nmaptool.Height` and a mapping of metadata from str to str.
+        ``write(mesh, path)`` for a `nmaptool.Mesh`. Default: the format is one of nmaptool's own.
+    """
+
+    description: str
+    write: Callable[..., object] | None = None
+
+
+@dataclass(frozen=True)
+class MapFormat:
+    """A kind of file that normal maps are written as.
+
+    Parameters
+    ----------
+    description : str
+        What such a file holds, in one line.
+    bits : tuple of str
+        What ``WriteOptions.bits`` may ask for, the default first: "8", "16", "half", "float".
+    write : callable, optional
+        ``write(normal_map, path, options, attributes)``: a `nmaptool.NormalMap`, a `nmaptool.WriteOptions` and a
+        mapping of metadata from str to str. Default: OpenImageIO writes the file and it is read back.
+    """
+
+    description: str
+    bits: tuple[Bits, ...]
+    write: Callable[..., object] | None = None
+
+
+@dataclass(frozen=True)
+class WorkspaceFormat:
+    """A kind of layered file that workspaces are written as.
+
+    Parameters
+    ----------
+    description : str
+        What writes and reads such files.
+    bits : tuple of int
+        Bits of a channel that it holds; 32 for floats.
+    write : callable, optional
+        ``write(workspace, path)``. Default: the format is one of nmaptool's own.
+    """
+
+    description: str
+    bits: tuple[int, ...]
+    write: Callable[..., object] | None = None
+
+
+NORMAL_MAP_FORMATS: dict[str, MapFormat] = {
+    ".png": MapFormat("codes of 16 or 8 bits", ("16", "8")),
+    ".exr": MapFormat("signed floats, 32 or 16 bits (half)", ("float", "half")),
+    ".tif": MapFormat("codes of 16 or 8 bits, or signed floats", ("16", "8", "float")),
+    ".tiff": MapFormat("the same as .tif", ("16", "8", "float")),
+}
+HEIGHT_FORMATS: dict[str, FileFormat] = {
+    ".exr": FileFormat("heights in mm, 32-bit floats"),
+    ".tif": FileFormat("heights in mm, 32-bit floats"),
+    ".tiff": FileFormat("the same as .tif"),
+    ".npy": FileFormat("heights in mm, 64-bit floats, NaN outside the surface"),
+    ".png": FileFormat("heights as codes of 16 bits, their range in mm in the metadata"),
+}
+MESH_FORMATS: dict[str, FileFormat] = {
+    ".stl": FileFormat("triangles in mm, binary"),
+    ".ply": FileFormat("triangles in mm, binary"),
+    ".obj": FileFormat("triangles in mm, text"),
+    ".glb": FileFormat("triangles in metres"),
+}
+# a relief is written as heights or as a mesh: a view of both tables, heights first
+RELIEF_FORMATS: Mapping[str, FileFormat] = ChainMap(MESH_FORMATS, HEIGHT_FORMATS)
+WORKSPACE_FORMATS: dict[str, WorkspaceFormat] = {
+    ".psd": WorkspaceFormat("Photoshop and most editors", (8, 16)),
+    ".psb": WorkspaceFormat("Photoshop, for very large pictures", (8, 16)),
+    ".ora": WorkspaceFormat("OpenRaster: Krita, GIMP, MyPaint", (8, 16)),
+    ".tif": WorkspaceFormat("a page for each layer", (8, 16)),
+    ".tiff": WorkspaceFormat("the same as .tif", (8, 16)),
+    ".exr": WorkspaceFormat("a part for each layer, floats", (32,)),
+}
+# files of a folder of layers, named without the dot as --format has them; whether they hold floats
+LAYER_FORMATS: dict[str, bool] = {"exr": True, "png": False}
