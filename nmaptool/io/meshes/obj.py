@@ -45,7 +45,7 @@ def _vertices(file: MeshFile, words: Words, is_vertex: Mask) -> tuple[bytes, int
     if (words.count[is_vertex] < 4).any():
         raise file.damaged
     first = words.first[is_vertex]
-    text = words.cut(words.begin[first + 1], words.end[first + 3])
+    text = words.cut(words.end[first], words.end[first + 3])
     if b"\f" in text or b"\v" in text:  # only spaces and tabs part coordinates
         raise file.damaged
     return text, len(first)
