@@ -260,7 +260,7 @@ def test_memory_that_is_not_there(refused, monkeypatch):
     def full(*_):
         raise MemoryError
 
-    monkeypatch.setattr(mesh_reader, "_parts", full)
+    monkeypatch.setitem(mesh_reader._READERS, "stl", full)
     refused("a.stl", files.stl(), r"does not fit in memory; decimate it$", LimitError)
 
 
@@ -268,7 +268,7 @@ def test_whatever_a_parser_stumbles_over(refused, monkeypatch):
     def stumble(*_):
         raise AssertionError("unforeseen\nin two lines")
 
-    monkeypatch.setattr(mesh_reader, "_parts", stumble)
+    monkeypatch.setitem(mesh_reader._READERS, "stl", stumble)
     refused("a.stl", files.stl(), rf"STL {DAMAGED}")
 
 

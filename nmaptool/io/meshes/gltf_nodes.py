@@ -1,7 +1,4 @@
-"""The nodes of a glTF: which part stands where, checked to be trees of finite places.
-
-Trees are resolved here: trimesh takes minutes over some that are a thousand levels deep.
-"""
+"""The nodes of a glTF: which part stands where, checked to be trees of finite places."""
 
 from __future__ import annotations
 

@@ -1,9 +1,8 @@
-"""PLY files, text and binary, read here: trimesh takes triangle strips for points, and refuses mixed polygons."""
+"""PLY, text and binary: positions, polygons of any size and triangle strips."""
 
 from __future__ import annotations
 
 import re
-import warnings
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,9 +11,10 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
 from nmaptool.io.meshes.headers import MeshFile
-from nmaptool.io.meshes.polygons import fans, strips
+from nmaptool.io.meshes.polygons import Integers, fans, strips
+from nmaptool.io.meshes.surface import Surface
+from nmaptool.io.meshes.words import numbers
 
-Integers = NDArray[np.int64]
 _TYPES = {
     "char": "i1",
     "uchar": "u1",
@@ -124,13 +124,26 @@ def _property(words: list[bytes], order: str | None) -> _Property:
     return _Property(names[-1], types[0], types[1] if names[1] == "list" else None)
 
 
-def check_claim(file: MeshFile, header: PlyHeader, max_faces: int) -> None:
-    """Refuse a file that claims too many faces, or more rows than its size allows for.
+def read_ply(file: MeshFile, max_faces: int) -> Surface:
+    """Read a PLY; its indices are not checked.
 
     Raises
     ------
-    InputError, LimitError
+    InputError
+        If it is damaged, or ends early.
+    LimitError
+        If it claims more than ``max_faces``.
     """
+    header = read_header(file)
+    _check_claim(file, header, max_faces)
+    body = file.path.read_bytes()[header.offset :]
+    if header.is_ascii:
+        body = numbers(body, np.float64).tobytes()
+    return _read_elements(file, header, body)
+
+
+def _check_claim(file: MeshFile, header: PlyHeader, max_faces: int) -> None:
+    """Refuse a file that claims too many faces, or more rows than its size allows for."""
     file.check_limit(header.faces, max_faces)
     # text: each value of 8 bytes takes at least a digit and a blank; the last one no blank
     least = sum(e.rows * (e.least // 4 if header.is_ascii else e.least) for e in header.elements)
@@ -138,37 +151,7 @@ def check_claim(file: MeshFile, header: PlyHeader, max_faces: int) -> None:
         raise file.damaged
 
 
-def read_ply(file: MeshFile, header: PlyHeader, data: bytes) -> tuple[Float64, Integers, Integers]:
-    """Vertices (N, 3) float64, triangles (M, 3) int64, and how many each polygon became; indices are not checked.
-
-    Raises
-    ------
-    InputError
-        If the data end early or cannot be.
-    """
-    body = data[header.offset :]
-    try:
-        if header.is_ascii:
-            body = _numbers(body).tobytes()
-        with np.errstate(invalid="ignore"):  # NaN of every make
-            return _read_elements(file, header, body)
-    except (IndexError, ValueError, KeyError, OverflowError):
-        raise file.damaged from None
-
-
-def _numbers(text: bytes) -> Float64:
-    text = text.strip()
-    if not text:
-        return np.zeros(0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # NumPy 1's way of saying that it stopped at a word
-        try:
-            return np.fromstring(text, np.float64, sep=" ")
-        except DeprecationWarning:
-            raise ValueError from None
-
-
-def _read_elements(file: MeshFile, header: PlyHeader, body: bytes) -> tuple[Float64, Integers, Integers]:
+def _read_elements(file: MeshFile, header: PlyHeader, body: bytes) -> Surface:
     vertices: Float64 = np.zeros((0, 3))
     pieces: list[Integers] = []
     made: list[Integers] = []
@@ -191,8 +174,8 @@ def _read_elements(file: MeshFile, header: PlyHeader, body: bytes) -> tuple[Floa
     if last == len(header.elements) - 1 and left > (0 if header.is_ascii else _PADDING):
         raise file.damaged
     if not pieces:
-        return vertices, np.zeros((0, 3), np.int64), np.zeros(0, np.int64)
-    return vertices, np.concatenate(pieces), np.concatenate(made)
+        return Surface(vertices, np.zeros((0, 3), np.int64))
+    return Surface(vertices, np.concatenate(pieces), np.concatenate(made))
 
 
 def _rows(

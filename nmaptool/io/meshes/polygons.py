@@ -121,3 +121,24 @@ def strips(sizes: Integers, corners: Integers) -> Integers:
     odd = since[third] % 2 == 1
     triangles = np.stack([np.where(odd, b, a), np.where(odd, a, b), c], axis=1)
     return np.asarray(triangles[(a != b) & (b != c) & (a != c)])
+
+
+def one_strip(corners: Integers) -> Integers:
+    """Triangles of one strip of a glTF, every other one turned; those without area are kept.
+
+    Parameters
+    ----------
+    corners : (N,) int64
+
+    Returns
+    -------
+    (N - 2, 3) int64
+
+    Examples
+    --------
+    >>> one_strip(np.array([0, 1, 2, 3])).tolist()
+    [[0, 1, 2], [3, 2, 1]]
+    """
+    triangles = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
+    triangles[1::2] = triangles[1::2, ::-1].copy()
+    return triangles
