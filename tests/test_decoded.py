@@ -105,6 +105,4 @@ def test_one_colour_decodes_like_a_picture_of_it():
     ):
         kind = np.float32 if coding.is_float else (np.uint8 if coding.max_code == 255 else np.uint16)
         picture = codec.decode_map(np.array(color, kind).reshape(1, 1, 3), coding)
-        assert (
-            np.abs(picture[0, 0] - codec.decode_color(color, coding)).max() < 2e-7
-        )
+        assert np.abs(picture[0, 0] - codec.decode_color(color, coding)).max() < 2e-7
