@@ -14,7 +14,7 @@ from cyclopts import Parameter
 
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.units import memory_text
-from nmaptool.options import ReadOptions, ReliefOptions
+from nmaptool.options import HeightsAt, ReadOptions, ReliefOptions
 from nmaptool_cli.session import (
     INPUTS,
     OUTPUTS,
@@ -74,6 +74,9 @@ class ReliefOutputs:
         Picture of the relief under two raking lights, .png.
     report:
         Full account of the run as JSON; - for standard output.
+    at:
+        Where height files hold heights: "centers", as a picture of the relief, or "corners" of the pixels, one more
+        down and across, which lose nothing and come back exactly as --surface.
     overwrite:
         Replace files that exist.
     """
@@ -81,6 +84,7 @@ class ReliefOutputs:
     output: Annotated[tuple[Path, ...], Parameter(name=["--output", "-o"])] = ()
     preview: Path | None = None
     report: Path | None = None
+    at: HeightsAt = "centers"
     overwrite: bool = False
 
 
@@ -147,7 +151,13 @@ def relief(
     metadata["reading"] = asdict(reading)
     metadata["outputs"] = [str(path) for path in files.targets]
     nm.write_relief(
-        result, *files.outputs, preview=files.preview, report=files.report, overwrite=files.overwrite, metadata=metadata
+        result,
+        *files.outputs,
+        preview=files.preview,
+        report=files.report,
+        overwrite=files.overwrite,
+        metadata=metadata,
+        at=outputs.at,
     )
     for path in files.targets:
         session.say(f"  wrote {path}{_png_range(path, result) if path in files.outputs else ''}")

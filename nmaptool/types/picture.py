@@ -62,12 +62,15 @@ class DepthFacts:
         What 0 and the largest integer code stand for; None where the file does not say it.
     fov_deg : float or None
         Field of view across the longer side of the camera that depths were drawn with; 0 for an orthographic one.
+    at : str
+        Where heights lie on the grid: ``centers`` of the pixels, or their ``corners``, one more down and across.
     """
 
     kind: Literal["depth", "height"]
     black_mm: float | None = None
     white_mm: float | None = None
     fov_deg: float | None = None
+    at: str = "centers"
 
 
 @dataclass(frozen=True, eq=False)

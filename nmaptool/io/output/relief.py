@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from nmaptool._version import __version__
 from nmaptool.core.errors import UsageError
@@ -16,6 +16,8 @@ from nmaptool.io.pictures import heights
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.io.replace import check_targets, named, written_beside
 from nmaptool.meshes.tessellate import surface_mesh
+from nmaptool.options import HeightsAt
+from nmaptool.options.checks import require_choices
 from nmaptool.types.height import Height
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.relief import Relief
@@ -75,6 +77,7 @@ def write_relief(
     report: str | Path | None = None,
     overwrite: bool = False,
     metadata: Mapping[str, Any] | None = None,
+    at: HeightsAt = "centers",
 ) -> None:
     """Write a relief to any number of files: all of them appear, or none.
 
@@ -91,6 +94,9 @@ def write_relief(
         Replace files that exist.
     account : mapping, optional
         What to put in the report. Default: ``relief.report.to_dict()``.
+    at : str
+        Where height files hold heights: "centers" of the pixels, or their "corners", which lose nothing. Meshes have
+        the heights of the corners either way.
 
     Raises
     ------
@@ -106,6 +112,7 @@ def write_relief(
         overwrite,
     )
     files.check()
+    require_choices(("at", at, get_args(HeightsAt)))
     report_values = relief.report.to_dict() if metadata is None else metadata
     recipe = {key: report_values[key] for key in ("options", "reading", "files") if key in report_values}
     attributes = {"version": __version__, **{key: json.dumps(value) for key, value in recipe.items()}}
@@ -121,7 +128,7 @@ def write_relief(
                     mesh = mesh or surface_mesh(relief.height)
                     meshes.write_mesh(temporary, mesh)
                 else:
-                    heights.write_height(temporary, relief.height, attributes)
+                    heights.write_height(temporary, relief.height, attributes, at=at)
 
 
 def _write_preview(path: Path, height: Height, attributes: Mapping[str, str]) -> None:

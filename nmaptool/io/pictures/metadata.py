@@ -48,7 +48,7 @@ def depth_facts(attributes: Mapping[str, str]) -> DepthFacts | None:
         if attributes.get("kind") == kind:
             black_mm, white_mm = (_number(attributes.get(name)) for name in names)
             fov_deg = _camera_fov(attributes.get("recipe", "")) if kind == "depth" else None
-            return DepthFacts(kind, black_mm, white_mm, fov_deg)
+            return DepthFacts(kind, black_mm, white_mm, fov_deg, attributes.get("at", "centers"))
     return None
 
 
