@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.options import ReadOptions, ReliefOptions
-from nmaptool.options.fields import Options, option
+from nmaptool.options import HeightsAt, ReadOptions, ReliefOptions
+from nmaptool.options.fields import Options, choice_of, option
 from nmaptool.options.formats import RELIEF_FORMATS
 from nmaptool_cli.command import command
 from nmaptool_cli.inputs import read_grey, read_map
@@ -73,10 +73,14 @@ class ReliefOutputs(ReportOutputs):
         Repeatable. By ending:
     preview:
         Picture of the relief under two raking lights, .png.
+    at:
+        Where height files hold heights: "centers", as a picture of the relief, or "corners" of the pixels, one more
+        down and across, which lose nothing and come back exactly as --surface.
     """
 
     output: tuple[Path, ...] = option((), FileOf(formats=lambda: RELIEF_FORMATS), short="-o")
     preview: Path | None = option(None)
+    at: HeightsAt = option("centers", choice_of(HeightsAt))
 
     def plan(self, prints_json: bool) -> Outputs[nm.Relief]:
         """What is written."""
@@ -85,7 +89,7 @@ class ReliefOutputs(ReportOutputs):
         refuse_stream("a relief or a preview is written to a file, such as -o relief.stl", *self.output, self.preview)
         if not (self.output or self.preview or self.report or prints_json):
             raise UsageError("nothing to write: say where, such as -o relief.stl --preview relief.png")
-        return relief_outputs(self.output, preview=self.preview, **self.shared)
+        return relief_outputs(self.output, preview=self.preview, at=self.at, **self.shared)
 
 
 @command(ReliefInputs, ReliefOutputs, ReliefOptions, ReadOptions)

@@ -113,6 +113,7 @@ from .types.mixture import Mixture as Mixture
 from .types.normal_map import Decoding as Decoding
 from .types.normal_map import NormalMap as NormalMap
 from .types.packed_map import PackedMap as PackedMap
+from .types.picture import DepthFacts as DepthFacts
 from .types.picture import Frame as Frame
 from .types.picture import RasterImage as RasterImage
 from .types.recipe import Recipe as Recipe

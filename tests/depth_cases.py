@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 import nmaptool as nm
+from nmaptool.io.pictures.metadata import depth_facts
 
 
 def picture(values: Any, bits: int = 32, **more: Any) -> nm.RasterImage:
@@ -15,7 +16,8 @@ def picture(values: Any, bits: int = 32, **more: Any) -> nm.RasterImage:
     kinds = {8: np.uint8, 16: np.uint16, 32: np.float32}
     array = np.asarray(values)
     codes = array.astype(np.float32) if bits == 32 else np.floor(array + 0.5).astype(kinds[bits])
-    return nm.RasterImage(codes[..., None], ("Y",), bits=bits, **more)
+    facts = depth_facts(more.get("attributes", {}))  # as reading a file does
+    return nm.RasterImage(codes[..., None], ("Y",), bits=bits, depth_facts=facts, **more)
 
 
 def coded(heights: Any, bits: int) -> tuple[nm.RasterImage, str]:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import nmaptool as nm
-from nmaptool.maps.codec import detect_zero_code, encode_codes, parse_swizzle
+from nmaptool.maps.codec import encode_codes, parse_swizzle
+from nmaptool.maps.zero_code import detect_zero_code
 
 BACKDROPS = {"white": (1, 1, 1), "black": (-1, -1, -1), "grey": (0, 0, 0), "flat": (0, 0, 1)}
 FORMATS = [

@@ -60,14 +60,14 @@ def test_the_insides_of_letters_are_left_to_the_map():
     z = 4 * np.clip((np.minimum(r - 20, 45 - r)) / 4, 0, 1)
     ring = normal_map(*height_slopes(z))
     outside = np.hypot(*(np.mgrid[0:120, 0:120] + 0.5 - 60)) > 46
-    flat = dataclasses.replace(ring, foreground=~outside, decoding=nm.Decoding(background="flat"))
+    flat = dataclasses.replace(ring, foreground=~outside, flat_background=True)
     inside, top = (60, 60), (60, 60 + 32)
 
     def share_filled(source, **options):
         height = solve(source, **options).z_mm
         return height[inside] / height[top]
 
-    assert share_filled(dataclasses.replace(flat, decoding=nm.Decoding(background="none")), delta=20.0) > 0.5
+    assert share_filled(dataclasses.replace(flat, flat_background=False), delta=20.0) > 0.5
     assert share_filled(flat, delta=20.0) < 0.35
     assert abs(share_filled(flat, beta=0.0)) < 0.02
     assert any("--beta 0 keeps every height" in w for w in solve(flat).report.warnings)

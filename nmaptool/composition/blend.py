@@ -115,4 +115,6 @@ def _of_one_size(base: NormalMap, detail: NormalMap, fit: bool) -> NormalMap:
     piece = map_piece(
         Piece(detail.normals, detail.coverage, detail.foreground), matrix, (0, 0, cols, rows), name=detail.name
     )
-    return NormalMap(piece.normals, piece.coverage, base.frame, piece.foreground, detail.name, detail.decoding)
+    return dataclasses.replace(
+        detail, normals=piece.normals, coverage=piece.coverage, frame=base.frame, foreground=piece.foreground
+    )

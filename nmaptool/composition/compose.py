@@ -128,7 +128,14 @@ def _composed(
         done += 1
 
     compose_onto(canvas, layers, lowest=lowest, progress=notify)
-    result = NormalMap(canvas.normals, canvas.coverage, canvas.frame, canvas.foreground, name=command)
+    result = NormalMap(
+        canvas.normals,
+        canvas.coverage,
+        canvas.frame,
+        canvas.foreground,
+        name=command,
+        flat_background=canvas.flat_background,
+    )
     report = ComposeReport(
         command=command,
         options=plain_values(options),

@@ -22,6 +22,7 @@ from nmaptool.composition.placement import (
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.vectors import FLAT, unit
+from nmaptool.maps.masks import motif_coverage
 from nmaptool.options.compose import ANCHORS
 from nmaptool.types.layers import Layer, LayerGroup, check_mask
 from nmaptool.types.normal_map import NormalMap
@@ -37,6 +38,8 @@ class Canvas:
     frame : Frame
     normals, coverage, foreground
         As in `nmaptool.NormalMap`.
+    flat_background : bool
+        As in `nmaptool.NormalMap`: that of the map or plate that the layers were laid on.
     placed : (H, W) float32
         Coverage of what was laid on, without the lowest.
     accounts : list of dict
@@ -47,6 +50,7 @@ class Canvas:
     normals: Float32
     coverage: Float32
     foreground: Mask
+    flat_background: bool
     placed: Float32
     layer_reports: list[dict[str, Any]]
 
@@ -56,13 +60,14 @@ def clear_canvas(frame: Frame, ground: str) -> Canvas:
     normals = np.empty((*frame.shape, 3), np.float32)
     normals[...] = FLAT
     coverage = np.full(frame.shape, 1 if ground == "flat" else 0, np.float32)
-    return Canvas(frame, normals, coverage, np.zeros(frame.shape, bool), np.zeros(frame.shape, np.float32), [])
+    foreground, placed = np.zeros(frame.shape, bool), np.zeros(frame.shape, np.float32)
+    return Canvas(frame, normals, coverage, foreground, ground == "flat", placed, [])
 
 
 def canvas_of(base: NormalMap, frame: Frame) -> Canvas:
     """A canvas with a map of its size on it, as it is."""
     copies = (base.normals.copy(), base.coverage.copy(), base.foreground.copy())
-    return Canvas(frame, *copies, np.zeros(frame.shape, np.float32), [])
+    return Canvas(frame, *copies, base.flat_background, np.zeros(frame.shape, np.float32), [])
 
 
 def compose_onto(
@@ -113,12 +118,6 @@ def compose_onto(
         metadata = {"name": layer.name, "mode": o.mode, "strength": o.strength, "box_px": box, "share": share}
         canvas.layer_reports.append({**metadata, **within})
     return canvas
-
-
-def motif_coverage(normal_map: NormalMap) -> Float32:
-    """(H, W) coverage without a background that is a defined, flat part of the map: what a layer brings along."""
-    beside = (normal_map.coverage == 1) & ~normal_map.foreground
-    return np.where(beside, np.float32(0), normal_map.coverage)
 
 
 def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:

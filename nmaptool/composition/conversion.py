@@ -11,12 +11,14 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.vectors import mean_abs_curl, unit
 from nmaptool.maps import codec
-from nmaptool.maps.decoding import decode_normal_map, raw_vectors
+from nmaptool.maps.decoding import Decoded, decode_image
+from nmaptool.maps.two_channel import completed
+from nmaptool.maps.zero_code import ZERO_CODES
 from nmaptool.options import Bits, ReadOptions, WriteOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.composition import Composition
 from nmaptool.types.conversion import ConvertReport
-from nmaptool.types.normal_map import Decoding, NormalMap
+from nmaptool.types.normal_map import Decoding
 from nmaptool.types.picture import RasterImage
 
 # lengths of unit vectors stored in 16 bits (floats may have been that) and as half floats are off by less
@@ -58,19 +60,19 @@ def convert_image(
     """
     reading, writing = reading or ReadOptions(), writing or WriteOptions()
     start = time.perf_counter()
-    read = _read(image, reading)
+    decoded = _read(image, reading)
+    read = decoded.normal_map
     own = read.decoding.zero_code
     zero = writing.write_zero_code
     if zero == "auto":
-        zero = own if own in codec.ZERO_CODES else "127.5"  # type: ignore[assignment]
+        zero = own if own in ZERO_CODES else "127.5"  # type: ignore[assignment]
     writing = replace(writing, bits=bits, write_zero_code=zero)
-    stored = _signed(raw_vectors(image, read.decoding), read.decoding)
-    as_stored = unit(stored)
+    as_stored = unit(decoded.stored)
     untouched = (read.normals == as_stored).all(axis=-1)
-    normals, off, largest = _kept_where_sound(image, stored, read, untouched)
+    normals, off, largest = _kept_where_sound(image, decoded, untouched)
     result = replace(read, normals=normals)
     defined = read.coverage > 0
-    flattened = ~untouched & defined & ~read.foreground & (read.decoding.background == "flat")
+    flattened = ~untouched & defined & ~read.foreground & read.flat_background
     inside = read.foreground
     report = ConvertReport(
         command="convert",
@@ -94,25 +96,33 @@ def convert_image(
     return Composition(result, np.zeros(read.frame.shape, np.float32), report), writing
 
 
-def _read(image: RasterImage, reading: ReadOptions) -> NormalMap:
+def _read(image: RasterImage, reading: ReadOptions) -> Decoded:
     """A picture read; where only its flat code told its zero, the lengths of all the others are heard, too.
 
     Writers that round store flat as 128 although their zero is the middle, 127.5.
     """
-    read = decode_normal_map(image, reading)
-    if read.decoding.zero_code_from != "found":
-        return read
-    middle = replace(read.decoding, zero_code="127.5")
-    own, other = (_mean_length_error(raw_vectors(image, each)[read.foreground]) for each in (read.decoding, middle))
-    if other >= _BETTER_LENGTH * own:
-        return read
-    read = decode_normal_map(image, replace(reading, zero_code="127.5"))
-    return replace(read, decoding=replace(read.decoding, zero_code_from="found"))
+    decoded = decode_image(image, reading)
+    if decoded.normal_map.decoding.zero_code_from != "found" or not _middle_fits_better(decoded):
+        return decoded
+    decoded = decode_image(image, replace(reading, zero_code="127.5"))
+    read = decoded.normal_map
+    return replace(decoded, normal_map=replace(read, decoding=replace(read.decoding, zero_code_from="found")))
+
+
+def _middle_fits_better(decoded: Decoded) -> bool:
+    """Whether the motif's vectors are clearly nearer to unit length with the zero in the middle."""
+    channels, foreground = decoded.channels, decoded.normal_map.foreground
+    motif = np.flatnonzero(foreground)
+    sample = np.unravel_index(motif[:: max(1, len(motif) // _SAMPLE)], foreground.shape)
+    middle = codec.decode_map(channels.xyz[sample][None], replace(channels.coding, zero_code="127.5"))[0]
+    if channels.components != "xyz":
+        middle = completed(middle[:, :2], channels.components)
+    return _mean_length_error(middle) < _BETTER_LENGTH * _mean_length_error(decoded.stored[sample])
 
 
 def _mean_length_error(vectors: Float32) -> float:
-    sample = vectors[:: max(1, len(vectors) // _SAMPLE)].astype(np.float64)
-    return float(np.abs(np.linalg.norm(sample, axis=1) - 1).mean()) if len(sample) else 0.0
+    """Mean error of the lengths of (N, 3) vectors that should be 1."""
+    return float(np.abs(np.linalg.norm(vectors.astype(np.float64), axis=1) - 1).mean()) if len(vectors) else 0.0
 
 
 def _source(image: RasterImage, decoding: Decoding) -> dict[str, Any]:
@@ -126,28 +136,32 @@ def _source(image: RasterImage, decoding: Decoding) -> dict[str, Any]:
     }
 
 
-def _signed(vectors: Float32, decoding: Decoding) -> Float32:
-    """Stored vectors with the signs that the swizzle and green say, in eye space."""
-    signs = [sign for _, sign in codec.parse_swizzle(decoding.swizzle)]
-    if decoding.green == "down":
-        signs[1] = -signs[1]
-    return vectors * np.array(signs, np.float32) + np.float32(0)  # + 0: flat gives 0, not -0
+def _kept_where_sound(image: RasterImage, decoded: Decoded, untouched: Mask) -> tuple[Float32, Mask, float]:
+    """Normals that write the codes they were read from, where these are those of a unit vector; where they are not.
 
+    Parameters
+    ----------
+    image : RasterImage
+    decoded : Decoded
+    untouched : (H, W) bool
+        Where reading only normalised the stored vector.
 
-def _kept_where_sound(
-    image: RasterImage, stored: Float32, read: NormalMap, untouched: Mask
-) -> tuple[Float32, Mask, float]:
-    """Normals that write the codes they were read from, where these are those of a unit vector; where they are not."""
-    if read.decoding.encoding != "signed":
-        image = codec.narrowed(image)
+    Returns
+    -------
+    normals : (H, W, 3) float32
+    off : (H, W) bool
+        Where the stored vector is not of unit length.
+    largest : float
+        The largest error of length there.
+    """
+    stored, read, coding = decoded.stored, decoded.normal_map, decoded.channels.coding
     error = np.abs(np.sqrt(np.einsum("ijk,ijk->ij", stored, stored, dtype=np.float64)) - 1)
     normals = read.normals.copy()
-    if image.max_code == 255:
+    if coding.max_code == 255:
         sound = untouched.copy()
-        step = 1 / codec.zero_and_scale(read.decoding.zero_code, image.max_code)[1]
-        normals[untouched], sound[untouched] = _unit_within(stored[untouched], step)
+        normals[untouched], sound[untouched] = _unit_within(stored[untouched], coding.step)
     else:
-        tolerance = _HALF_ROUNDED if image.is_float and image.bits == 16 else _ROUNDED
+        tolerance = _HALF_ROUNDED if coding.is_float and image.bits == 16 else _ROUNDED
         sound = untouched & (error <= tolerance)
         normals[sound] = stored[sound]
     off = untouched & ~sound & (read.coverage > 0)
@@ -184,5 +198,6 @@ def _as_written(normals: Float32, writing: WriteOptions) -> Float32:
         return normals
     if writing.bits == "half":
         return unit(normals.astype(np.float16).astype(np.float32))
-    codes = codec.encode_codes(normals, int(writing.bits), writing.write_zero_code)
-    return unit(codec.decode_codes(codes, writing.write_zero_code))
+    bits, zero_code = int(writing.bits), writing.write_zero_code
+    codes = codec.encode_map(normals, None, bits, zero_code=zero_code)
+    return unit(codec.decode_map(codes, codec.Coding((1 << bits) - 1, zero_code)))

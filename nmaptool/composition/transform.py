@@ -62,7 +62,7 @@ def transform(
         frame = replace(frame, pitch_mm=o.width.to_mm(1.0, 1) / frame.cols)
     before = mean_abs_curl(normal_map.normals, normal_map.coverage >= 0.5)
     source = Piece(normal_map.normals, normal_map.coverage, normal_map.foreground)
-    flat_ground = o.ground == "flat" or (o.ground == "auto" and _has_flat_background(normal_map))
+    flat_ground = o.ground == "flat" or (o.ground == "auto" and _is_motif_on_plate(normal_map))
     linear = _linear(o, frame)
     factor = default_height_factor(linear) if o.height_factor is None else o.height_factor
     if o.vectors_only:
@@ -78,8 +78,13 @@ def transform(
         piece = map_piece(source, matrix, window, factor, normal_map.name)
         if flat_ground:
             piece = _on_plate(piece)
-    result = NormalMap(
-        piece.normals, piece.coverage, result_frame, piece.foreground, normal_map.name, normal_map.decoding
+    result = replace(
+        normal_map,
+        normals=piece.normals,
+        coverage=piece.coverage,
+        frame=result_frame,
+        foreground=piece.foreground,
+        flat_background=normal_map.flat_background or (o.ground == "flat" and not o.vectors_only),
     )
     report = ComposeReport(
         command="transform",
@@ -106,7 +111,8 @@ def _warnings(linear: Float64, o: TransformOptions) -> tuple[str, ...]:
     return (stated,)
 
 
-def _has_flat_background(normal_map: NormalMap) -> bool:
+def _is_motif_on_plate(normal_map: NormalMap) -> bool:
+    """Whether the map is defined everywhere and its motif does not fill it."""
     return bool((normal_map.coverage == 1).all() and not normal_map.foreground.all())
 
 

@@ -269,4 +269,4 @@ def _map(source: _Source, normals: Float32, ground: Mask | None, word: str) -> N
         warnings=("its colours differ a little; their mean was taken for grey",) if source.grey.noisy_grey else (),
     )
     frame = Frame(*image.frame.shape, source.scale.pitch_mm)
-    return NormalMap(normals, coverage, frame, foreground, image.name, decoding)
+    return NormalMap(normals, coverage, frame, foreground, image.name, decoding, word.endswith("flat"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 
@@ -18,7 +17,6 @@ from nmaptool.types.picture import RasterImage
 
 DEFAULT_SHARE = Length(10.0, "%")
 _SAMPLE = 1 << 17
-_ENDS = {"depth": ("far_mm", "near_mm"), "height": ("height_min_mm", "height_max_mm")}
 
 
 @dataclass(frozen=True)
@@ -96,17 +94,16 @@ def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) ->
     InputError
         If the file's own account of its range is damaged, or depths do not fit a perspective camera.
     """
-    cols = image.frame.cols
-    pitch = options.width.to_mm(1.0, 1) / cols if options.width is not None else image.frame.pitch_mm
-    kind = image.attributes.get("kind", "")
-    kind = kind if kind in _ENDS else "grey"
+    kind = kind_of(image)
     if kind != "grey" and options.invert:
         raise UsageError(f"--invert: {image.name} says itself that it holds {kind}; leave it out")
-    black, white, mm_per_value = _range(image, grey, kind)
-    fov, fov_from = _fov(image, options, kind)
+    cols = image.frame.cols
+    pitch = options.width.to_mm(1.0, 1) / cols if options.width is not None else image.frame.pitch_mm
+    black, white, mm_per_value = _range(image, grey)
+    fov, fov_from = _fov(image, options)
     inverted = options.invert or (kind == "depth" and grey.is_float)
     focal = image.frame.longer_side / (2 * math.tan(math.radians(fov) / 2)) if fov else math.inf
-    eye = _measured_eye(image, grey, options, kind, inverted, mm_per_value) if fov else None
+    eye = _measured_eye(image, grey, options, inverted, mm_per_value) if fov else None
     if options.depth_scale is not None:
         scale_px, source = in_px(options.depth_scale, cols, pitch, "depth-scale", image.name), "given"
     elif eye is not None:  # only the ratios of depths count: life-size in the middle
@@ -123,31 +120,40 @@ def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) ->
     per_value = scale_px / (white - black) if white > black else 0.0
     per_value = -per_value if inverted else per_value
     if fov and eye is None and per_value:
-        if scale_px >= focal:
-            raise UsageError(
-                f"--depth-scale: white would stand {scale_px:.4g} px in front of black, behind a camera of --fov "
-                f"{fov:g} that is {focal:.4g} px away; use a smaller one"
-            )
+        _check_in_front(scale_px, focal, fov)
         eye = (white if inverted else black) + focal / per_value
     inverted_from = "file" if kind != "grey" else "given" if options.invert else "assumed"
     return Scale(per_value, scale_px, source, inverted, inverted_from, kind, pitch, fov, fov_from, focal, eye or 0.0)
 
 
-def _fov(image: RasterImage, options: DepthOptions, kind: str) -> tuple[float, str]:
+def kind_of(image: RasterImage) -> str:
+    """``depth`` or ``height`` where the file says so, else ``grey``."""
+    return "grey" if image.depth_facts is None else image.depth_facts.kind
+
+
+def _check_in_front(scale_px: float, focal: float, fov: float) -> None:
+    """Refuse a white that would stand behind the camera."""
+    if scale_px >= focal:
+        raise UsageError(
+            f"--depth-scale: white would stand {scale_px:.4g} px in front of black, behind a camera of --fov "
+            f"{fov:g} that is {focal:.4g} px away; use a smaller one"
+        )
+
+
+def _fov(image: RasterImage, options: DepthOptions) -> tuple[float, str]:
     """Degrees across the longer side: as given, else those of the camera that a file of depths was drawn with."""
+    facts = image.depth_facts
     if options.fov is not None:
-        if options.fov and kind == "height":
+        if options.fov and facts is not None and facts.kind == "height":
             raise UsageError(f"--fov: {image.name} holds heights, which no camera sees in perspective; leave it out")
         return options.fov, "given"
-    try:
-        found = float(json.loads(image.attributes["recipe"])["fov"]) if kind == "depth" else 0.0
-    except (KeyError, ValueError, TypeError):
+    if facts is None or facts.fov_deg is None or not NARROWEST_FOV <= facts.fov_deg <= WIDEST_FOV:
         return 0.0, "assumed"
-    return (found, "file") if NARROWEST_FOV <= found <= WIDEST_FOV else (0.0, "assumed")
+    return facts.fov_deg, "file"
 
 
 def _measured_eye(
-    image: RasterImage, grey: GreyValues, options: DepthOptions, kind: str, inverted: bool, mm_per_value: float | None
+    image: RasterImage, grey: GreyValues, options: DepthOptions, inverted: bool, mm_per_value: float | None
 ) -> float | None:
     """The stored value at the eye, where depths are measured from there; None where only their differences count.
 
@@ -156,13 +162,15 @@ def _measured_eye(
     InputError
         If a depth is not in front of the eye.
     """
-    if options.depth_scale is not None or not (kind == "depth" or (grey.is_float and inverted)):
+    is_depth = kind_of(image) == "depth" or (grey.is_float and inverted)
+    if options.depth_scale is not None or not is_depth:
         return None
     eye = 0.0
     if not grey.is_float:
-        if not mm_per_value:
+        facts = image.depth_facts
+        if not mm_per_value or facts is None or facts.white_mm is None:
             return None
-        eye = grey.top + float(image.attributes["near_mm"]) / mm_per_value
+        eye = grey.top + facts.white_mm / mm_per_value
     nearest = float(grey.values.min(where=grey.known, initial=np.inf)) if inverted else eye - grey.top
     if nearest <= 0:
         raise InputError(
@@ -172,26 +180,23 @@ def _measured_eye(
     return eye
 
 
-def _range(image: RasterImage, grey: GreyValues, kind: str) -> tuple[float, float, float | None]:
+def _range(image: RasterImage, grey: GreyValues) -> tuple[float, float, float | None]:
     """Values of black and white, and millimetres to a stored unit where the file says it."""
-    if kind != "grey" and not grey.is_float:
-        try:
-            ends = [float(image.attributes[name]) for name in _ENDS[kind]]
-        except (KeyError, ValueError):
-            ends = [math.nan]
-        if not all(map(math.isfinite, ends)):
+    facts = image.depth_facts
+    if facts is not None and not grey.is_float:
+        if facts.black_mm is None or facts.white_mm is None:
             raise InputError(
-                f"{image.name}: says that it holds {kind} but not from where to where; write it again as EXR, or save "
-                "it without that note and give --depth-scale"
+                f"{image.name}: says that it holds {facts.kind} but not from where to where; write it again as EXR, or "
+                "save it without that note and give --depth-scale"
             )
-        return 0.0, grey.top, abs(ends[1] - ends[0]) / grey.top
+        return 0.0, grey.top, abs(facts.white_mm - facts.black_mm) / grey.top
     if not grey.is_float:
         return 0.0, grey.top, None
     low = float(grey.values.min(where=grey.known, initial=np.inf))
     high = float(grey.values.max(where=grey.known, initial=-np.inf))
-    if kind == "grey" and low >= 0 and high <= 1:
+    if facts is None and low >= 0 and high <= 1:
         return 0.0, 1.0, None
-    return low, high, 1.0 if kind != "grey" else None
+    return low, high, None if facts is None else 1.0
 
 
 def magnification(heights: Float32, scale: Scale) -> Float32 | None:
@@ -220,8 +225,8 @@ def without_empty(image: RasterImage, grey: GreyValues, options: DepthOptions) -
     InputError
         If nothing is left.
     """
-    kind = image.attributes.get("kind", "")
-    is_depth = kind == "depth" or (kind not in _ENDS and options.invert)
+    kind = kind_of(image)
+    is_depth = kind == "depth" or (kind == "grey" and options.invert)
     if not grey.is_float or not is_depth or options.background == "none":
         return grey
     empty = empty_depths(grey.values, grey.known)

@@ -14,6 +14,7 @@ from nmaptool.core.vectors import mean_abs_curls, mean_angle_deg
 from nmaptool.filters.image import rolling_guidance_image
 from nmaptool.filters.mixture import fit_mixture
 from nmaptool.maps.detail import encode_detail
+from nmaptool.maps.masks import motif_coverage
 from nmaptool.options import SplitOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.layer_set import LayerReport, LayerSet
@@ -48,9 +49,8 @@ def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progres
     options = options or SplitOptions()
     start = time.perf_counter()
     original = normal_map.normals
-    # a background that is a defined, flat part of the map stays out of the motif, and the motif out of it
-    beside = (normal_map.coverage == 1) & ~normal_map.foreground
-    coverage = np.where(beside, np.float32(0), normal_map.coverage)
+    # a defined background stays out of the motif, and the motif out of it
+    coverage = motif_coverage(normal_map)
     seen = coverage > 0
     if not seen.any():
         raise InputError(f"{normal_map.name}: covers nothing; there is nothing to split")

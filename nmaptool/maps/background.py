@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Mask
 from nmaptool.core.parallel import for_each_band
-from nmaptool.maps.codec import flat_codes
+from nmaptool.maps.zero_code import flat_codes, has_color
 from nmaptool.types.picture import RasterImage
 
 # smallest patch of an impossible colour that is called background, and their smallest share of the picture
@@ -55,25 +54,40 @@ def alpha_is_data(image: RasterImage) -> bool:
     return bool(partial.mean() > _DATA_ALPHA_SHARE)
 
 
-def _range(image: RasterImage, xyz: NDArray[Any]) -> tuple[float, float, float]:
-    """Stored values of -1 and 1, and the step of an 8-bit code between them."""
-    low = -1.0 if image.is_float and float(xyz.min()) < -1e-3 else 0.0
-    return low, float(image.max_code), (image.max_code - low) / 255
+@dataclass(frozen=True)
+class _Span:
+    """The stored numbers of -1 and 1 in a picture of (H, W, 3) components, which may be floats from 0 to 1."""
+
+    low: float
+    top: float
+
+    @property
+    def middle(self) -> float:
+        """The number halfway between."""
+        return (self.low + self.top) / 2
+
+    @property
+    def step(self) -> float:
+        """The distance of two 8-bit codes."""
+        return (self.top - self.low) / 255
 
 
-def _impossible(image: RasterImage, xyz: NDArray[Any]) -> Iterator[tuple[str, tuple[float, ...]]]:
+def _span(image: RasterImage, xyz: NDArray[Any]) -> _Span:
+    return _Span(-1.0 if image.is_float and float(xyz.min()) < -1e-3 else 0.0, float(image.max_code))
+
+
+def _impossible_colors(span: _Span) -> dict[str, tuple[float, ...]]:
     """Stored colours that are no normals and stand for "nothing here"."""
-    low, top, step = _range(image, xyz)
-    yield "white", (top, top, top)
-    yield "black", (0.0, 0.0, 0.0)
-    if low == 0:
-        middle = top / 2 + step / 2
-        yield "grey", (middle, middle, middle)
+    colors: dict[str, tuple[float, ...]] = {"white": (span.top,) * 3, "black": (0.0,) * 3}
+    if span.low == 0:
+        colors["grey"] = (span.middle + span.step / 2,) * 3
+    return colors
 
 
-def _hex_codes(text: str, image: RasterImage, order: tuple[int, ...]) -> tuple[float, ...]:
+def _hex_codes(text: str, span: _Span, order: tuple[int, ...]) -> tuple[float, ...]:
+    """A colour #rrggbb as stored numbers of x, y and z."""
     eight = [int(text[1 + 2 * channel : 3 + 2 * channel], 16) for channel in order]
-    return tuple(c / 255 if image.is_float else float(c * (image.max_code // 255)) for c in eight)
+    return tuple(code * span.top / 255 for code in eight)
 
 
 def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
@@ -88,31 +102,28 @@ def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
     return near
 
 
-def _exactly_flat(image: RasterImage, xyz: NDArray[Any]) -> Mask:
-    low, top, _ = _range(image, xyz)
+def _exactly_flat(image: RasterImage, xyz: NDArray[Any], span: _Span) -> Mask:
     if image.is_float:
         slack = 1e-6 if image.bits == 32 else 3e-4
-        middles: tuple[float, ...] = (0.0,) if low < 0 else (0.0, 0.5, 128 / 255, 127 / 255)
-        return np.asarray(np.any([_near(xyz, (m, m, top), slack) for m in middles], axis=0))
+        middles: tuple[float, ...] = (0.0,) if span.low < 0 else (0.0, 0.5, 128 / 255, 127 / 255)
+        return np.asarray(np.any([_near(xyz, (m, m, span.top), slack) for m in middles], axis=0))
     found: Mask = np.zeros(xyz.shape[:2], bool)
 
     def look(band: slice) -> None:
-        x, y, z = (xyz[band, :, channel] for channel in range(3))
-        for codes in flat_codes(image.max_code).values():
-            found[band] |= (x == codes[0]) & (y == codes[1]) & (z == codes[2])
+        for color in flat_codes(image.max_code).values():
+            found[band] |= has_color(xyz[band], color)
 
     for_each_band(len(found), max(1, _PIXELS_AT_ONCE // xyz.shape[1]), look)
     return found
 
 
-def _noisy(image: RasterImage, xyz: NDArray[Any], bounds: tuple[float, float, float]) -> Mask:
+def _noisy(xyz: NDArray[Any], span: _Span, lossy: bool) -> Mask:
     """Near flat, flat on average, and varying from pixel to pixel more than that."""
-    low, top, step = bounds
-    middle = (low + top) / 2
-    slack = (_LOSSY_FLAT if image.lossy else _FLAT_NOISE) * step
-    near = _near(xyz[..., :2], (middle, middle), slack) & (xyz[..., 2] >= top - slack - 2 * step)
+    slack = (_LOSSY_FLAT if lossy else _FLAT_NOISE) * span.step
+    near = _near(xyz[..., :2], (span.middle, span.middle), slack)
+    near &= xyz[..., 2] >= span.top - slack - 2 * span.step
     for channel in range(2):
-        values = (xyz[..., channel].astype(np.float32) - np.float32(middle)) / np.float32(step)
+        values = (xyz[..., channel].astype(np.float32) - np.float32(span.middle)) / np.float32(span.step)
         values = np.ascontiguousarray(np.where(near, values, np.float32(0)))
         mean = cv2.blur(values, _NOISE_WINDOW_PX, borderType=cv2.BORDER_REPLICATE)
         off = np.abs(values - cv2.blur(values, (3, 3), borderType=cv2.BORDER_REFLECT))
@@ -121,16 +132,15 @@ def _noisy(image: RasterImage, xyz: NDArray[Any], bounds: tuple[float, float, fl
     return near
 
 
-def _noisy_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
+def _noisy_flat(xyz: NDArray[Any], span: _Span, lossy: bool, sides: int) -> Mask:
     """Flat under noise or dither, its specks filled; nothing where it cannot reach so many sides of the picture."""
-    bounds = _range(image, xyz)
     if min(xyz.shape[:2]) >= _STRIP_PX:
         # what an edge is depends on a strip along it; an edge without noise is no speck either, being long
         turned = xyz.swapaxes(0, 1)
         strips = (xyz[:_STRIP_PX], xyz[-_STRIP_PX:][::-1], turned[:_STRIP_PX], turned[-_STRIP_PX:][::-1])
-        if sum(bool(_noisy(image, strip, bounds)[0].any()) for strip in strips) < sides:
+        if sum(bool(_noisy(strip, span, lossy)[0].any()) for strip in strips) < sides:
             return np.zeros(xyz.shape[:2], bool)
-    near = _noisy(image, xyz, bounds)
+    near = _noisy(xyz, span, lossy)
     count, specks = _patches(~near)
     small = np.bincount(specks.ravel(), minlength=count) < _MIN_PATCH_PIXELS
     small[0] = False
@@ -167,30 +177,57 @@ def _edge_patches(mask: Mask, sides: int) -> Mask:
     return np.asarray((reached > 0)[labels])
 
 
-def _find_flat(image: RasterImage, xyz: NDArray[Any], sides: int) -> Mask:
-    exact = _edge_patches(_exactly_flat(image, xyz), sides)
-    noisy = _edge_patches(_noisy_flat(image, xyz, sides), sides)
+def _score(mask: Mask) -> float:
+    """How much of the edge and of the picture a mask fills: the fullest is taken for the background."""
+    return float(_edge(mask).mean() + mask.mean())
+
+
+def _find_flat(image: RasterImage, xyz: NDArray[Any], span: _Span, sides: int) -> Background:
+    exact = _edge_patches(_exactly_flat(image, xyz, span), sides)
+    noisy = _edge_patches(_noisy_flat(xyz, span, image.lossy, sides), sides)
     # a map that is noise near flat all over is a very shallow surface
-    return noisy if noisy.sum() > 1.25 * exact.sum() and noisy.mean() < _ALL_OVER else exact
+    is_noise = noisy.sum() > 1.25 * exact.sum() and noisy.mean() < _ALL_OVER
+    return Background("flat", noisy if is_noise else exact, (span.middle, span.middle, span.top))
 
 
-def _find_odd(image: RasterImage, xyz: NDArray[Any], order: tuple[int, ...]) -> Background | None:
+def _find_impossible(xyz: NDArray[Any], span: _Span, slack: float, wanted: str) -> Background | None:
+    """The colour that is no normal and fills most; None where none of those wanted does."""
+    found: list[Background] = []
+    for kind, codes in _impossible_colors(span).items():
+        if wanted in ("auto", kind):
+            mask = _big_patches(_near(xyz, codes, slack))
+            if wanted != "auto" or mask.mean() >= _MIN_TOTAL_SHARE:
+                found.append(Background(kind, mask, codes))
+    return max(found, key=lambda background: _score(background.mask), default=None)
+
+
+def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Background | None:
     """A colour that fills much of the edge: a background where it is no normal, a doubt where it may be one."""
-    low, top, step = _range(image, xyz)
     edge = _edge(xyz)
     colors, counts = np.unique(edge, axis=0, return_counts=True)
     codes = tuple(float(c) for c in colors[np.argmax(counts)])
-    vector = (np.array(codes) - (low + top) / 2) / ((top - low) / 2)
+    vector = (np.array(codes) - span.middle) / ((span.top - span.low) / 2)
     if counts.max() < _ODD_EDGE_SHARE * len(edge):
         return None
-    mask = _big_patches(_near(xyz, codes, _TOLERANCE * step))
+    mask = _big_patches(_near(xyz, codes, _TOLERANCE * span.step))
     if mask.mean() < _ODD_SHARE:
         return None
-    name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - low) / step) for c in range(3)))
+    name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - span.low) / span.step) for c in range(3)))
     if abs(np.linalg.norm(vector) - 1) >= _ODD_LENGTH:
         return Background(name, mask, codes)
     warning = f"{mask.mean():.0%} of the picture is {name}; if that is background, say --background-color '{name}'"
     return Background("none", np.zeros(mask.shape, bool), warning=warning)
+
+
+def _find_alpha(image: RasterImage, wanted: str, shape: tuple[int, ...]) -> Background | None:
+    """What alpha leaves out, where alpha is asked for or tells a coverage."""
+    alpha = image.alpha
+    if alpha is None:
+        return Background("alpha", np.zeros(shape, bool)) if wanted == "alpha" else None
+    if wanted not in ("auto", "alpha") or (wanted == "auto" and alpha_is_data(image)):
+        return None
+    see_through = alpha < 0.5
+    return Background("alpha", see_through) if wanted == "alpha" or see_through.any() else None
 
 
 def find_background(
@@ -219,28 +256,19 @@ def find_background(
     nothing = Background("none", np.zeros(xyz.shape[:2], bool))
     if wanted == "none":
         return nothing
-    alpha = image.alpha
-    if wanted == "alpha" or (wanted == "auto" and alpha is not None and not alpha_is_data(image)):
-        see_through = alpha < 0.5 if alpha is not None else nothing.mask
-        if wanted == "alpha" or see_through.any():
-            return Background("alpha", see_through)
-    low, top, step = _range(image, xyz)
-    slack = (_LOSSY_TOLERANCE if image.lossy else _TOLERANCE) * step
+    by_alpha = _find_alpha(image, wanted, xyz.shape[:2])
+    if by_alpha is not None:
+        return by_alpha
+    span = _span(image, xyz)
+    slack = (_LOSSY_TOLERANCE if image.lossy else _TOLERANCE) * span.step
     if wanted.startswith("#"):
-        codes = _hex_codes(wanted, image, order)[:components]
+        codes = _hex_codes(wanted, span, order)[:components]
         return Background(wanted, _near(xyz, codes, slack), codes)
-    best, best_score = nothing, 0.0
-    for kind, codes in _impossible(image, xyz):
-        if wanted not in ("auto", kind):
-            continue
-        mask = _big_patches(_near(xyz, codes, slack))
-        score = float(_edge(mask).mean() + mask.mean())
-        if score > best_score and (wanted != "auto" or mask.mean() >= _MIN_TOTAL_SHARE):
-            best, best_score = Background(kind, mask, codes), score
+    best = _find_impossible(xyz, span, slack, wanted)
+    best = best if best is not None and best.mask.any() else nothing
     if wanted in ("auto", "flat"):
-        mask = _find_flat(image, xyz, _FLAT_SIDES if wanted == "auto" else 1)
-        if float(_edge(mask).mean() + mask.mean()) > best_score:
-            return Background("flat", mask, ((low + top) / 2, (low + top) / 2, top))
+        flat = _find_flat(image, xyz, span, _FLAT_SIDES if wanted == "auto" else 1)
+        best = flat if _score(flat.mask) > _score(best.mask) else best
     if best.kind == "none" and wanted == "auto":
-        return _find_odd(image, xyz, order) or nothing
+        return _find_odd(xyz, span, order) or nothing
     return best

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,16 +13,155 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import UsageError
 from nmaptool.core.parallel import for_each_band
+from nmaptool.core.vectors import FLAT
+from nmaptool.maps.zero_code import flat_codes, has_color, zero_and_scale
 from nmaptool.types.picture import RasterImage
 
-ZERO_CODES = ("127", "127.5", "128")
 _SWIZZLE = re.compile(r"([+-]?)([rgb])")
-# A flat code is taken for the file's own zero only where it stands out as a spike: fields that merely pass through
-# flat hold its three neighbours about as often.
-_SPIKE = 4
-_SPIKE_PIXELS = 64
 _ROWS_AT_ONCE = 64
 _CODES_AT_ONCE = 1 << 17
+
+Signs = tuple[int, int, int]
+Swizzle = tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class Coding:
+    """How a file's numbers stand for the components of vectors.
+
+    Attributes
+    ----------
+    max_code : int
+        Largest integer code, 255 or 65535; 1 for floats.
+    zero_code : str
+        Of integers, see `zero_and_scale`.
+    signed : bool
+        Floats hold n itself, not (n + 1)/2.
+    is_float : bool
+    """
+
+    max_code: int = 255
+    zero_code: str = "127.5"
+    signed: bool = False
+    is_float: bool = False
+
+    @property
+    def step(self) -> float:
+        """Distance of two neighbouring codes, as a component; 0 for floats."""
+        return 0.0 if self.is_float else 1 / zero_and_scale(self.zero_code, self.max_code)[1]
+
+
+def decode_map(codes: NDArray[Any], coding: Coding) -> Float32:
+    """The vectors that stored numbers stand for, in file order of channels and signs.
+
+    Parameters
+    ----------
+    codes : (..., 3) uint8, uint16 or float
+    coding : Coding
+
+    Returns
+    -------
+    (..., 3) float32
+        A new array, not normalised. Of integers, in [-1, 1], and the exact flat code is exactly (0, 0, 1).
+    """
+    if not coding.is_float:
+        return decode_codes(codes, coding.zero_code)
+    vectors: Float32 = codes.astype(np.float32)
+    return vectors if coding.signed else vectors * 2 - 1
+
+
+def decode_color(color: Sequence[float], coding: Coding) -> Float32:
+    """(3,) float32: the vector that one stored colour stands for; between two codes, too."""
+    if coding.is_float:
+        return decode_map(np.array(color), coding)
+    zero, scale = zero_and_scale(coding.zero_code, coding.max_code)
+    return ((np.array(color) - zero) / scale).astype(np.float32)
+
+
+def encode_map(
+    normals: Float32,
+    coverage: Float32 | None,
+    bits: int,
+    *,
+    green: str = "up",
+    zero_code: str = "127.5",
+) -> NDArray[Any]:
+    """A normal map's pixels as a file holds them.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+        Unit vectors in eye space.
+    coverage : (H, W) float32 or None
+        For the alpha channel; None writes none.
+    bits : int
+        8 or 16 for integer codes, 32 for signed floats.
+    green : str
+        Which way the file's green points, "up" or "down".
+    zero_code : str
+        Of integer codes, see `zero_and_scale`.
+
+    Returns
+    -------
+    (H, W, 3 or 4) uint8, uint16 or float32
+    """
+    if green == "down":
+        normals = apply_signs(normals, signs_of(green=green))
+    colors = normals if bits == 32 else encode_codes(normals, bits, zero_code)
+    return colors if coverage is None else np.dstack([colors, encode_grey(coverage, bits)])
+
+
+def signs_of(swizzle: Swizzle = ((0, 1), (1, 1), (2, 1)), green: str = "up") -> Signs:
+    """Signs that take stored vectors, their channels in the order of x, y and z, to eye space; and back.
+
+    >>> signs_of(parse_swizzle("-g,r,b"), green="down")
+    (-1, -1, 1)
+    """
+    x, y, z = (sign for _, sign in swizzle)
+    return x, -y if green == "down" else y, z
+
+
+def apply_signs(vectors: Float32, signs: Signs, out: Float32 | None = None) -> Float32:
+    """Vectors times the signs of their components; a zero stays 0, never -0.
+
+    Parameters
+    ----------
+    vectors : (..., 3) float32
+    signs : tuple of int
+        1 or -1 for x, y and z.
+    out : (..., 3) float32, optional
+        Where to put the result, such as the vectors themselves. Default: a new array.
+    """
+    out = np.multiply(vectors, np.array(signs, np.float32), out=out)
+    out += np.float32(0)  # -0 + 0 is 0
+    return out
+
+
+def stored_shares(pixels: NDArray[Any], signed: bool) -> Float32:
+    """(..., 3) float32: stored colours as shares (n + 1)/2 of the largest code; NaN and infinity become those of 0.
+
+    Parameters
+    ----------
+    pixels : (..., 3 or more) uint8, uint16 or float32
+        Further channels are left out.
+    signed : bool
+        Floats hold n itself.
+    """
+    color = pixels[..., :3]
+    if pixels.dtype != np.float32:
+        return color.astype(np.float32) / np.float32(np.iinfo(pixels.dtype).max)
+    finite = np.where(np.isfinite(color), color, np.float32(0 if signed else 0.5))
+    return np.asarray(encode_shares(finite) if signed else finite, np.float32)
+
+
+def decode_shares(shares: NDArray[Any]) -> NDArray[Any]:
+    """Components of shares (n + 1)/2, in the shares' own type."""
+    return 2 * shares - 1
+
+
+def encode_shares(vectors: NDArray[Any]) -> NDArray[Any]:
+    """Shares (n + 1)/2 of components, in their own type."""
+    return (vectors + 1) / 2
 
 
 def narrowed(image: RasterImage) -> RasterImage:
@@ -43,59 +183,6 @@ def narrowed(image: RasterImage) -> RasterImage:
     return image
 
 
-def zero_and_scale(zero_code: str, max_code: int) -> tuple[float, float]:
-    """Code that means 0 and codes per unit, so that n = (v - zero) / scale.
-
-    Parameters
-    ----------
-    zero_code : str
-        "127.5" (the middle), "128" (upper neighbour) or "127" (lower neighbour: a truncating writer), in 8-bit terms.
-    max_code : int
-        255 or 65535.
-
-    Examples
-    --------
-    >>> zero_and_scale("128", 65535)
-    (32768.0, 32767.0)
-    """
-    middle = max_code / 2
-    if zero_code == "128":
-        return middle + 0.5, middle - 0.5
-    if zero_code == "127":
-        return middle - 0.5, middle
-    return middle, middle
-
-
-def flat_codes(max_code: int) -> dict[str, tuple[int, int, int]]:
-    """Codes that writers store for the flat normal, by the zero code they imply."""
-    middle = (max_code + 1) // 2
-    return {"128": (middle, middle, max_code), "127": (middle - 1, middle - 1, max_code)}
-
-
-def detect_zero_code(rgb: NDArray[Any]) -> str | None:
-    """Zero code told by the exact flat code, or None where no flat code stands out.
-
-    Parameters
-    ----------
-    rgb : (H, W, 3) uint8 or uint16
-
-    Returns
-    -------
-    "128", "127" or None
-    """
-    max_code = int(np.iinfo(rgb.dtype).max)
-    middle = (max_code + 1) // 2
-    # a truncating writer stores 254 or 255 for nz = 1
-    candidates = rgb[rgb[..., 2] >= max_code - 1][:, :2]
-    near = candidates[((candidates == middle) | (candidates == middle - 1)).all(axis=1)]
-    counts = np.bincount((near[:, 0] == middle) * 2 + (near[:, 1] == middle), minlength=4)
-    order = np.sort(counts)
-    if order[-1] < _SPIKE_PIXELS or order[-1] < _SPIKE * order[-2]:
-        return None
-    winner = int(np.argmax(counts))
-    return {3: "128", 0: "127"}.get(winner)
-
-
 def decode_codes(rgb: NDArray[Any], zero_code: str) -> Float32:
     """Integer codes to vectors in [-1, 1]; the exact flat code becomes exactly (0, 0, 1).
 
@@ -113,12 +200,12 @@ def decode_codes(rgb: NDArray[Any], zero_code: str) -> Float32:
     zero, scale = zero_and_scale(zero_code, max_code)
     table = ((np.arange(max_code + 1, dtype=np.float64) - zero) / scale).clip(-1, 1).astype(np.float32)
     vectors = np.empty(rgb.shape, np.float32)
-    x, y, z = flat_codes(max_code)["127" if zero_code == "127" else "128"]
+    flat = flat_codes(max_code)["127" if zero_code == "127" else "128"]
 
     def look_up(band: slice) -> None:
         codes = rgb[band]
         np.take(table, codes, out=vectors[band], mode="clip")
-        vectors[band][(codes[..., 0] == x) & (codes[..., 1] == y) & (codes[..., 2] == z)] = (0, 0, 1)
+        vectors[band][has_color(codes, flat)] = FLAT
 
     for_each_band(len(rgb), max(1, _CODES_AT_ONCE // max(1, rgb[0].size)), look_up)
     return vectors
@@ -149,13 +236,18 @@ def encode_codes(vectors: Float32, bits: int, zero_code: str = "127.5") -> NDArr
     return out
 
 
-def grey_codes(values: Float32, bits: int) -> NDArray[Any]:
+def encode_grey(values: Float32, bits: int) -> NDArray[Any]:
+    """(H, W) values in [0, 1] as a file of 8 or 16 bits holds them, or unchanged for one of floats (32)."""
+    return values if bits == 32 else grey_codes(values, bits)
+
+
+def grey_codes(values: NDArray[np.floating], bits: int) -> NDArray[Any]:
     """(H, W) values in [0, 1] as integer codes of 8 or 16 bits, rounded."""
     top = (1 << bits) - 1
     return np.floor(values.astype(np.float64) * top + 0.5).astype(np.uint8 if bits == 8 else np.uint16)
 
 
-def format_swizzle(swizzle: tuple[tuple[int, int], ...]) -> str:
+def format_swizzle(swizzle: Swizzle) -> str:
     """The text that `parse_swizzle` reads, in its plainest form.
 
     >>> format_swizzle(((1, -1), (0, 1), (2, 1)))
@@ -164,7 +256,7 @@ def format_swizzle(swizzle: tuple[tuple[int, int], ...]) -> str:
     return ",".join(("-" if sign < 0 else "") + "rgb"[channel] for channel, sign in swizzle)
 
 
-def parse_swizzle(text: str) -> tuple[tuple[int, int], ...]:
+def parse_swizzle(text: str) -> Swizzle:
     """Read "-g,r,b" as ((1, -1), (0, 1), (2, 1)): (channel, sign) of x, y and z.
 
     Raises

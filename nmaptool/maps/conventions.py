@@ -8,6 +8,7 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.grid import dilated
 from nmaptool.core.vectors import mean_abs_curl
+from nmaptool.maps.codec import apply_signs, format_swizzle, parse_swizzle, signs_of
 from nmaptool.types.normal_map import Decoding, NormalMap
 
 # the wrong order or sign must have this many times the curl of the right one to be called wrong
@@ -42,7 +43,7 @@ def green_evidence(normals: Float32, mask: Mask, code_step: float) -> float | No
     window = _window(mask.shape)
     normals, mask = normals[window], mask[window]
     up = mean_abs_curl(normals, mask)
-    down = mean_abs_curl(normals * np.array([1, -1, 1], np.float32), mask)
+    down = mean_abs_curl(apply_signs(normals, signs_of(green="down")), mask)
     if max(up, down) < max(2 * code_step, 1e-6):
         return None
     return down / max(up, 1e-9)
@@ -83,23 +84,24 @@ def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
     if normal_map.decoding.swizzle != "r,g,b":
         return None
     window = _window(normal_map.frame.shape)
-    n, mask = normal_map.normals[window], normal_map.foreground[window]
-    green = -1 if normal_map.decoding.green == "down" else 1
-    channels = {"r": n[..., 0], "g": green * n[..., 1]}
-    curls = {
-        (x, y, sign): mean_abs_curl(np.stack([channels[x], sign * channels[y], n[..., 2]], axis=-1), mask)
-        for x, y, sign in _TURNS
-    }
-    (x, y, sign), runner_up = sorted(curls, key=lambda turn: curls[turn])[:2]
-    least, second = curls[x, y, sign], curls[runner_up]
+    signs = signs_of(green=normal_map.decoding.green)
+    part, mask = apply_signs(normal_map.normals[window], signs), normal_map.foreground[window]
+    curls = {turn: mean_abs_curl(_turned(part, turn), mask) for turn in _TURNS}
+    turn, runner_up = sorted(curls, key=lambda turn: curls[turn])[:2]
+    least, second = curls[turn], curls[runner_up]
+    x, y, sign = turn
     # x from red and y from green is a matter of green's sign, which has its own evidence
     if x == "r" or second < max(2 * code_step, 1e-6) or second < SURE_CURL_RATIO * least:
         return None
-    whole = {"r": normal_map.normals[..., 0], "g": green * normal_map.normals[..., 1]}
-    turned = np.stack([whole[x], sign * whole[y], normal_map.normals[..., 2]], axis=-1)
-    outline = outline_sign(turned, normal_map.foreground)
+    outline = outline_sign(_turned(apply_signs(normal_map.normals, signs), turn), normal_map.foreground)
     flip = -1 if outline is not None and outline < 0 else 1
-    return f"{'-' if flip < 0 else ''}{x},{'-' if flip * sign < 0 else ''}{y},b"
+    return format_swizzle((("rgb".index(x), flip), ("rgb".index(y), flip * sign), (2, 1)))
+
+
+def _turned(normals: Float32, turn: tuple[str, str, int]) -> Float32:
+    """Normals as stored with x and y taken from the channels that a turn names, y times its sign."""
+    x, y, sign = turn
+    return apply_signs(normals[..., ["rgb".index(x), "rgb".index(y), 2]], (1, sign, 1))
 
 
 def upright_swizzle(decoding: Decoding) -> str:
@@ -110,13 +112,9 @@ def upright_swizzle(decoding: Decoding) -> str:
     >>> upright_swizzle(Decoding(swizzle="-g,r,b"))
     'g,-r,b'
     """
-    x, y, z = decoding.swizzle.split(",")
-    turned = decoding.green == "down" and decoding.green_from == "found"
-    return ",".join([_negated(x), y if turned else _negated(y), z])
-
-
-def _negated(part: str) -> str:
-    return part.removeprefix("-") if part[0] == "-" else f"-{part}"
+    (x, x_sign), (y, y_sign), z = parse_swizzle(decoding.swizzle)
+    found_down = decoding.green == "down" and decoding.green_from == "found"
+    return format_swizzle(((x, -x_sign), (y, y_sign if found_down else -y_sign), z))
 
 
 def is_inverted(sign: float | None) -> bool:

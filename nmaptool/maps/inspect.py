@@ -11,22 +11,16 @@ from scipy import ndimage
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.vectors import mean_abs_curl
-from nmaptool.maps import background as bg
 from nmaptool.maps import codec
+from nmaptool.maps.background import alpha_is_data
+from nmaptool.maps.channels import Channels, as_read, code_step, color_channels
 from nmaptool.maps.conventions import better_swizzle, outline_sign
-from nmaptool.maps.decoding import (
-    LENGTH_OFF,
-    code_step,
-    color_channels,
-    decode_normal_map,
-    in_three_channels,
-    raw_vectors,
-)
+from nmaptool.maps.decoding import LENGTH_OFF, decode_image
 from nmaptool.maps.inspection_rules import RULES
 from nmaptool.maps.masks import check_mask, check_sizes
+from nmaptool.maps.zero_code import detect_zero_code, zero_and_scale
 from nmaptool.options import ReadOptions
 from nmaptool.types.inspection import Finding, Inspection
-from nmaptool.types.normal_map import Decoding
 from nmaptool.types.picture import RasterImage
 
 _PARTIAL_ALPHA_PIXELS = 50
@@ -54,7 +48,8 @@ def inspect_map(
         As `nmaptool.decode_normal_map`, or if the mask has another size.
     """
     options = options or ReadOptions()
-    normal_map = decode_normal_map(image, options)
+    decoded = decode_image(image, options)
+    normal_map = decoded.normal_map
     foreground = normal_map.foreground
     chosen = check_mask(mask)
     if chosen is not None:
@@ -62,11 +57,10 @@ def inspect_map(
         if not (chosen >= 0.5).any():
             raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
         foreground = foreground & (chosen >= 0.5)
-    vectors = raw_vectors(image, normal_map.decoding)
     # the repaired rim is counted apart: its short vectors are no fault of the surface
     core = ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=2, border_value=1)
     core = core if core.any() else foreground
-    error = np.abs(np.linalg.norm(vectors[core].astype(np.float64), axis=1) - 1)
+    error = np.abs(np.linalg.norm(decoded.stored[core].astype(np.float64), axis=1) - 1)
     facts = Inspection(
         name=image.name,
         cols=image.frame.cols,
@@ -81,11 +75,11 @@ def inspect_map(
         unit_length_error=_mean(error),
         off_length_share=_mean(error > LENGTH_OFF),
         away_share=_mean(normal_map.normals[..., 2][core] <= 0),
-        neutral_bias_px=_neutral_bias_px(in_three_channels(image, normal_map.decoding)),
+        neutral_bias_px=_neutral_bias_px(image, decoded.channels),
         mean_abs_curl=mean_abs_curl(normal_map.normals, core),
         outline_sign=outline_sign(normal_map.normals, foreground),
         better_swizzle=better_swizzle(normal_map, code_step(image)),
-        premultiplied=_is_premultiplied(image, normal_map.decoding),
+        premultiplied=_is_premultiplied(image, decoded.channels),
         eight_bit_data=_is_eight_bit_data(image),
         lossy=image.lossy,
         is_float=image.is_float,
@@ -98,21 +92,21 @@ def _mean(values: Any) -> float:
     return float(np.mean(values)) if np.size(values) else 0.0
 
 
-def _neutral_bias_px(image: RasterImage) -> float | None:
+def _neutral_bias_px(image: RasterImage, channels: Channels) -> float | None:
     if image.is_float:
         return None
-    zero = codec.detect_zero_code(color_channels(image))
-    if zero is None:
+    zero_code = detect_zero_code(color_channels(as_read(image, channels)))
+    if zero_code is None:
         return None
-    code, _ = codec.zero_and_scale(zero, image.max_code)
-    middle, scale = codec.zero_and_scale("127.5", image.max_code)
+    code, _ = zero_and_scale(zero_code, image.max_code)
+    middle, scale = zero_and_scale("127.5", image.max_code)
     return (code - middle) / scale * image.frame.longer_side
 
 
-def _is_premultiplied(image: RasterImage, decoding: Decoding) -> bool:
+def _is_premultiplied(image: RasterImage, channels: Channels) -> bool:
     """Whether colours were multiplied by alpha: dividing by it gives the unit vectors back."""
     alpha = image.alpha
-    if alpha is None or bg.alpha_is_data(image) or decoding.encoding == "signed" or decoding.components != "xyz":
+    if alpha is None or alpha_is_data(image) or channels.coding.signed or channels.components != "xyz":
         return False
     partial = (alpha > 0.1) & (alpha < 0.9)
     if partial.sum() < _PARTIAL_ALPHA_PIXELS:
@@ -121,8 +115,8 @@ def _is_premultiplied(image: RasterImage, decoding: Decoding) -> bool:
     a = alpha[partial].astype(np.float64)[:, None]
     if np.mean(colors <= a + 2 / 255) < 0.98:
         return False
-    straight = np.abs(np.linalg.norm(2 * colors - 1, axis=1) - 1)
-    divided = np.abs(np.linalg.norm(2 * colors / a - 1, axis=1) - 1)
+    straight = np.abs(np.linalg.norm(codec.decode_shares(colors), axis=1) - 1)
+    divided = np.abs(np.linalg.norm(codec.decode_shares(colors / a), axis=1) - 1)
     return bool(np.median(divided) < 0.5 * np.median(straight))
 
 

@@ -53,3 +53,9 @@ def check_mask(mask: Any) -> Float32 | None:
     if array.size and not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= 1):
         raise InputError("the mask must hold values from 0 to 1 (divide 8-bit codes by 255)")
     return array
+
+
+def motif_coverage(normal_map: NormalMap) -> Float32:
+    """(H, W) float32 coverage of the motif alone: 0 on a background that is a defined part of the map."""
+    background = (normal_map.coverage == 1) & ~normal_map.foreground
+    return np.where(background, np.float32(0), normal_map.coverage)

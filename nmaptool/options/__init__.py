@@ -23,7 +23,7 @@ from nmaptool.options.reconstruct import Boundary, ReconstructOptions, Scheme, S
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
 from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.workspace import PackOptions
-from nmaptool.options.write import Bits, WriteOptions, WrittenGreen, WrittenZeroCode
+from nmaptool.options.write import Bits, HeightsAt, WriteOptions, WrittenGreen, WrittenZeroCode
 
 __all__ = [
     "BLEND_MODES",
@@ -50,6 +50,7 @@ __all__ = [
     "Green",
     "Ground",
     "GroupOptions",
+    "HeightsAt",
     "LayerOptions",
     "MeshReadOptions",
     "NewGround",

@@ -10,6 +10,7 @@ from nmaptool.options.fields import Options, choice_of, option
 Bits = Literal["auto", "8", "16", "half", "float"]
 WrittenGreen = Literal["up", "down"]
 WrittenZeroCode = Literal["auto", "127", "127.5", "128"]
+HeightsAt = Literal["centers", "corners"]
 
 
 @dataclass(frozen=True)

@@ -157,7 +157,7 @@ def height_term_mask(original: NormalMap, motif: Mask, mask: Float32 | None) -> 
     Such a map shows whether a patch inside the motif is raised or sunk by the slopes around it alone; pulled to a
     height, the insides of letters would be filled.
     """
-    if mask is not None or original.decoding.background != "flat":
+    if mask is not None or not original.flat_background:
         return motif
     sloping = motif & (np.hypot(original.normals[..., 0], original.normals[..., 1]) > _FLAT_TILT)
     return np.asarray(sloping) if sloping.any() else motif

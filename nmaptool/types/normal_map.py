@@ -19,7 +19,9 @@ _VECTORS_AT_ONCE = 1 << 16
 
 @dataclass(frozen=True)
 class Decoding:
-    """What was decided when codes became normals, and from what.
+    """What was decided when codes became normals, and from what: a record for messages and reports.
+
+    A relief, a composition or a depth map never depends on it.
 
     Attributes name the value and, with ``_from``, its source: ``given`` (an option), ``file`` (its metadata),
     ``found`` (read off the picture) or ``assumed`` (the default).
@@ -59,6 +61,10 @@ class NormalMap:
         What to call the map in messages.
     decoding : Decoding
         How its file was read.
+    flat_background : bool
+        What lies outside the motif is a defined, flat part of the map, such as the plate that letters stand on. A
+        relief then has no height term on flat patches inside the motif: only the slopes around them tell whether they
+        are raised or sunk.
 
     Raises
     ------
@@ -72,6 +78,7 @@ class NormalMap:
     foreground: Mask = None  # type: ignore[assignment]
     name: str = "normal map"
     decoding: Decoding = field(default_factory=Decoding)
+    flat_background: bool = False
 
     def __post_init__(self) -> None:
         shape = self.frame.shape

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +50,29 @@ class Frame:
         return f"{self.cols} x {self.rows}"
 
 
+@dataclass(frozen=True)
+class DepthFacts:
+    """What a depth or height file says about its values.
+
+    Parameters
+    ----------
+    kind : str
+        ``depth`` (distance from the eye, in floats; in integers, white is near) or ``height``.
+    black_mm, white_mm : float or None
+        What 0 and the largest integer code stand for; None where the file does not say it.
+    fov_deg : float or None
+        Field of view across the longer side of the camera that depths were drawn with; 0 for an orthographic one.
+    at : str
+        Where heights lie on the grid: ``centers`` of the pixels, or their ``corners``, one more down and across.
+    """
+
+    kind: Literal["depth", "height"]
+    black_mm: float | None = None
+    white_mm: float | None = None
+    fov_deg: float | None = None
+    at: str = "centers"
+
+
 @dataclass(frozen=True, eq=False)
 class RasterImage:
     """A picture as its file stores it, before any meaning is given to its channels.
@@ -68,6 +91,8 @@ class RasterImage:
         Whether the format changes codes (JPEG).
     attributes : mapping
         nmaptool's own metadata found in the file, keys without prefix.
+    depth_facts : DepthFacts or None
+        What that metadata says about depths or heights.
     color_chunks : tuple of str
         Colour-management data found in the file, such as sRGB, gAMA, iCCP.
     layer : str or None
@@ -82,6 +107,7 @@ class RasterImage:
     attributes: Mapping[str, str] = field(default_factory=dict)
     color_chunks: tuple[str, ...] = ()
     layer: str | None = None
+    depth_facts: DepthFacts | None = None
 
     def __post_init__(self) -> None:
         if self.pixels.ndim != 3 or self.pixels.shape[2] != len(self.channels):

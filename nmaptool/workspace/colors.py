@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float32, Mask
+from nmaptool.maps.codec import decode_shares, encode_shares
 from nmaptool.workspace.signature import Signature
 
 _PARTIAL_PIXELS = 50
@@ -18,15 +19,6 @@ _LENGTH_NOISE = 0.01
 _SHIFT = 0.01
 
 Curve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-
-
-def shares(pixels: NDArray[Any], signed: bool) -> Float32:
-    """(h, w, 3) float32: (n + 1)/2 as stored; NaN and infinity become 0.5."""
-    color = pixels[..., :3]
-    if pixels.dtype != np.float32:
-        return color.astype(np.float32) / np.float32(np.iinfo(pixels.dtype).max)
-    finite = np.where(np.isfinite(color), color, np.float32(0 if signed else 0.5))
-    return np.asarray((finite + 1) / 2 if signed else finite, np.float32)
 
 
 def holds_eight_bits(pixels: NDArray[Any], covered: Mask) -> bool:
@@ -42,7 +34,7 @@ def holds_eight_bits(pixels: NDArray[Any], covered: Mask) -> bool:
 
 def lengths(codes: NDArray[Any]) -> NDArray[np.float64]:
     """(N,) lengths of the vectors that (N, 3) stored shares mean."""
-    return np.asarray(np.linalg.norm(2 * codes.astype(np.float64) - 1, axis=-1))
+    return np.asarray(np.linalg.norm(decode_shares(codes.astype(np.float64)), axis=-1))
 
 
 def is_premultiplied(codes: Float32, alpha: Float32, signed: bool) -> bool:
@@ -61,7 +53,7 @@ def is_premultiplied(codes: Float32, alpha: Float32, signed: bool) -> bool:
 def unmultiplied(codes: NDArray[Any], alpha: NDArray[Any], signed: bool) -> NDArray[Any]:
     """Codes divided by alpha (floats: vectors divided by it), where there is enough of it to divide by."""
     a = np.maximum(alpha, 0.02)[..., None]
-    divided = ((2 * codes - 1) / a + 1) / 2 if signed else codes / a
+    divided = encode_shares(decode_shares(codes) / a) if signed else codes / a
     return np.where(alpha[..., None] > 0.02, divided, codes).clip(0, 1)
 
 

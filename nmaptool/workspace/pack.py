@@ -6,9 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from nmaptool._version import __version__
 from nmaptool.core.errors import UsageError
 from nmaptool.maps import codec
@@ -25,7 +22,6 @@ from nmaptool.types.workspace import (
     WorkspaceMask,
     unique_names,
 )
-from nmaptool.workspace.colors import shares
 from nmaptool.workspace.signature import sign
 
 
@@ -111,12 +107,9 @@ def _groups(placed: Sequence[PackedMap]) -> list[tuple[WorkspaceGroup, ...]]:
 
 def _layer(placed: PackedMap, name: str, groups: tuple[WorkspaceGroup, ...], bits: int) -> WorkspaceLayer:
     source = placed.normal_map
-    if bits == 32:
-        pixels: NDArray[Any] = np.dstack([source.normals, source.coverage])
-    else:
-        pixels = np.dstack([codec.encode_codes(source.normals, bits), codec.grey_codes(source.coverage, bits)])
+    pixels = codec.encode_map(source.normals, source.coverage, bits)
     rows, cols = source.frame.shape
-    seal = sign(shares(pixels, bits == 32), source.coverage, source.normals, placed.left, placed.top)
+    seal = sign(codec.stored_shares(pixels, bits == 32), source.coverage, source.normals, placed.left, placed.top)
     facts = {
         "name": name,
         "source": Path(source.name).name,
@@ -132,8 +125,7 @@ def _layer(placed: PackedMap, name: str, groups: tuple[WorkspaceGroup, ...], bit
     }
     mask = None
     if placed.mask is not None:
-        values = placed.mask if bits == 32 else codec.grey_codes(placed.mask, bits)
-        mask = WorkspaceMask(values, placed.left, placed.top)
+        mask = WorkspaceMask(codec.encode_grey(placed.mask, bits), placed.left, placed.top)
     return WorkspaceLayer(
         name,
         pixels,

@@ -10,6 +10,7 @@ from scipy import ndimage
 
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.vectors import inner_vertices, mean_abs_curl, slopes
+from nmaptool.maps.codec import decode_shares, encode_shares
 from nmaptool.workspace.signature import Signature, smoothed
 
 _CLEAR = 0.02
@@ -79,9 +80,9 @@ def turned(picture: Float32, turn: str) -> Float32:
 def with_vectors(shares: Float32, turn: str) -> Float32:
     """(..., 3+) shares (n + 1)/2 whose vectors are mirrored or turned."""
     _, ((a, b), (c, d)) = _TURNS[turn]
-    x, y = 2 * shares[..., 0] - 1, 2 * shares[..., 1] - 1
+    x, y = decode_shares(shares[..., 0]), decode_shares(shares[..., 1])
     out = shares.copy()
-    out[..., 0], out[..., 1] = (a * x + b * y + 1) / 2, (c * x + d * y + 1) / 2
+    out[..., 0], out[..., 1] = encode_shares(a * x + b * y), encode_shares(c * x + d * y)
     return out
 
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.vectors import FLAT, unit
-from nmaptool.maps import codec
+from nmaptool.maps.codec import decode_shares, stored_shares
+from nmaptool.maps.zero_code import flat_codes, has_color
 from nmaptool.types.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceFinding, WorkspaceLayer
 from nmaptool.workspace import colors
 from nmaptool.workspace.pose import Pose, find_pose
@@ -76,7 +77,7 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
     if eight and packed_bits != 8:
         found.append(_EIGHT)
     signed = layer.signed or _is_signed(layer)
-    codes = colors.shares(layer.pixels, signed)
+    codes = stored_shares(layer.pixels, signed)
     if colors.is_premultiplied(codes, alpha, signed):
         codes = np.asarray(colors.unmultiplied(codes, alpha, signed), np.float32)
         found.append(_PREMULTIPLIED)
@@ -86,7 +87,7 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
         straight = np.asarray(curve[1](codes.astype(np.float64)).clip(0, 1), np.float32)
     else:
         straight = codes
-    vectors = _vectors(layer, codes, signed)
+    vectors = _vectors(layer, codes)
     off = float((np.abs(colors.lengths(codes[covered]) - 1) > _OFF_LENGTH).mean()) if covered.any() else 0.0
     if off > _OFF_SHARE and curve is None:
         words = f"{off:.0%} of its vectors were not of unit length and were normalised"
@@ -94,7 +95,7 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
     normals = unit(vectors)
     normals[alpha <= 0] = FLAT
     now = _signature_now(straight, alpha, layer)
-    pose = find_pose(now, packed, unit(2 * straight - 1) if curve is not None else normals, covered)
+    pose = find_pose(now, packed, unit(decode_shares(straight)) if curve is not None else normals, covered)
     found.extend(_pose_words(pose))
     in_place = pose == replace(Pose(), moved=pose.moved, curl=pose.curl)
     was_flat = None
@@ -151,13 +152,11 @@ def _is_signed(layer: WorkspaceLayer) -> bool:
     return bool(np.abs(np.linalg.norm(color, axis=1) - 1).mean() <= np.abs(colors.lengths(color) - 1).mean())
 
 
-def _vectors(layer: WorkspaceLayer, codes: Float32, signed: bool) -> Float32:
+def _vectors(layer: WorkspaceLayer, codes: Float32) -> Float32:
     """Vectors, not yet normalised; the exact flat code is exactly flat."""
-    vectors = 2 * codes - 1
-    if layer.pixels.dtype == np.float32:
-        return vectors
-    flat = codec.flat_codes(layer.max_code)["128"]
-    vectors[(layer.pixels[..., :3] == np.array(flat, layer.pixels.dtype)).all(axis=-1)] = FLAT
+    vectors = decode_shares(codes)
+    if layer.pixels.dtype != np.float32:
+        vectors[has_color(layer.pixels, flat_codes(layer.max_code)["128"])] = FLAT
     return vectors
 
 
@@ -173,7 +172,7 @@ def _signature_now(codes: Float32, alpha: Float32, layer: WorkspaceLayer) -> Sig
 def signature_of(layer: WorkspaceLayer) -> Signature:
     """A layer's signature as it is now, nothing repaired; its curl is left out."""
     signed = layer.signed or _is_signed(layer)
-    return _signature_now(colors.shares(layer.pixels, signed), layer.alpha, layer)
+    return _signature_now(stored_shares(layer.pixels, signed), layer.alpha, layer)
 
 
 def _flat_again(normals: Float32, alpha: Float32, was_flat: Mask | None, layer: WorkspaceLayer) -> Mask:

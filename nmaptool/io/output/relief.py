@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 from nmaptool._version import __version__
@@ -15,6 +15,8 @@ from nmaptool.io.output.transaction import Metadata, Outputs, Target, wanted
 from nmaptool.io.pictures import heights
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.meshes.tessellate import surface_mesh
+from nmaptool.options import HeightsAt
+from nmaptool.options.fields import choice_of
 from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.relief import Relief
@@ -23,9 +25,9 @@ from nmaptool.types.relief import Relief
 class _Surface:
     """What the files of a relief share."""
 
-    def __init__(self, relief: Relief, metadata: Metadata) -> None:
+    def __init__(self, at: HeightsAt, relief: Relief, metadata: Metadata) -> None:
         recipe = {key: metadata[key] for key in ("options", "reading", "files") if key in metadata}
-        self.height = relief.height
+        self.height, self.at = relief.height, at
         self.attributes = {"version": __version__, **{key: json.dumps(value) for key, value in recipe.items()}}
 
     @cached_property
@@ -40,11 +42,13 @@ def relief_outputs(
     preview: Destination | None = None,
     report: Destination | None = None,
     overwrite: bool = False,
+    at: HeightsAt = "centers",
 ) -> Outputs[Relief]:
     """The plan of `write_relief`."""
+    choice_of(HeightsAt).read("at", at)
     surfaces = [Target(place_of(output), "a relief", tuple(RELIEF_FORMATS), _write_surface) for output in outputs]
     views = wanted(preview, "a preview", (".png",), _write_preview)
-    return Outputs([*surfaces, *views], place_of(report), overwrite, report_endings=(), prepare=_Surface)
+    return Outputs([*surfaces, *views], place_of(report), overwrite, report_endings=(), prepare=partial(_Surface, at))
 
 
 def write_relief(
@@ -54,6 +58,7 @@ def write_relief(
     report: Destination | None = None,
     overwrite: bool = False,
     metadata: Metadata | None = None,
+    at: HeightsAt = "centers",
 ) -> None:
     """Write a relief to any number of files: all of them appear, or none.
 
@@ -70,6 +75,9 @@ def write_relief(
         Replace files that exist.
     metadata : mapping, optional
         What to put in the report. Default: ``relief.report.to_dict()``.
+    at : str
+        Where height files hold heights: "centers" of the pixels, or their "corners", which lose nothing. Meshes have
+        the heights of the corners either way.
 
     Raises
     ------
@@ -79,14 +87,14 @@ def write_relief(
         If a file cannot be written, or exists and ``overwrite`` is False.
     """
     values = relief.report.to_dict() if metadata is None else metadata
-    relief_outputs(outputs, preview=preview, report=report, overwrite=overwrite).write(relief, values)
+    relief_outputs(outputs, preview=preview, report=report, overwrite=overwrite, at=at).write(relief, values)
 
 
 def _write_surface(surface: _Surface, path: Path) -> None:
     if path.suffix.lower() in MESH_FORMATS:
         meshes.write_mesh(surface.mesh, path)
     else:
-        heights.write_height(surface.height, path, surface.attributes)
+        heights.write_height(surface.height, path, surface.attributes, at=surface.at)
 
 
 def _write_preview(surface: _Surface, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Height fields as pictures and arrays: millimetres at pixel centres."""
+"""Height fields as files: millimetres at the centres of the pixels, or exactly, at their corners."""
 
 from __future__ import annotations
 
@@ -11,34 +11,49 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
-from nmaptool.core.errors import InputError, OutputError, UsageError, reason_of
-from nmaptool.core.grid import corner_mean
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.io.pictures.height_arrays import read_height_array, write_centers, write_corners
+from nmaptool.io.pictures.height_samples import (
+    Samples,
+    center_samples,
+    corner_samples,
+    height_of_centers,
+    height_of_corners,
+    lower_right_of,
+)
 from nmaptool.io.pictures.normal_maps import options_like, read_raster
-from nmaptool.io.pictures.png import check_size
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.maps.background import alpha_is_data
+from nmaptool.maps.codec import encode_grey, grey_codes
 from nmaptool.maps.decoding import decode_normal_map
-from nmaptool.options import ReadOptions
+from nmaptool.options import HeightsAt, ReadOptions
+from nmaptool.options.fields import choice_of
 from nmaptool.options.formats import HEIGHT_FORMATS
 from nmaptool.types.height import Height
 from nmaptool.types.normal_map import NormalMap
-from nmaptool.types.picture import Frame, RasterImage
+from nmaptool.types.picture import DepthFacts, RasterImage
+
+_PLACE = choice_of(HeightsAt)
 
 
-def height_attributes(height: Height) -> dict[str, str]:
-    """Metadata that every height picture carries: kind, unit, pitch and the range of the surface (at pixel corners)."""
+def height_attributes(height: Height, at: HeightsAt = "centers") -> dict[str, str]:
+    """Metadata that every height picture carries: kind, unit, pitch, the range of the surface (at its corners).
+
+    A picture of heights at corners says that, too.
+    """
     low, high = height.range_mm
-    return {
+    facts = {
         "kind": "height",
         "unit": "mm",
         "pitch_mm": repr(height.pitch_mm),
         "height_min_mm": repr(low),
         "height_max_mm": repr(high),
     }
+    return {**facts, "at": at} if at == "corners" else facts
 
 
-def write_height(height: Height, path: Path, attributes: Mapping[str, str]) -> None:
-    """Write heights in mm at pixel centres, as `nmaptool.options.formats.HEIGHT_FORMATS` says.
+def write_height(height: Height, path: Path, attributes: Mapping[str, str], *, at: HeightsAt = "centers") -> None:
+    """Write heights in mm at pixel centres or corners, as `nmaptool.options.formats.HEIGHT_FORMATS` says.
 
     ``.exr`` and ``.tif`` hold float32 mm, with alpha 0 outside the surface; ``.npy`` float64 mm, NaN outside; ``.png``
     16-bit codes, 0 for the surface's lowest and 65535 for its highest corner, the range being in the file's text.
@@ -49,80 +64,62 @@ def write_height(height: Height, path: Path, attributes: Mapping[str, str]) -> N
     path : Path
     attributes : mapping
         Metadata beside that of `height_attributes`.
+    at : str
+        "centers": a picture of H x W means of the corners, which other programs take for the relief's picture.
+        "corners": the (H+1) x (W+1) heights themselves, and exactly which pixels are surface; reading gives them back
+        to the precision of the format. Alpha is 1, or 0.5 where the pixel to the corner's lower right is no surface;
+        ``.npy`` holds records (``z_mm``, ``inside``) instead of a plain array.
 
     Raises
     ------
     UsageError
-        If the ending is not offered.
+        If the ending or the place is not offered.
     OutputError
         If it cannot be written.
     """
+    _PLACE.read("at", at)
     kind = path.suffix.lower()
     if kind not in HEIGHT_FORMATS:
         raise UsageError(f"{path}: heights are written as {', '.join(HEIGHT_FORMATS)}")
-    write = HEIGHT_FORMATS[kind].write or _WRITERS[kind]
-    write(height, path, {**height_attributes(height), **attributes})
+    everything = {**height_attributes(height, at), **attributes}
+    added = HEIGHT_FORMATS[kind].write
+    if added is not None:
+        added(height, path, everything)
+    elif kind == ".npy":
+        write_corners(height, path) if at == "corners" else write_centers(height, path)
+    else:
+        _write_picture(height, path, everything, at)
 
 
-def _write_array(height: Height, path: Path, attributes: Mapping[str, str]) -> None:
-    try:
-        with path.open("wb") as stream:
-            np.save(stream, height.at_pixels(), allow_pickle=False)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None
-
-
-def _write_codes(height: Height, path: Path, attributes: Mapping[str, str]) -> None:
-    (low, high), z, inside = height.range_mm, height.at_pixels(), height.domain
-    share = (z - low) / (high - low) if high > low else np.zeros_like(z)
-    codes = np.floor(np.where(inside, share, 0) * 65535 + 0.5).astype(np.uint16)
-    _write_grey(codes, inside.astype(np.uint16) * np.uint16(65535), path, attributes)
-
-
-def _write_floats(height: Height, path: Path, attributes: Mapping[str, str]) -> None:
-    inside = height.domain
-    values = np.where(inside, height.at_pixels(), 0).astype(np.float32)
-    _write_grey(values, inside.astype(np.float32), path, attributes)
-
-
-def _write_grey(values: NDArray[Any], opaque: NDArray[Any], path: Path, attributes: Mapping[str, str]) -> None:
-    if opaque.all():
+def _write_picture(height: Height, path: Path, attributes: Mapping[str, str], at: HeightsAt) -> None:
+    kind = path.suffix.lower()
+    samples = corner_samples(height) if at == "corners" else center_samples(height)
+    bits = 16 if kind == ".png" else 32
+    values: NDArray[Any] = _codes(samples, height) if kind == ".png" else samples.z_mm.astype(np.float32)
+    if samples.alpha is None:
         write_image(values[..., None], path, ("Y",), attributes)
     else:
-        write_image(np.dstack([values, opaque]), path, ("Y", "A"), attributes)
+        write_image(np.dstack([values, encode_grey(samples.alpha, bits)]), path, ("Y", "A"), attributes)
 
 
-_WRITERS = {
-    ".exr": _write_floats,
-    ".tif": _write_floats,
-    ".tiff": _write_floats,
-    ".npy": _write_array,
-    ".png": _write_codes,
-}
-
-
-def to_vertices(centre: Float64) -> Float64:
-    """(H+1, W+1) heights at corners from (H, W) at centres: means of neighbours, continued straight at the edges.
-
-    >>> to_vertices(np.array([[0.0, 1.0], [0.0, 1.0]]))[0].tolist()
-    [-0.5, 0.5, 1.5]
-    """
-    for axis, count in enumerate(centre.shape):
-        around = [(1, 1) if i == axis else (0, 0) for i in range(2)]
-        if count > 1:
-            centre = np.pad(centre, around, mode="reflect", reflect_type="odd")
-        else:
-            centre = np.pad(centre, around, mode="edge")
-    return corner_mean(centre)
+def _codes(samples: Samples, height: Height) -> NDArray[Any]:
+    """16-bit codes of the samples, 0 outside the surface."""
+    low, high = height.range_mm
+    if high <= low:
+        return np.zeros(samples.z_mm.shape, np.uint16)
+    share = (samples.z_mm - low) / (high - low)
+    return grey_codes(share if samples.alpha is None else np.where(samples.alpha > 0, share, 0), 16)
 
 
 def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels: float = 270.0) -> Height:
-    """Read heights in mm at pixel centres, as `write_height` writes them.
+    """Read heights in mm at pixel centres or corners, as `write_height` writes them.
 
     Parameters
     ----------
     path : Path
-        ``.exr``, ``.tif``, ``.npy`` in mm, or a ``.png`` whose text says its range.
+        ``.exr``, ``.tif``, ``.npy`` in mm, or a ``.png`` whose text says its range. What does not say that it holds
+        heights at corners holds them at centres; those of the corners are then means of neighbours, continued straight
+        at the edges, which is exact for planes only.
     pitch_mm : float, optional
         Size of a pixel where the file does not say it.
     max_megapixels : float
@@ -130,13 +127,14 @@ def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels:
     Raises
     ------
     InputError
-        If it cannot be read, is no height field, or holds NaN or infinite values.
+        If it cannot be read, is no height field, or holds NaN or infinite values; heights at centres must be there
+        everywhere.
     LimitError
         If it is larger than ``max_megapixels``.
     """
     path = Path(path)
     if path.suffix.lower() == ".npy":
-        return _height(path, _read_npy(path, max_megapixels), pitch_mm)
+        return read_height_array(path, pitch_mm, max_megapixels)
     return _height_of(path, read_raster(path, ReadOptions(max_megapixels=max_megapixels)), pitch_mm)
 
 
@@ -175,52 +173,25 @@ def read_surface(
 def _height_of(path: Path, image: RasterImage, pitch_mm: float | None) -> Height:
     if image.channels[0] != "Y":
         raise InputError(f"{path}: has channels {', '.join(image.channels)}; a height file has one grey channel")
-    return _height(path, _in_mm(image), image.frame.pitch_mm or pitch_mm)
+    facts = image.depth_facts if image.depth_facts is not None else DepthFacts("height")
+    z_mm, pitch_mm = _in_mm(image, facts), image.frame.pitch_mm or pitch_mm
+    if facts.at == "corners":
+        return height_of_corners(str(path), z_mm, lower_right_of(image.alpha, z_mm.shape), pitch_mm)
+    if facts.at != "centers":
+        raise InputError(
+            f"{path}: says that its heights are at {facts.at!r}; accepted are {' and '.join(_PLACE.names)}"
+        )
+    return height_of_centers(str(path), z_mm, image.alpha, pitch_mm)
 
 
-def _height(path: Path, centre: Float64, pitch_mm: float | None) -> Height:
-    if not np.isfinite(centre).all():
-        raise InputError(f"{path}: holds NaN or infinite heights; a curved background must be defined everywhere")
-    frame = Frame(centre.shape[0], centre.shape[1], pitch_mm)
-    return Height(to_vertices(centre), np.ones(centre.shape, bool), frame)
-
-
-def _read_npy(path: Path, max_megapixels: float) -> Float64:
-    not_ours = InputError(f"{path}: is not a NumPy array file, or is cut short")
-    try:
-        with path.open("rb") as stream:
-            if not stream.read(6) == np.lib.format.MAGIC_PREFIX:
-                raise not_ours
-            stream.seek(0)
-            version = np.lib.format.read_magic(stream)
-            reader = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-            shape, _, kind = reader(stream)
-            if len(shape) != 2 or kind.kind not in "fiu" or 0 in shape:
-                raise InputError(f"{path}: must hold one (rows, columns) array of numbers, heights in mm")
-            check_size(path, shape[1], shape[0], max_megapixels)
-            stream.seek(0)
-            values: NDArray[Any] = np.load(stream, allow_pickle=False)
-    except InputError:
-        raise
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; give a file of heights") from None
-    except (OSError, ValueError, EOFError):
-        raise not_ours from None
-    return values.astype(np.float64)
-
-
-def _in_mm(image: RasterImage) -> Float64:
+def _in_mm(image: RasterImage, facts: DepthFacts) -> Float64:
+    """(h, w) stored heights in mm, whatever alpha says."""
     values = image.pixels[..., 0].astype(np.float64)
-    if image.alpha is not None:
-        values[image.alpha <= 0] = np.nan
     if image.is_float:
         return values
-    try:
-        low, high = float(image.attributes["height_min_mm"]), float(image.attributes["height_max_mm"])
-    except (KeyError, ValueError):
+    low, high = facts.black_mm, facts.white_mm
+    if facts.kind != "height" or low is None or high is None:
         raise InputError(
             f"{image.name}: does not say its height range in mm; give the heights as EXR, float TIFF or NPY in mm"
-        ) from None
+        )
     return low + values / image.max_code * (high - low)

@@ -5,10 +5,8 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nmaptool._version import __version__
 from nmaptool.core.arrays import Float32
@@ -136,17 +134,7 @@ def normal_picture(
     attributes = {"version": __version__, "kind": "normal", "green": green}
     if normal_map.frame.pitch_mm is not None:
         attributes["pitch_mm"] = repr(normal_map.frame.pitch_mm)
-    normals = normal_map.normals
-    if green == "down":
-        normals = normals * np.array([1, -1, 1], np.float32) + np.float32(0)  # + 0: flat gives 0, not -0
-    colors: NDArray[Any]
-    alpha: NDArray[Any]
-    if bits == 32:
-        attributes["encoding"] = "signed"
-        colors, alpha = normals, normal_map.coverage
-    else:
-        attributes["zero_code"] = zero_code
-        colors = codec.encode_codes(normals, bits, zero_code)
-        alpha = codec.grey_codes(normal_map.coverage, bits)
-    pixels = np.dstack([colors, alpha]) if covered else colors
+    attributes |= {"encoding": "signed"} if bits == 32 else {"zero_code": zero_code}
+    coverage = normal_map.coverage if covered else None
+    pixels = codec.encode_map(normal_map.normals, coverage, bits, green=green, zero_code=zero_code)
     return Picture(pixels, channels, attributes, name=name, half=half)

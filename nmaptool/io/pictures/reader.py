@@ -13,34 +13,13 @@ import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, LimitError
-from nmaptool.io.opening import read_head
 from nmaptool.io.pictures import exr_layers as layers
 from nmaptool.io.pictures import png
+from nmaptool.io.pictures.formats import JPEG, PNG, PictureFormat, find_format
+from nmaptool.io.pictures.metadata import depth_facts, own_attributes
 from nmaptool.types.picture import RasterImage
 
-PREFIX = "nmaptool:"
-_MAGIC = {
-    b"\x89PNG": "png",
-    b"\x76\x2f\x31\x01": "openexr",
-    b"II*\0": "tiff",
-    b"MM\0*": "tiff",
-    b"II+\0": "tiff",
-    b"MM\0+": "tiff",
-    b"\xff\xd8\xff": "jpeg",
-    b"BM": "bmp",
-}
-_ENDINGS = {
-    "png": (".png",),
-    "openexr": (".exr",),
-    "tiff": (".tif", ".tiff"),
-    "jpeg": (".jpg", ".jpeg"),
-    "bmp": (".bmp",),
-}
-_BREAKS = {"n": "\n", "r": "\r", "\\": "\\"}
-_ESCAPED = re.compile(r"\\([nr\\])")
-_NAMES = {"png": "PNG", "openexr": "EXR", "tiff": "TIFF", "jpeg": "JPEG", "bmp": "BMP"}
 _LARGEST_PIXEL_BYTES = 16  # four float channels
-_ACCEPTED = "PNG, EXR, TIFF, JPEG or BMP"
 
 
 def error_text(source: Any) -> str:
@@ -50,29 +29,6 @@ def error_text(source: Any) -> str:
     except UnicodeDecodeError:
         text = ""
     return " ".join(str(text).split()) or "unreadable data"
-
-
-def is_picture(head: bytes) -> bool:
-    """Whether a file's first bytes are those of a picture that is read here."""
-    return any(head.startswith(magic) for magic in _MAGIC if len(magic) > 2)
-
-
-def sniff(path: Path) -> str:
-    """OpenImageIO's name of the format that the file's first bytes tell.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, a folder, empty, none of the formats read here, or has another format's ending.
-    """
-    head, _ = read_head(path, 8, "a picture file", "read a stream with -")
-    for magic, kind in _MAGIC.items():
-        if head.startswith(magic):
-            if path.suffix and path.suffix.lower() not in _ENDINGS[kind]:
-                right = path.with_suffix(_ENDINGS[kind][0]).name
-                raise InputError(f"{path}: holds {_NAMES[kind]} data but is not named so; rename it to {right}")
-            return kind
-    raise InputError(f"{path}: is not a picture that can be read here; accepted are {_ACCEPTED}")
 
 
 def _check_jpeg_end(path: Path) -> None:
@@ -100,12 +56,12 @@ def _openable(path: Path) -> str:
         raise InputError(f"{shown}: has a name that is not valid UTF-8; rename it") from None
 
 
-def _open(path: Path, max_megapixels: float) -> tuple[Any, str, png.PngStructure | None]:
+def _open(path: Path, max_megapixels: float) -> tuple[Any, PictureFormat, png.PngStructure | None]:
     """An open OpenImageIO input, the format, and a PNG's structure."""
-    kind = sniff(path)
-    if kind == "jpeg":
+    kind = find_format(path)
+    if kind is JPEG:
         _check_jpeg_end(path)
-    structure = png.read_structure(path, max_megapixels) if kind == "png" else None
+    structure = png.read_structure(path, max_megapixels) if kind is PNG else None
     if structure is not None and not structure.is_possible:
         raise InputError(f"{path}: the PNG file is cut short or damaged; export or download it again")
     config = oiio.ImageSpec()
@@ -118,7 +74,7 @@ def _open(path: Path, max_megapixels: float) -> tuple[Any, str, png.PngStructure
         reason = error_text(oiio)
         _check_claim(path, reason, max_megapixels)
         what = "header claims more than the file can hold" if "header claims" in reason else "file cannot be decoded"
-        raise InputError(f"{path}: the {_NAMES[kind]} {what}; export or download it again")
+        raise InputError(f"{path}: the {kind.name} {what}; export or download it again")
     return source, kind, structure
 
 
@@ -206,7 +162,7 @@ def read_pages(path: Path, max_megapixels: float = 270.0) -> list[PlacedImage]:
 
 
 def _read_placed(
-    path: Path, source: Any, kind: str, structure: png.PngStructure | None, layer: layers.Layer
+    path: Path, source: Any, kind: PictureFormat, structure: png.PngStructure | None, layer: layers.Layer
 ) -> PlacedImage:
     source.seek_subimage(layer.part, 0)
     spec = source.spec()
@@ -227,7 +183,7 @@ def _parts(source: Any) -> list[Any]:
 def _read_layer(
     path: Path,
     source: Any,
-    kind: str,
+    kind: PictureFormat,
     structure: png.PngStructure | None,
     chosen: layers.Layer,
     *,
@@ -244,22 +200,24 @@ def _read_layer(
     except MemoryError:
         raise LimitError(f"{path}: {spec.width} x {spec.height} does not fit in memory; make it smaller") from None
     if pixels is None:
-        raise InputError(f"{path}: the {_NAMES[kind]} file is cut short or damaged; export or download it again")
+        raise InputError(f"{path}: the {kind.name} file is cut short or damaged; export or download it again")
     pixels = layers.pick(pixels, chosen)
     if not placed:
         pixels, chosen = _on_canvas(spec, pixels, chosen)
     colors = structure.color_chunks if structure is not None else ()
     if structure is None and spec.getattribute("ICCProfile") is not None:
         colors = ("ICC profile",)
+    attributes = own_attributes(spec)
     return RasterImage(
         pixels=np.ascontiguousarray(pixels),
         channels=chosen.channels,
         name=f"{path}:{chosen.name}" if chosen.name else str(path),
         bits={"uint8": 8, "uint16": 16, "half": 16}.get(stored, 32),
-        lossy=kind == "jpeg" or "jpeg" in str(spec.getattribute("compression")),
-        attributes=_own_attributes(spec),
+        lossy=kind is JPEG or "jpeg" in str(spec.getattribute("compression")),
+        attributes=attributes,
         color_chunks=colors,
         layer=chosen.name,
+        depth_facts=depth_facts(attributes),
     )
 
 
@@ -280,18 +238,3 @@ def _on_canvas(spec: Any, pixels: NDArray[Any], chosen: layers.Layer) -> tuple[N
     if x0 < x1 and y0 < y1:
         canvas[y0:y1, x0:x1] = pixels[y0 - top : y1 - top, x0 - left : x1 - left]
     return canvas, chosen
-
-
-def _own_attributes(spec: Any) -> dict[str, str]:
-    own = {a.name[len(PREFIX) :]: str(a.value) for a in spec.extra_attribs if a.name.startswith(PREFIX)}
-    if not own:  # TIFF has no free-form attributes: they travel in its description, a line each
-        for line in str(spec.getattribute("ImageDescription") or "").split("\n"):
-            key, mark, value = line.removesuffix("\r").partition("=")
-            if mark and key.startswith(PREFIX):
-                own[key[len(PREFIX) :]] = _ESCAPED.sub(lambda found: _BREAKS[found[1]], value)
-    return own
-
-
-def one_line(text: str) -> str:
-    """A value as a line of a TIFF's description; reading gives it back."""
-    return text.replace("\\", "\\\\").replace("\n", "\\n").replace("\r", "\\r")

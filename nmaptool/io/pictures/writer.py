@@ -12,7 +12,8 @@ import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, OutputError
-from nmaptool.io.pictures.reader import PREFIX, PlacedImage, error_text, one_line, read_image, read_pages
+from nmaptool.io.pictures.metadata import PREFIX, one_line
+from nmaptool.io.pictures.reader import PlacedImage, error_text, read_image, read_pages
 
 
 @dataclass(frozen=True, eq=False)

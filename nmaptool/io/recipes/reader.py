@@ -11,7 +11,8 @@ from typing import Any
 from nmaptool.composition.recipe_parsing import parse_recipe
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.io.opening import read_head
-from nmaptool.io.pictures.reader import is_picture, read_image
+from nmaptool.io.pictures.formats import is_picture
+from nmaptool.io.pictures.reader import read_image
 from nmaptool.options import CanvasOptions
 from nmaptool.types.recipe import DEEPEST, MOST_LAYERS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
 

@@ -16,7 +16,8 @@ import tifffile
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, LimitError
-from nmaptool.io.pictures.reader import PREFIX, read_pages
+from nmaptool.io.pictures.metadata import PREFIX
+from nmaptool.io.pictures.reader import read_pages
 from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.io.workspaces.limits import MOST_LAYERS, Budget
 from nmaptool.io.workspaces.pages import FURTHEST, Page, layers_of, page_attributes, page_metadata

@@ -1,0 +1,73 @@
+"""Where a decoded picture is covered, by the kind of its background, with the rim in between repaired."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.vectors import FLAT
+from nmaptool.maps.background import Background
+from nmaptool.maps.channels import Channels
+from nmaptool.maps.codec import decode_color
+from nmaptool.maps.fringe import repair_rim
+
+# alpha under this is background, not rim
+_SEE_THROUGH = 0.02
+
+
+class Covered(NamedTuple):
+    """Vectors with the rim repaired and where they count.
+
+    Attributes
+    ----------
+    vectors : (H, W, 3) float32
+        Not normalised.
+    coverage : (H, W) float32
+    background : (H, W) bool
+    rim_pixels : int
+        Pixels whose vector was replaced.
+    """
+
+    vectors: Float32
+    coverage: Float32
+    background: Mask
+    rim_pixels: int
+
+
+def cover(vectors: Float32, mixed: Float32, channels: Channels, background: Background) -> Covered:
+    """Coverage of a picture, and its vectors without what its background mixed into the rim.
+
+    Parameters
+    ----------
+    vectors : (H, W, 3) float32
+        As stored, in file order of channels and signs; not changed.
+    mixed : (H, W, K) float32
+        The stored components that anti-aliasing mixed: the vectors, or the two that they were made from.
+    channels : Channels
+    background : Background
+    """
+    everywhere = np.ones(vectors.shape[:2], np.float32)
+    alpha = channels.image.alpha
+    if background.kind == "none" or (background.kind == "alpha" and alpha is None):
+        return Covered(vectors, everywhere, background.mask, 0)
+    if background.kind == "flat":
+        return _on_flat(vectors, everywhere, background.mask)
+    if background.kind == "alpha":
+        assert alpha is not None
+        vectors, _, rim_pixels = repair_rim(vectors, alpha <= _SEE_THROUGH, None)
+        return Covered(vectors, alpha.copy(), background.mask, rim_pixels)
+    # a colour that is no normal
+    assert background.codes is not None
+    behind = decode_color(background.codes, channels.coding)[: mixed.shape[2]]
+    vectors, coverage, rim_pixels = repair_rim(vectors, background.mask, behind, mixed=mixed)
+    return Covered(vectors, coverage, background.mask, rim_pixels)
+
+
+def _on_flat(vectors: Float32, everywhere: Float32, background: Mask) -> Covered:
+    """A flat background is a defined part of the map; a rim that is mostly background joins it."""
+    flat = np.array(FLAT, np.float32)
+    vectors, share, rim_pixels = repair_rim(vectors, background, flat, is_normal=True)
+    background = background | (share < 0.5)
+    return Covered(np.where(background[..., None], flat, vectors), everywhere, background, rim_pixels)

@@ -1,0 +1,75 @@
+"""The code that stands for zero: what each choice means, and which one a file's flat pixels tell."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Mask
+
+ZERO_CODES = ("127", "127.5", "128")
+# A flat code is taken for the file's own zero only where it stands out as a spike: fields that merely pass through
+# flat hold its three neighbours about as often.
+_SPIKE = 4
+_SPIKE_PIXELS = 64
+
+
+def zero_and_scale(zero_code: str, max_code: int) -> tuple[float, float]:
+    """Code that means 0 and codes per unit, so that n = (v - zero) / scale.
+
+    Parameters
+    ----------
+    zero_code : str
+        "127.5" (the middle), "128" (upper neighbour) or "127" (lower neighbour: a truncating writer), in 8-bit terms.
+    max_code : int
+        255 or 65535.
+
+    Examples
+    --------
+    >>> zero_and_scale("128", 65535)
+    (32768.0, 32767.0)
+    """
+    middle = max_code / 2
+    if zero_code == "128":
+        return middle + 0.5, middle - 0.5
+    if zero_code == "127":
+        return middle - 0.5, middle
+    return middle, middle
+
+
+def flat_codes(max_code: int) -> dict[str, tuple[int, int, int]]:
+    """Codes that writers store for the flat normal, by the zero code they imply."""
+    middle = (max_code + 1) // 2
+    return {"128": (middle, middle, max_code), "127": (middle - 1, middle - 1, max_code)}
+
+
+def detect_zero_code(rgb: NDArray[Any]) -> str | None:
+    """Zero code told by the exact flat code, or None where no flat code stands out.
+
+    Parameters
+    ----------
+    rgb : (H, W, 3) uint8 or uint16
+
+    Returns
+    -------
+    "128", "127" or None
+    """
+    max_code = int(np.iinfo(rgb.dtype).max)
+    middle = (max_code + 1) // 2
+    # a truncating writer stores 254 or 255 for nz = 1
+    candidates = rgb[rgb[..., 2] >= max_code - 1][:, :2]
+    near = candidates[((candidates == middle) | (candidates == middle - 1)).all(axis=1)]
+    counts = np.bincount((near[:, 0] == middle) * 2 + (near[:, 1] == middle), minlength=4)
+    order = np.sort(counts)
+    if order[-1] < _SPIKE_PIXELS or order[-1] < _SPIKE * order[-2]:
+        return None
+    winner = int(np.argmax(counts))
+    return {3: "128", 0: "127"}.get(winner)
+
+
+def has_color(pixels: NDArray[Any], color: tuple[int, int, int]) -> Mask:
+    """(...) bool: where (..., 3 or more) integer codes are exactly one colour."""
+    x, y, z = (pixels[..., channel] == code for channel, code in enumerate(color))
+    return np.asarray(x & y & z)
