@@ -201,7 +201,7 @@ def fail_with(error):
 
 
 def test_no_renderer(refused, place, monkeypatch):
-    monkeypatch.setattr(gl, "_Context", fail_with(OSError("no libEGL\nhere")))
+    monkeypatch.setattr(gl, "Offscreen", fail_with(OSError("no libEGL\nhere")))
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
     words = ("bake", "plate.obj", "-o", "m", "--size", "60x50")
     why = "no libEGL here"
