@@ -5,7 +5,6 @@ Nothing heavy may be imported here: a child's peak memory counts from what its p
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import subprocess
@@ -15,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.relief import Job, run
-from bench.table import Neighborhood, table, write_section
+from bench.report import Report
+from bench.table import table
 
 SIZES = (20_000, 75_000, 300_000, 1_500_000)
 WHOLE = "all layers, ring, supersample 1"
@@ -118,14 +118,12 @@ def command_row(folder: Path, source: str, times: int) -> list[str]:
 
 def main() -> None:
     """Measure, print and, with --write, keep."""
-    parser = argparse.ArgumentParser(prog="python -m bench.bake", description=__doc__)
-    parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, help="faces of the meshes that are made, about")
-    parser.add_argument("--mesh", help="measure this file as well")
-    parser.add_argument("--repeat", type=int, default=3, help="times are the best of this many (default 3)")
-    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
-    options = parser.parse_args()
+    report = Report("bake", __doc__)
+    report.argument("--sizes", type=int, nargs="+", default=SIZES, help="faces of the meshes that are made, about")
+    report.argument("--mesh", help="measure this file as well")
+    report.argument("--repeat", type=int, default=3, help="times are the best of this many (default 3)")
+    options = report.begin()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
-    surroundings = Neighborhood("bench.bake")
     sources = [(str(size), size) for size in options.sizes] + ([(options.mesh, 0)] if options.mesh else [])
     measured = [measure(source, wanted, options.repeat) for source, wanted in sources]
     with tempfile.TemporaryDirectory() as name:
@@ -139,10 +137,7 @@ def main() -> None:
     header = ["stage", *(cell for m in measured for cell in (f"{m.name} s", "x"))]
     whole = table(("from start to exit", "runs", "span s", PEAK), [command])
     verdicts = "\n".join(goals_of(measured))
-    body = [surroundings.describe(), preface, table(header, rows_of(measured)), whole, verdicts]
-    print("\n\n".join(body))
-    if options.write:
-        write_section("bake", "\n\n".join(body))
+    report.end(preface, table(header, rows_of(measured)), whole, verdicts)
 
 
 if __name__ == "__main__":

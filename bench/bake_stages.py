@@ -23,7 +23,7 @@ from nmaptool.meshes.clean import clean_mesh
 from nmaptool.options import BakeOptions, FilterOptions
 from nmaptool.render import gl, numpy_raster
 from nmaptool.render.camera import frame_camera
-from nmaptool.render.face_buffer import Draw, finer
+from nmaptool.render.face_buffer import Draw, supersampled_camera
 from nmaptool.types.mesh import Mesh
 
 _LARGEST_FOR_NUMPY = 400_000
@@ -80,7 +80,7 @@ def stages(mesh: Mesh, repeat: int) -> dict[str, float]:
         return Mesh(clean.vertices, clean.faces)
 
     def draw_with(draw: Draw, supersample: int) -> Callable[[], object]:
-        samples = finer(camera, supersample)
+        samples = supersampled_camera(camera, supersample)
         return lambda: draw(samples.project(clean.vertices), clean.faces, samples.rows, samples.cols)
 
     clean = clean_mesh(mesh)[0]

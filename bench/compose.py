@@ -5,7 +5,6 @@ Nothing heavy may be imported here: a child's peak memory counts from what its p
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import subprocess
@@ -13,7 +12,8 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.table import Neighborhood, table, write_section
+from bench.report import Report
+from bench.table import table
 
 SIZE = 4096
 MOST_IMAGES = 6.0
@@ -72,14 +72,12 @@ def row_of(job: Job, stated: dict[str, float]) -> list[str]:
 
 def main() -> None:
     """Measure, print and, with --write, keep."""
-    parser = argparse.ArgumentParser(prog="python -m bench.compose", description=__doc__)
-    parser.add_argument("--size", type=int, default=SIZE, help="pixels on a side of the ground (default 4096)")
-    parser.add_argument("--repeat", type=int, default=5, help="times are the best of this many (default 5)")
-    parser.add_argument("--only", default="", help="jobs whose names hold this text")
-    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
-    options = parser.parse_args()
+    report = Report("compose", __doc__)
+    report.argument("--size", type=int, default=SIZE, help="pixels on a side of the ground (default 4096)")
+    report.argument("--repeat", type=int, default=5, help="times are the best of this many (default 5)")
+    report.argument("--only", default="", help="jobs whose names hold this text")
+    options = report.begin()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
-    surroundings = Neighborhood("bench.compose")
     jobs = [job for job in JOBS if options.only in job.name]
     rows = [row_of(job, measure(job, options.size, options.repeat)) for job in jobs]
     preface = (
@@ -93,10 +91,7 @@ def main() -> None:
         "included.\nGoals are upper limits for 4096 px on 2 cores."
     )
     header = ("job", "s", "goal s", "slowest s", "copies", "goal", "peak images", "goal images")
-    body = [surroundings.describe(), preface, table(header, rows)]
-    print("\n\n".join(body))
-    if options.write:
-        write_section("compose", "\n\n".join(body))
+    report.end(preface, table(header, rows))
 
 
 if __name__ == "__main__":

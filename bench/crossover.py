@@ -9,9 +9,10 @@ import argparse
 
 from bench.masks import FAMILIES, WEIGHTS
 from bench.patience import Patience
+from bench.report import Report
 from bench.runs import Job, Outcome, measure
 from bench.systems import Case
-from bench.table import Neighborhood, table, write_section
+from bench.table import table
 from nmaptool import ReliefOptions
 
 METHODS = ("multigrid", "dct", "amg", "dct + CG")
@@ -110,15 +111,14 @@ def iterations(results: Results, sizes: list[int]) -> str:
 
 def main() -> None:
     """Measure, print and, with --write, keep."""
-    parser = argparse.ArgumentParser(prog="python -m bench.crossover", description=__doc__)
+    report = Report("crossover", __doc__)
     sizes = [64, 128, 256, 512, 1024, 2048, 4096]
-    parser.add_argument("--sizes", type=int, nargs="+", default=sizes, help="pixels on a side")
-    parser.add_argument("--limit", type=float, default=30, help="most seconds for one method on one case (default 30)")
-    parser.add_argument("--spend", type=float, default=0.3, help="seconds of repeats (default 0.3)")
-    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
-    options = parser.parse_args()
+    report.argument("--sizes", type=int, nargs="+", default=sizes, help="pixels on a side")
+    report.argument("--limit", type=float, default=30, help="most seconds for one method on one case (default 30)")
+    report.argument("--spend", type=float, default=0.3, help="seconds of repeats (default 0.3)")
+    options = report.begin()
     options.sizes.sort()
-    surroundings, patience = Neighborhood("bench.crossover"), Patience(options.limit)
+    patience = Patience(options.limit)
     results: Results = {}
     preface = (
         f"Milliseconds of setup and one solve to {_TOLERANCE:g}, in brackets the iterations; `...` would take over "
@@ -135,10 +135,9 @@ def main() -> None:
         print(f"\n{body[-1]}", flush=True)
     regrets = [each for case, name in results if name == "auto" and (each := _regret(results, case)) is not None]
     worst = f"`auto` takes at most {max(regrets):.2f} times what the fastest takes." if regrets else "auto: no times"
-    body += [by_size(results, options.sizes), iterations(results, options.sizes), worst, surroundings.describe()]
+    body += [by_size(results, options.sizes), iterations(results, options.sizes), worst, report.surroundings()]
     print("", *body[-4:], sep="\n\n")
-    if options.write:
-        write_section("crossover", "\n\n".join([body[-1], *body[:-1]]))
+    report.write("\n\n".join([body[-1], *body[:-1]]))
 
 
 if __name__ == "__main__":

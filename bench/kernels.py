@@ -5,7 +5,6 @@ Numba is no dependency; where it is not installed, its columns stay empty.
 
 from __future__ import annotations
 
-import argparse
 import importlib.util
 import subprocess
 import sys
@@ -17,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from bench.masks import statue
-from bench.table import Neighborhood, table, write_section
+from bench.report import Report
+from bench.table import table
 from nmaptool.core.arrays import Float32
 from nmaptool.core.grid import corner_sum
 from nmaptool.solver import QuadSystem
@@ -107,11 +107,9 @@ def row_of(rows: int, cols: int, numba_pass: Callable[..., None] | None, repeats
 
 def main() -> None:
     """Measure, print and, with --write, keep."""
-    parser = argparse.ArgumentParser(prog="python -m bench.kernels", description=__doc__)
-    parser.add_argument("--repeat", type=int, default=40, help="times are the best of this many (default 40)")
-    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
-    options = parser.parse_args()
-    surroundings = Neighborhood("bench.kernels")
+    report = Report("kernels", __doc__)
+    report.argument("--repeat", type=int, default=40, help="times are the best of this many (default 40)")
+    options = report.begin()
     body = ["One pass of two 2x2 box sums over the finest level in float32, in milliseconds, the best of several."]
     with tempfile.TemporaryDirectory() as name:
         numba_pass = None
@@ -125,10 +123,7 @@ def main() -> None:
             )
         rows = [row_of(*size, numba_pass, options.repeat) for size in SIZES]
     body.append(table(["pixels", "bands of NumPy", "Numba", "times"], rows))
-    text = "\n\n".join([surroundings.describe(), *body])
-    print(text)
-    if options.write:
-        write_section("kernels", text)
+    report.end(*body)
 
 
 if __name__ == "__main__":

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
-
 import nmaptool as nm
 from bench.bake_stages import best, load
 from bench.reach import line
-from bench.table import Neighborhood, table, write_section
+from bench.report import MeshReport
+from bench.table import table
 from nmaptool.filters.decompose import decompose_clean
 from nmaptool.filters.descriptor import Describer
 from nmaptool.meshes.clean import clean_mesh
@@ -37,12 +36,8 @@ def measure(mesh: Mesh, repeat: int) -> dict[str, float]:
 
 def main() -> None:
     """Measure, print and, with --write, keep."""
-    parser = argparse.ArgumentParser(prog="python -m bench.learned", description=__doc__)
-    parser.add_argument("--mesh", action="append", help="a mesh file instead of the spheres; repeatable")
-    parser.add_argument("--repeat", type=int, default=2, help="runs of each, the best counts (default 2)")
-    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
-    options = parser.parse_args()
-    surroundings = Neighborhood("bench.learned")
+    report = MeshReport("learned", __doc__)
+    options = report.begin()
     decompose_clean(clean_mesh(load("2000"))[0], nm.FilterOptions(filter="learned"))  # loads what the first one loads
     meshes = [clean_mesh(load(source))[0] for source in options.mesh or map(str, SIZES)]
     measured = [measure(mesh, options.repeat) for mesh in meshes]
@@ -61,15 +56,11 @@ def main() -> None:
         )
         if len(mesh.faces) >= _LARGE:
             goals.append(line(f"{LEARNED}, {faces}", seconds[LEARNED], _MOST_SECONDS, "s"))
-    body = [
-        surroundings.describe(),
+    report.end(
         f"Seconds are the best of {options.repeat}, set-up included; `x` is that over the surface filter's.",
         table(header, rows),
         *goals,
-    ]
-    print("\n\n".join(body))
-    if options.write:
-        write_section("learned", "\n\n".join(body))
+    )
 
 
 if __name__ == "__main__":

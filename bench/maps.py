@@ -6,6 +6,7 @@ Everything is placed in shares of the longer side, so the picture is the same at
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +18,7 @@ _MOTIF_SEED = 11
 _DOMES, _HOLES = 30, 12
 
 
-@dataclass(frozen=True)
-class Disc:
+class Disc(NamedTuple):
     """A dome or a hole, in shares of the longer side, y up."""
 
     x: float

@@ -10,11 +10,9 @@ from __future__ import annotations
 import importlib.util
 import json
 import subprocess
-import sys
 import time
-from pathlib import Path
 
-from bench.runs import Job, measure
+from bench.runs import Job, child, measure
 from bench.systems import Case
 
 PACKAGE = "dbini_torch"
@@ -27,17 +25,11 @@ def compare(limit: float, spend: float) -> str:
     if importlib.util.find_spec(PACKAGE) is None:
         return "dbini-torch, a public normal-integration solver, is not installed here."
     try:
-        done = subprocess.run(
-            [sys.executable, "-m", "bench.public_solver"],
-            check=True,
-            capture_output=True,
-            timeout=limit,
-            cwd=Path(__file__).parents[1],
-        )
+        done = child("bench.public_solver", limit)
     except subprocess.TimeoutExpired:
         return f"dbini-torch, a public normal-integration solver, takes more than {limit:.0f} s for {_CASE}."
-    except subprocess.CalledProcessError as error:
-        return f"dbini-torch, a public normal-integration solver, fails: {error.stderr.decode().splitlines()[-1]}"
+    if done.returncode:
+        return f"dbini-torch, a public normal-integration solver, fails: {done.stderr.splitlines()[-1]}"
     seconds = float(json.loads(done.stdout.splitlines()[-1])["seconds"])
     line = f"dbini-torch, a public normal-integration solver, takes {seconds:.2f} s for {_CASE}, to {_TOLERANCE:g}"
     outcomes = measure([Job(_CASE, name, (_TOLERANCE,)) for name in ("multigrid", "amg")], limit, spend)

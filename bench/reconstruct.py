@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import argparse
-
 import nmaptool as nm
 from bench.bake_stages import RING, best, load
 from bench.reach import line
-from bench.table import Neighborhood, table, write_section
+from bench.report import MeshReport
+from bench.table import table
 from nmaptool.core.arrays import Float64
 from nmaptool.filters.decompose import decompose_clean
 from nmaptool.meshes.clean import clean_mesh
-from nmaptool.reconstruction.smooth import mixed
+from nmaptool.reconstruction.smooth import target_normals
 from nmaptool.types.mesh import Mesh
 
 SIZES = (20_000, 75_000, 300_000)
@@ -22,7 +21,7 @@ _MOST_SECONDS, _LARGE = 10.0, 250_000
 def measure(mesh: Mesh, repeat: int) -> tuple[dict[str, float], dict[str, float]]:
     """Seconds of the ring filter and of each scheme; their normal deviations in degrees."""
     seconds = {"filter ring": best(lambda: decompose_clean(mesh, RING), repeat)}
-    targets = mixed(decompose_clean(mesh, nm.FilterOptions()), 0.0)
+    targets = target_normals(decompose_clean(mesh, nm.FilterOptions()), 0.0)
     degrees = {"filter ring": 0.0}
     for scheme, steps in SCHEMES:
         name = f"{scheme}, {steps} steps"
@@ -35,12 +34,8 @@ def measure(mesh: Mesh, repeat: int) -> tuple[dict[str, float], dict[str, float]
 
 def main() -> None:
     """Measure, print and, with --write, keep."""
-    parser = argparse.ArgumentParser(prog="python -m bench.reconstruct", description=__doc__)
-    parser.add_argument("--mesh", action="append", help="a mesh file instead of the spheres; repeatable")
-    parser.add_argument("--repeat", type=int, default=2, help="runs of each, the best counts (default 2)")
-    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
-    options = parser.parse_args()
-    surroundings = Neighborhood("bench.reconstruct")
+    report = MeshReport("reconstruct", __doc__)
+    options = report.begin()
     nm.reconstruct(*_small())  # loads what is loaded with the first
     meshes = [clean_mesh(load(source))[0] for source in options.mesh or map(str, SIZES)]
     measured = [measure(mesh, options.repeat) for mesh in meshes]
@@ -57,8 +52,7 @@ def main() -> None:
         for mesh, (seconds, _) in zip(meshes, measured, strict=True)
         if len(mesh.faces) >= _LARGE
     ]
-    body = [
-        surroundings.describe(),
+    report.end(
         (
             f"Meshes rebuilt to their base normals (surface, sigma_s 3). Seconds are the best of {options.repeat}, "
             "set-up included; `x` is that over\nthe five passes of the ring filter; degrees are what normals are still "
@@ -66,10 +60,7 @@ def main() -> None:
         ),
         table(header, rows),
         *goals,
-    ]
-    print("\n\n".join(body))
-    if options.write:
-        write_section("reconstruct", "\n\n".join(body))
+    )
 
 
 def _small() -> tuple[Mesh, Float64, nm.ReconstructOptions]:

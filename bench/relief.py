@@ -5,7 +5,6 @@ Nothing heavy may be imported here: a child's peak memory counts from what its p
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import subprocess
@@ -17,7 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
-from bench.table import Neighborhood, table, write_section
+from bench.report import Report
+from bench.table import table
 
 MOST_BYTES = 1.2e9
 
@@ -121,11 +121,9 @@ def account_of(job: Job, report: Path) -> list[str]:
 
 def main() -> None:
     """Measure, print and, with --write, keep."""
-    parser = argparse.ArgumentParser(prog="python -m bench.relief", description=__doc__)
-    parser.add_argument("--size", default="1000x900", help="pixels across and down (default 1000x900)")
-    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
-    options = parser.parse_args()
-    surroundings = Neighborhood("bench.relief")
+    report = Report("relief", __doc__)
+    report.argument("--size", default="1000x900", help="pixels across and down (default 1000x900)")
+    options = report.begin()
     rows, layer_reports = [], []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -143,10 +141,7 @@ def main() -> None:
     )
     header = ("job", "runs", "wall s", "span s", "goal s", "of goal", "peak GB", "goal GB", "of goal")
     account_header = ("of which, by its own report", "solver", "unknowns", "setup s", "solve s", "iterations")
-    body = [surroundings.describe(), preface, table(header, rows), table(account_header, layer_reports)]
-    print("\n\n".join(body))
-    if options.write:
-        write_section("relief", "\n\n".join(body))
+    report.end(preface, table(header, rows), table(account_header, layer_reports))
 
 
 if __name__ == "__main__":

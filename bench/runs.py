@@ -60,6 +60,19 @@ class Outcome:
         return self.setup + sum(each.solve for each in self.answers if each is not None)
 
 
+def child(module: str, limit: float, asked: str = "") -> subprocess.CompletedProcess[str]:
+    """Run a module in a new process, with text for its standard input; TimeoutExpired after ``limit`` seconds."""
+    return subprocess.run(
+        [sys.executable, "-m", module],
+        check=False,
+        input=asked,
+        capture_output=True,
+        text=True,
+        timeout=limit,
+        cwd=Path(__file__).parents[1],
+    )
+
+
 def measure(jobs: Sequence[Job], limit: float, spend: float) -> list[Outcome]:
     """Carry out jobs one after the other in one new process.
 
@@ -74,15 +87,7 @@ def measure(jobs: Sequence[Job], limit: float, spend: float) -> list[Outcome]:
     asked = json.dumps({"spend": spend, "jobs": [dataclasses.asdict(job) for job in jobs]})
     late = f"over {limit:.0f} s"
     try:
-        done = subprocess.run(
-            [sys.executable, "-m", "bench.runs"],
-            check=False,
-            input=asked,
-            capture_output=True,
-            text=True,
-            timeout=limit,
-            cwd=Path(__file__).parents[1],
-        )
+        done = child("bench.runs", limit, asked)
         stated, left = done.stdout, "out of memory" if done.returncode in (-9, 137) else f"failed: {_last(done.stderr)}"
     except subprocess.TimeoutExpired as stopped:
         printed = stopped.stdout or b""

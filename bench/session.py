@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import time
 from collections.abc import Iterator
@@ -12,7 +11,8 @@ import nmaptool as nm
 from bench.maps import Scene, scene
 from bench.masks import FAMILIES
 from bench.reach import line
-from bench.table import Neighborhood, table, write_section
+from bench.report import Report
+from bench.table import table
 
 _STEPS = 12
 _SLIDERS = ("mu", "beta", "delta", "height")
@@ -60,11 +60,9 @@ def maps_of(family: str, side: int) -> tuple[nm.NormalMap, nm.NormalMap]:
 
 def main() -> None:
     """Measure, print and, with --write, keep."""
-    parser = argparse.ArgumentParser(prog="python -m bench.session", description=__doc__)
-    parser.add_argument("--side", type=int, default=512, help="pixels on a side (default 512)")
-    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
-    options = parser.parse_args()
-    surroundings = Neighborhood("bench.session")
+    report = Report("session", __doc__)
+    report.argument("--side", type=int, default=512, help="pixels on a side (default 512)")
+    options = report.begin()
     rows, worst = [], dict.fromkeys(_SLIDERS, 0.0)
     measure(maps_of("statue", 64), nm.ReliefOptions(background="cut"))  # loads what is loaded with the first
     for family in MASKS:
@@ -86,15 +84,11 @@ def main() -> None:
         f"milliseconds of the first relief,\nthen of a relief after a slider has moved a little: the median of "
         f"{_STEPS - 1} and, in brackets, the least."
     )
-    body = [
-        surroundings.describe(),
+    report.end(
         preface,
         table(("mask", "first", *(f"new {slider}" for slider in _SLIDERS)), rows),
         "\n".join(line(f"new {s} at {options.side} px, any mask", worst[s], _MOST_SECONDS[s], "s") for s in _SLIDERS),
-    ]
-    print("\n\n".join(body))
-    if options.write:
-        write_section("session", "\n\n".join(body))
+    )
 
 
 if __name__ == "__main__":

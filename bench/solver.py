@@ -9,10 +9,11 @@ from bench.bandwidth import Bandwidth, bandwidth
 from bench.patience import Patience
 from bench.public_solver import compare
 from bench.reach import checks
+from bench.report import Report
 from bench.rivals import SOLVERS
 from bench.runs import Answer, Job, Outcome, measure
 from bench.systems import Case
-from bench.table import Neighborhood, table, write_section
+from bench.table import table
 
 TOLERANCES = (1e-6, 1e-10)
 Results = dict[tuple[Case, str], Outcome]
@@ -110,21 +111,20 @@ def _missing(results: Results) -> str:
     return "\n".join(f"{name} is {why}." for name, why in names.items())
 
 
-def _parsed() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m bench.solver", description=__doc__)
-    parser.add_argument("--sizes", type=int, nargs="+", default=[512, 1024, 2048, 4096], help="pixels on a side")
-    parser.add_argument("--side", type=int, default=1024, help="of thin masks and of weights (default 1024)")
-    parser.add_argument("--solvers", nargs="+", choices=[*SOLVERS, "auto"], default=list(SOLVERS))
-    parser.add_argument("--limit", type=float, default=200, help="most seconds for one solver on one case")
-    parser.add_argument("--spend", type=float, default=2, help="seconds of repeats (default 2)")
-    parser.add_argument("--write", action="store_true", help="keep the results in results.md")
-    return parser.parse_args()
+def _report() -> Report:
+    report = Report("solver", __doc__)
+    report.argument("--sizes", type=int, nargs="+", default=[512, 1024, 2048, 4096], help="pixels on a side")
+    report.argument("--side", type=int, default=1024, help="of thin masks and of weights (default 1024)")
+    report.argument("--solvers", nargs="+", choices=[*SOLVERS, "auto"], default=list(SOLVERS))
+    report.argument("--limit", type=float, default=200, help="most seconds for one solver on one case")
+    report.argument("--spend", type=float, default=2, help="seconds of repeats (default 2)")
+    return report
 
 
 def main() -> None:
     """Measure, print and, with --write, keep."""
-    options = _parsed()
-    surroundings = Neighborhood("bench.solver")
+    report = _report()
+    options = report.begin()
     memory = bandwidth()
     body: list[str] = []
 
@@ -142,9 +142,8 @@ def main() -> None:
         say(f"### {title}\n\n{table(_HEADER, rows) if rows else 'nothing measured'}")
     say("\n\n".join(part for part in (_missing(results), compare(options.limit, options.spend)) if part))
     say("\n".join(checks(results)))
-    say(surroundings.describe())
-    if options.write:
-        write_section("solver", "\n\n".join([body[-1], *body[:-1]]))
+    say(report.surroundings())
+    report.write("\n\n".join([body[-1], *body[:-1]]))
 
 
 if __name__ == "__main__":

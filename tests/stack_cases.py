@@ -31,7 +31,8 @@ def write_maps(folder, png):
     return folder
 
 
-SCENE = """
+# the beginning of scenes: the plate, and the bunny on it, placed by what follows
+BUNNY_ON_PLATE = """
 [canvas]
 width = "40mm"
 
@@ -41,7 +42,14 @@ file = "plate.exr"
 [[layer]]
 name = "bunny"
 file = "bunny.exr"
-at = "30%,12mm"
+"""
+
+THROUGH_WIDE = """mode = "rnm"
+strength = 0.5
+mask = "wide.png"
+"""
+
+SCENE = f"""{BUNNY_ON_PLATE}at = "30%,12mm"
 anchor = "bottom"
 scale = 0.7
 rotate = 12
@@ -52,10 +60,7 @@ mask = "half.png"
 
 [[layer]]
 name = "ornaments"
-mode = "rnm"
-strength = 0.5
-mask = "wide.png"
-
+{THROUGH_WIDE}
   [[layer.layer]]
   file = "leaf.png"
   at = "50%,50%"

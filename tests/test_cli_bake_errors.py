@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from bake_cases import QUICK, quickly, write_plate
+from cli_cases import bad_targets, bad_words, disk_that_fills, fail_with
 from mesh_files import FACES, VERTICES, obj, ply
 
-from nmaptool.core.errors import OutputError
 from nmaptool.render import gl
 
 USAGE, INPUT, LIMIT, OUTPUT, RENDERER, INTERRUPTED = 2, 3, 4, 5, 6, 130
@@ -103,31 +103,35 @@ BAD_WORDS = [
 ]
 
 
-@pytest.mark.parametrize(("words", "pattern"), BAD_WORDS, ids=[bad[0] for bad in BAD_WORDS])
+@bad_words(BAD_WORDS)
 def test_words_that_cannot_be_meant(refused, place, words, pattern):
-    refused(USAGE, pattern, "bake", "plate.obj", "-o", "m", *quickly(*words.split()))
+    refused(USAGE, pattern, "bake", "plate.obj", "-o", "m", *quickly(*words))
 
 
-BAD_TARGETS = [
-    (USAGE, "x.png", r"x\.png: layers are written into a folder, such as -o maps --format png .*, or into one .exr"),
-    (USAGE, "plate.obj", r"plate\.obj: layers are written into a folder"),
-    (USAGE, "-", r"-: layers and pictures are written to files, such as -o maps"),
-    (OUTPUT, "file", r"file: is a file; layers need a folder of that name"),
-    (OUTPUT, "file/m", r"file/m: file is a file, not a folder"),
-    (OUTPUT, "file/m.exr", r"file/m\.exr: file is a file, not a folder"),
-    (OUTPUT, "none/m", r"none/m: the folder none does not exist; make it first"),
-    (OUTPUT, "none/m.exr", r"none/m\.exr: the folder none does not exist"),
-    (OUTPUT, "full", r"full/detail\.exr: exists already; give another name, or --overwrite"),
-    (OUTPUT, "old.exr", r"old\.exr: exists already"),
-    (OUTPUT, "deep --view front,left", r"deep/left: is a file; layers need a folder"),
-    (OUTPUT, "m --report none/r.json", r"none/r\.json: the folder none does not exist"),
-    (OUTPUT, "m --plot full.png/p.png", r"full\.png/p\.png: the folder full\.png does not exist"),
-    (OUTPUT, "n" * 300, r"(?i)too long"),
-    (OUTPUT, "n" * 300 + ".exr", r"(?i)too long"),
-]
+BAD_TARGETS = {
+    USAGE: {
+        "x.png": r"x\.png: layers are written into a folder, such as -o maps --format png .*, or into one .exr",
+        "plate.obj": r"plate\.obj: layers are written into a folder",
+        "-": r"-: layers and pictures are written to files, such as -o maps",
+    },
+    OUTPUT: {
+        "file": r"file: is a file; layers need a folder of that name",
+        "file/m": r"file/m: file is a file, not a folder",
+        "file/m.exr": r"file/m\.exr: file is a file, not a folder",
+        "none/m": r"none/m: the folder none does not exist; make it first",
+        "none/m.exr": r"none/m\.exr: the folder none does not exist",
+        "full": r"full/detail\.exr: exists already; give another name, or --overwrite",
+        "old.exr": r"old\.exr: exists already",
+        "deep --view front,left": r"deep/left: is a file; layers need a folder",
+        "m --report none/r.json": r"none/r\.json: the folder none does not exist",
+        "m --plot full.png/p.png": r"full\.png/p\.png: the folder full\.png does not exist",
+        "n" * 300: r"(?i)too long",
+        "n" * 300 + ".exr": r"(?i)too long",
+    },
+}
 
 
-@pytest.mark.parametrize(("code", "target", "pattern"), BAD_TARGETS, ids=[bad[1][:25] for bad in BAD_TARGETS])
+@bad_targets(BAD_TARGETS)
 def test_a_target_that_cannot_be_written(refused, place, code, target, pattern):
     refused(code, pattern, "bake", "plate.obj", *QUICK, "-o", *target.split())
 
@@ -193,15 +197,8 @@ def test_a_mesh_out_of_sight(refused, place, words):
     refused(INPUT, pattern, "bake", "plate.obj", "-o", "m", *QUICK, *words.split())
 
 
-def fail_with(error):
-    def fail(*_, **__):
-        raise error
-
-    return fail
-
-
 def test_no_renderer(refused, place, monkeypatch):
-    monkeypatch.setattr(gl, "_Context", fail_with(OSError("no libEGL\nhere")))
+    monkeypatch.setattr(gl, "Offscreen", fail_with(OSError("no libEGL\nhere")))
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
     words = ("bake", "plate.obj", "-o", "m", "--size", "60x50")
     why = "no libEGL here"
@@ -246,17 +243,7 @@ def test_ctrl_c_anywhere(refused, place, monkeypatch, where, out):
 def test_a_full_disk(refused, place, monkeypatch, out, late):
     from nmaptool.io.output import layers as layer_files
 
-    begun = []
-    write = layer_files.write_pictures
-
-    def failing(pictures, path):
-        begun.append(path)
-        path.write_bytes(bytes(99))
-        if late and len(begun) < 3 and out != "m.exr":
-            return write(pictures, path)
-        raise OutputError(f"{path}: cannot be written (is the disk full?)")
-
-    monkeypatch.setattr(layer_files, "write_pictures", failing)
+    begun = disk_that_fills(monkeypatch, layer_files, good=2 if late and out != "m.exr" else 0)
     target = "m.exr" if out == "m.exr" else f"{out}/{'detail' if late else 'original'}.exr"
     words = ("bake", "plate.obj", "-o", out, *QUICK, "--overwrite", "-q")
     refused(OUTPUT, rf"error: {target}: cannot be written \(is the disk full\?\)", *words)

@@ -8,10 +8,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from cli_cases import bad_targets, disk_that_fills, fail_with
 from compose_cases import as_map, bump_map, flat_map, random_normals
 
 import nmaptool as nm
-from nmaptool.core.errors import OutputError
 
 USAGE, INPUT, LIMIT, OUTPUT, BUG, INTERRUPTED = 2, 3, 4, 5, 70, 130
 
@@ -126,45 +126,70 @@ def test_words_that_are_missing(refused, place):
     refused(USAGE, one_stream, "compose", *BLEND.split(), "--output=-", "--report=-")
 
 
-BAD_INPUTS = [
-    (INPUT, "blend missing.exr detail.exr", r"missing\.exr: no such file"),
-    (INPUT, "blend base.exr folder.exr", r"folder\.exr: is a folder"),
-    (INPUT, "blend base.exr empty.exr", r"empty\.exr: is empty"),
-    (INPUT, "blend text.png detail.exr", r"text\.png: is not a picture"),
-    (INPUT, "blend base.exr nan.exr", r"nan\.exr: 1 pixel\(s\) hold NaN .* x=7, y=4; repair them or make"),
-    (INPUT, "blend one.exr detail.exr", r"one\.exr: has 1 channel\(s\) \(Y\); a normal map needs red, green and blue"),
-    (INPUT, "blend base.exr motif.exr", r"motif\.exr is 20 x 20, but base\.exr is 40 x 30; stretch it with --fit, or"),
-    (INPUT, "blend base.exr detail.exr:fine", r"detail\.exr: has no layer 'fine'; it holds: "),
-    (INPUT, "blend base.exr detail.exr --layer fine", r"base\.exr: has no layer 'fine'"),
-    (LIMIT, "blend huge.png detail.exr", r"huge\.png: 90000 x 90000 is 8100 megapixels"),
-    (INPUT, f"{BLEND} --mask missing.png", r"missing\.png: no such file"),
-    (INPUT, f"{BLEND} --mask color.png", r"color\.png: is a colour picture; a mask .* must be grey"),
-    (INPUT, f"{BLEND} --mask small.png", r"small\.png: the mask of detail\.exr is 6 x 5, expected 40 x 30.*resize it"),
-    (INPUT, f"{BLEND} --mask black.png", r"black\.png: the mask of detail\.exr is empty"),
-    (INPUT, f"{BLEND} --mask nan-mask.exr", r"nan-mask\.exr: holds NaN or infinite values; repair them"),
-    (INPUT, f"{BLEND} --mask wide-mask.exr", r"wide-mask\.exr: the mask of detail\.exr must .*0 and 1, but .*1\.5"),
-    (INPUT, "paste base.exr missing.exr", r"missing\.exr: no such file"),
-    (INPUT, "paste one.exr motif.exr", r"one\.exr: has 1 channel"),
-    (INPUT, f"{PASTE} nan.exr", r"nan\.exr: 1 pixel\(s\) hold NaN"),
-    (INPUT, "paste base.exr clear.exr", r"clear\.exr: covers nothing where it lies; .*alpha"),
-    (INPUT, f"{PASTE} --mask black20.png", r"black20\.png: the mask of motif\.exr is empty"),
-    (INPUT, f"{PASTE} --mask black.png", r"black\.png: the mask of motif\.exr is 40 x 30, expected 20 x 20"),
-    (INPUT, f"{PASTE} --at 100px,0", r"motif\.exr: lies fully off the canvas of 40 x 30 px: from 90,-10 to 110,10 px"),
-    (INPUT, f"{PASTE} --at=-9px,-9px --anchor right", r"motif\.exr: lies fully off the canvas"),
-    (INPUT, f"{PASTE} --scale 0.001", r"motif\.exr: covers nothing where it lies; .*scale"),
-    (INPUT, "paste motif.exr detail.exr --at 0,0 --scale .1 --mode rnm", r"detail\.exr: lies on nothing: mode \"rnm\""),
-    (LIMIT, f"{PASTE} --max-megapixels 0.001", r"base\.exr: 40 x 30 is 0\.0012 megapixels, more than the limit"),
-    (INPUT, "transform missing.exr", r"missing\.exr: no such file"),
-    (INPUT, f"{TRANSFORM} --crop 0,0,50px,9px", r"base\.exr: --crop 0,0,50px,9px is 50 x 9 px at 0,0, .*40 x 30 px"),
-    (INPUT, f"{TRANSFORM} --crop -1px,0,9px,9px", r"base\.exr: --crop .* is 9 x 9 px at -1,0, .*; make .* --pad"),
-    (LIMIT, f"{TRANSFORM} --scale 1000", r"base\.exr: a result of 40000 x 30000 px is more than .*--max-megapixels"),
-    (LIMIT, f"{TRANSFORM} --pad 1e6%", r"base\.exr: a result of \d+ x \d+ px is more than the limit of 270"),
-    (LIMIT, f"{TRANSFORM} --resize 40000x2", r"base\.exr: with a side of more than 32000 px it cannot be turned or"),
-    (LIMIT, f"{TRANSFORM} --affine 1e6,0,0,1e6", r"base\.exr: a result of 40000000 x 30000000 px"),
-]
+BAD_INPUTS = {
+    (INPUT, "blend"): [
+        ("missing.exr detail.exr", r"missing\.exr: no such file"),
+        ("base.exr folder.exr", r"folder\.exr: is a folder"),
+        ("base.exr empty.exr", r"empty\.exr: is empty"),
+        ("text.png detail.exr", r"text\.png: is not a picture"),
+        ("base.exr nan.exr", r"nan\.exr: 1 pixel\(s\) hold NaN .* x=7, y=4; repair them or make"),
+        ("one.exr detail.exr", r"one\.exr: has 1 channel\(s\) \(Y\); a normal map needs red, green and blue"),
+        ("base.exr motif.exr", r"motif\.exr is 20 x 20, but base\.exr is 40 x 30; stretch it with --fit, or"),
+        ("base.exr detail.exr:fine", r"detail\.exr: has no layer 'fine'; it holds: "),
+        ("base.exr detail.exr --layer fine", r"base\.exr: has no layer 'fine'"),
+    ],
+    (LIMIT, "blend"): [
+        ("huge.png detail.exr", r"huge\.png: 90000 x 90000 is 8100 megapixels"),
+    ],
+    (INPUT, BLEND): [
+        ("--mask missing.png", r"missing\.png: no such file"),
+        ("--mask color.png", r"color\.png: is a colour picture; a mask .* must be grey"),
+        ("--mask small.png", r"small\.png: the mask of detail\.exr is 6 x 5, expected 40 x 30.*resize it"),
+        ("--mask black.png", r"black\.png: the mask of detail\.exr is empty"),
+        ("--mask nan-mask.exr", r"nan-mask\.exr: holds NaN or infinite values; repair them"),
+        ("--mask wide-mask.exr", r"wide-mask\.exr: the mask of detail\.exr must .*0 and 1, but .*1\.5"),
+    ],
+    (INPUT, "paste"): [
+        ("base.exr missing.exr", r"missing\.exr: no such file"),
+        ("one.exr motif.exr", r"one\.exr: has 1 channel"),
+        ("base.exr clear.exr", r"clear\.exr: covers nothing where it lies; .*alpha"),
+        ("motif.exr detail.exr --at 0,0 --scale .1 --mode rnm", r"detail\.exr: lies on nothing: mode \"rnm\""),
+    ],
+    (INPUT, PASTE): [
+        ("nan.exr", r"nan\.exr: 1 pixel\(s\) hold NaN"),
+        ("--mask black20.png", r"black20\.png: the mask of motif\.exr is empty"),
+        ("--mask black.png", r"black\.png: the mask of motif\.exr is 40 x 30, expected 20 x 20"),
+        ("--at 100px,0", r"motif\.exr: lies fully off the canvas of 40 x 30 px: from 90,-10 to 110,10 px"),
+        ("--at=-9px,-9px --anchor right", r"motif\.exr: lies fully off the canvas"),
+        ("--scale 0.001", r"motif\.exr: covers nothing where it lies; .*scale"),
+    ],
+    (LIMIT, PASTE): [
+        ("--max-megapixels 0.001", r"base\.exr: 40 x 30 is 0\.0012 megapixels, more than the limit"),
+    ],
+    (INPUT, "transform"): [
+        ("missing.exr", r"missing\.exr: no such file"),
+    ],
+    (INPUT, TRANSFORM): [
+        ("--crop 0,0,50px,9px", r"base\.exr: --crop 0,0,50px,9px is 50 x 9 px at 0,0, .*40 x 30 px"),
+        ("--crop -1px,0,9px,9px", r"base\.exr: --crop .* is 9 x 9 px at -1,0, .*; make .* --pad"),
+    ],
+    (LIMIT, TRANSFORM): [
+        ("--scale 1000", r"base\.exr: a result of 40000 x 30000 px is more than .*--max-megapixels"),
+        ("--pad 1e6%", r"base\.exr: a result of \d+ x \d+ px is more than the limit of 270"),
+        ("--resize 40000x2", r"base\.exr: with a side of more than 32000 px it cannot be turned or"),
+        ("--affine 1e6,0,0,1e6", r"base\.exr: a result of 40000000 x 30000000 px"),
+    ],
+}
 
 
-@pytest.mark.parametrize(("code", "words", "pattern"), BAD_INPUTS, ids=[bad[1] for bad in BAD_INPUTS])
+@pytest.mark.parametrize(
+    ("code", "words", "pattern"),
+    [
+        pytest.param(code, f"{start} {words}", pattern, id=f"{start} {words}")
+        for (code, start), table in BAD_INPUTS.items()
+        for words, pattern in table
+    ],
+)
 def test_what_cannot_be_used(refused, place, code, words, pattern):
     refused(code, pattern, "compose", *words.split(), "-o", "out.exr", "--curl", "c.png", "--report", "r.json")
     refused(code, pattern, "compose", *words.split(), "-o", "old.exr", "--overwrite", "--json")
@@ -190,26 +215,30 @@ def test_standard_input_goes_by_that_name(run, fails, place, monkeypatch):
     assert not (place / "out.exr").exists()
 
 
-BAD_TARGETS = [
-    (USAGE, "out.jpg", r"out\.jpg: ends in \.jpg; normal maps are written as \.png, \.exr, \.tif, \.tiff"),
-    (USAGE, "out", r"out: has no ending; normal maps are written as"),
-    (OUTPUT, "base.exr", r"base\.exr: exists already"),
-    (USAGE, "./base.exr --overwrite", r"base\.exr: is also an input; give another name for the output"),
-    (USAGE, "link.exr --overwrite", r"link\.exr: is also an input"),
-    (USAGE, "out.exr --report out.exr", r"out\.exr: a report is written as \.json"),
-    (USAGE, "a.png --curl a.png", r"a\.png: is named twice"),
-    (OUTPUT, "old.exr", r"old\.exr: exists already; give another name, or --overwrite"),
-    (OUTPUT, "out.exr --curl old.png", r"old\.png: exists already"),
-    (OUTPUT, "none/out.exr", r"none/out\.exr: the folder none does not exist; make it first"),
-    (OUTPUT, "file/out.exr", r"file/out\.exr: file is a file, not a folder"),
-    (OUTPUT, "folder.exr --overwrite", r"folder\.exr: is a folder; give a file name"),
-    (OUTPUT, "out.exr --report none/r.json", r"none/r\.json: the folder none does not exist"),
-    (OUTPUT, "n" * 300 + ".exr", r"(?i)too long"),
-]
+BAD_TARGETS = {
+    USAGE: {
+        "out.jpg": r"out\.jpg: ends in \.jpg; normal maps are written as \.png, \.exr, \.tif, \.tiff",
+        "out": r"out: has no ending; normal maps are written as",
+        "./base.exr --overwrite": r"base\.exr: is also an input; give another name for the output",
+        "link.exr --overwrite": r"link\.exr: is also an input",
+        "out.exr --report out.exr": r"out\.exr: a report is written as \.json",
+        "a.png --curl a.png": r"a\.png: is named twice",
+    },
+    OUTPUT: {
+        "base.exr": r"base\.exr: exists already",
+        "old.exr": r"old\.exr: exists already; give another name, or --overwrite",
+        "out.exr --curl old.png": r"old\.png: exists already",
+        "none/out.exr": r"none/out\.exr: the folder none does not exist; make it first",
+        "file/out.exr": r"file/out\.exr: file is a file, not a folder",
+        "folder.exr --overwrite": r"folder\.exr: is a folder; give a file name",
+        "out.exr --report none/r.json": r"none/r\.json: the folder none does not exist",
+        "n" * 300 + ".exr": r"(?i)too long",
+    },
+}
 
 
 @pytest.mark.parametrize("start", [BLEND, PASTE, TRANSFORM])
-@pytest.mark.parametrize(("code", "target", "pattern"), BAD_TARGETS, ids=[bad[1][:25] for bad in BAD_TARGETS])
+@bad_targets(BAD_TARGETS)
 def test_a_target_that_cannot_be_written(refused, place, start, code, target, pattern):
     (place / "link.exr").symlink_to(place / "base.exr")
     refused(code, pattern, "compose", *start.split(), "-o", *target.split())
@@ -222,13 +251,6 @@ def test_a_file_is_an_input_by_its_layer_too(refused, place):
     refused(USAGE, also, "relief", "base.exr:RGB", "-o", "base.exr", "--overwrite")
     words = ("compose", *PASTE.split(), "--mask", "black20.png", "-o", "black20.png", "--overwrite")
     refused(USAGE, r"black20\.png: is also an input", *words)
-
-
-def fail_with(error):
-    def fail(*_, **__):
-        raise error
-
-    return fail
 
 
 @pytest.mark.parametrize("where", ["nmaptool.io.output.map_pictures.curl_picture", "nmaptool.core.vectors.curl"])
@@ -247,17 +269,7 @@ def test_ctrl_c_anywhere(refused, place, monkeypatch, where, start, out):
 def test_a_full_disk(refused, place, monkeypatch, out, stated, count):
     from nmaptool.io.output import normal_map as map_files
 
-    begun = []
-    write = map_files.write_pictures
-
-    def failing(pictures, path):
-        begun.append(path)
-        if len(begun) < count:
-            return write(pictures, path)
-        path.write_bytes(bytes(99))
-        raise OutputError(f"{path}: cannot be written (is the disk full?)")
-
-    monkeypatch.setattr(map_files, "write_pictures", failing)
+    disk_that_fills(monkeypatch, map_files, good=count - 1)
     stated = stated if count == 1 else r"c\.png"
     words = (*BLEND.split(), "-o", out, "--overwrite", "-q", "--curl", "c.png")
     refused(OUTPUT, rf"error: {stated}: cannot be written \(is the disk full\?\)", "compose", *words)

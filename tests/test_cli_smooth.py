@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 from bake_cases import plate, write_plate
+from cli_cases import bad_words
 from mesh_files import FACES, VERTICES, obj
 
 import nmaptool as nm
@@ -113,9 +114,9 @@ BAD_WORDS = [
 ]
 
 
-@pytest.mark.parametrize(("words", "pattern"), BAD_WORDS, ids=[bad[0] for bad in BAD_WORDS])
+@bad_words(BAD_WORDS)
 def test_words_that_cannot_be_meant(refused, place, words, pattern):
-    refused(USAGE, pattern, "smooth", "plate.obj", "-o", "n.stl", *words.split())
+    refused(USAGE, pattern, "smooth", "plate.obj", "-o", "n.stl", *words)
 
 
 def test_inputs_and_outputs_that_cannot_be(refused, place):

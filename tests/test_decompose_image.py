@@ -1,10 +1,14 @@
 """The base layer by rolling guidance in the picture: exact sums, what stays, what goes, and what does not count."""
 
+import threading
+
 import numpy as np
 import pytest
 
 import nmaptool as nm
+from nmaptool.core import parallel
 from nmaptool.core.vectors import unit
+from nmaptool.filters import image
 from nmaptool.filters.image import rolling_guidance_image
 
 FLAT = np.float32([0, 0, 1])
@@ -194,6 +198,40 @@ def test_progress_ends_at_one(iterations):
     shares = [share for _, share in seen]
     assert shares == sorted(shares)
     assert shares[-1] == 1
+
+
+@pytest.mark.parametrize("cores", [1, 3])
+def test_only_the_projects_own_threads_filter(cores, monkeypatch):
+    normals, cover = rough()
+    expected = rolling_guidance(normals, cover, 7.0)
+    monkeypatch.setattr(parallel, "cores", lambda: cores)
+    monkeypatch.setattr(parallel, "_kept", parallel._Kept())
+    monkeypatch.setattr(image, "_BATCH", 256)
+    weighted_sum, seen = image._weighted_sum, set()
+
+    def watched(*given):
+        seen.add(threading.current_thread())
+        return weighted_sum(*given)
+
+    monkeypatch.setattr(image, "_weighted_sum", watched)
+    assert np.array_equal(rolling_guidance(normals, cover, 7.0), expected)
+    others = seen - {threading.current_thread()}
+    assert len(others) < cores
+    assert all(thread.name.startswith("nmaptool") for thread in others)
+
+
+def test_progress_is_told_by_the_thread_that_filters(monkeypatch):
+    monkeypatch.setattr(parallel, "cores", lambda: 3)
+    monkeypatch.setattr(image, "_BATCH", 256)
+    told_by = []
+    rolling_guidance_image(
+        *rough(),
+        sigma_s_px=7,
+        sigma_r=0.4,
+        iterations=3,
+        progress=lambda *_: told_by.append(threading.current_thread()),
+    )
+    assert set(told_by) == {threading.current_thread()}
 
 
 @pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])

@@ -6,21 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from compose_cases import angles_deg
-from stack_cases import write_maps
+from stack_cases import BUNNY_ON_PLATE, THROUGH_WIDE, write_maps
 
 import nmaptool as nm
 
-SCENE = """
-[canvas]
-width = "40mm"
-
-[[layer]]
-file = "plate.exr"
-
-[[layer]]
-name = "bunny"
-file = "bunny.exr"
-at = "30%,50%"
+SCENE = f"""{BUNNY_ON_PLATE}at = "30%,50%"
 rotate = 90
 mask = "half.png"
 
@@ -45,10 +35,7 @@ strength = 0.5
 
 [[layer]]
 name = "wash"
-mode = "rnm"
-strength = 0.5
-mask = "wide.png"
-  [[layer.layer]]
+{THROUGH_WIDE}  [[layer.layer]]
   file = "bunny.exr"
   at = "75%,20%"
   [[layer.layer]]

@@ -171,7 +171,7 @@ def test_two_processes_draw_at_once():
 
 
 def test_no_context_says_what_to_install(monkeypatch):
-    monkeypatch.setattr(gl, "_Context", lambda platform: (_ for _ in ()).throw(OSError(f"no lib{platform}.so")))
+    monkeypatch.setattr(gl, "Offscreen", lambda platform: (_ for _ in ()).throw(OSError(f"no lib{platform}.so")))
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
     expected = (
         r"egl: no libegl.so; osmesa: .*; window: .*apt-get install libegl1 libgl1 libgl1-mesa-dri libxrender1.*numpy"
@@ -184,7 +184,7 @@ def test_no_context_says_what_to_install(monkeypatch):
 
 
 def test_the_next_platform_is_tried_after_one_that_fails(monkeypatch):
-    real, asked = gl._Context, []
+    real, asked = gl.Offscreen, []
 
     def first_fails(platform):
         asked.append(platform)
@@ -194,7 +194,7 @@ def test_the_next_platform_is_tried_after_one_that_fails(monkeypatch):
         made.platform = platform
         return made
 
-    monkeypatch.setattr(gl, "_Context", first_fails)
+    monkeypatch.setattr(gl, "Offscreen", first_fails)
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
     with gl.drawing() as (_, platform):
         assert platform == "osmesa"

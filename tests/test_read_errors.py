@@ -224,13 +224,23 @@ def test_values_far_beyond_unit_length_do_no_harm(tmp_path, dome, picture):
     assert np.isfinite(nm.inspect_map(image).unit_length_error)
 
 
+@pytest.fixture
+def claiming(tmp_path, png):
+    """``claiming(ending, side)``: a picture whose header says it has so many pixels on a side."""
+
+    def write(ending, side):
+        path = tmp_path / f"map.{ending}"
+        if ending == "png":
+            return png(path, np.zeros((2, 2, 3), np.uint8), size=(side, side))
+        path.write_bytes(HEADERS[ending](side, side))
+        return path
+
+    return write
+
+
 @pytest.mark.parametrize("ending", ["png", *HEADERS])
-def test_a_header_that_claims_too_much(tmp_path, png, ending):
-    path = tmp_path / f"map.{ending}"
-    if ending == "png":
-        png(path, np.zeros((2, 2, 3), np.uint8), size=(100_000, 100_000))
-    else:
-        path.write_bytes(HEADERS[ending](100_000, 100_000))
+def test_a_header_that_claims_too_much(claiming, ending):
+    path = claiming(ending, 100_000)
     with pytest.raises(nm.LimitError, match=r"100000 x 100000 is 10000 megapixels, more than the limit of 270"):
         nm.read_normal_map(path)
     with pytest.raises((nm.InputError, nm.LimitError), match=rf"map\.{ending}: ") as caught:
@@ -264,12 +274,8 @@ def test_the_limit_can_be_set(good):
 
 
 @pytest.mark.parametrize("ending", ["png", *HEADERS])
-def test_a_header_within_the_limit_without_its_data_takes_no_memory(tmp_path, png, ending):
-    path = tmp_path / f"map.{ending}"
-    if ending == "png":
-        png(path, np.zeros((2, 2, 3), np.uint8), size=(16_000, 16_000))
-    else:
-        path.write_bytes(HEADERS[ending](16_000, 16_000))
+def test_a_header_within_the_limit_without_its_data_takes_no_memory(claiming, ending):
+    path = claiming(ending, 16_000)
     script = (
         "import resource, sys, nmaptool as nm\n"
         "try: nm.read_normal_map(sys.argv[1])\n"

@@ -1,5 +1,6 @@
 """Workspaces as files: what an independent reader finds in them, bit for bit."""
 
+import itertools
 import json
 import zipfile
 from xml.etree import ElementTree
@@ -32,13 +33,8 @@ def same(first, second):
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        ("a.psd", np.uint8),
-        ("a.psd", np.uint16),
+        *itertools.product(("a.psd", "a.ora", "a.tif"), (np.uint8, np.uint16)),
         ("a.psb", np.uint16),
-        ("a.ora", np.uint8),
-        ("a.ora", np.uint16),
-        ("a.tif", np.uint8),
-        ("a.tif", np.uint16),
         ("a.exr", np.float32),
     ],
 )

@@ -17,15 +17,15 @@ which depends on how the axes lie.
 from __future__ import annotations
 
 import math
-import os
+import threading
 from collections.abc import Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
 
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.parallel import map_parallel
 from nmaptool.core.progress import Progress
 from nmaptool.core.vectors import FLAT, unit
 from nmaptool.types.normal_map import UNIT_TOLERANCE
@@ -136,15 +136,17 @@ class _Canvas:
 
 
 class _Meter:
-    """Tells how much of the work is done."""
+    """Counts work done in any thread and tells how much that is, in the thread that it was made in."""
 
     def __init__(self, progress: Progress | None, whole: int) -> None:
         self.progress, self.whole, self.done = progress, whole, 0
+        self._counting, self._teller = threading.Lock(), threading.get_ident()
 
     def add(self, work: int) -> None:
         """Count work done."""
-        self.done += work
-        if self.progress is not None:
+        with self._counting:
+            self.done += work
+        if self.progress is not None and threading.get_ident() == self._teller:
             self.progress("filtering", self.done / self.whole)
 
 
@@ -170,7 +172,7 @@ def _weighted_sum(
     return total
 
 
-def _next_guide(canvas: _Canvas, guide: Float32, cells: Sequence[_Cell], pool: Executor, meter: _Meter) -> Float32:
+def _next_guide(canvas: _Canvas, guide: Float32, cells: Sequence[_Cell], meter: _Meter) -> Float32:
     """(3, N) float32 unit vectors after one pass; ``guide`` is scaled so that squared distances are exponents.
 
     A cell's sum is that of its nine parts, weighted by the likeness of their middles to its own: a cell across a
@@ -181,9 +183,10 @@ def _next_guide(canvas: _Canvas, guide: Float32, cells: Sequence[_Cell], pool: E
         def work(batch: slice) -> None:
             sums = _weighted_sum(canvas, guide, sources, terms, batch)
             out[:, batch] = canvas.directions(sums, batch) if to_unit else sums
-
-        for _ in pool.map(work, canvas.batches):
             meter.add(len(terms))
+
+        map_parallel(canvas.batches, work)
+        meter.add(0)  # another thread may have done the last batch
 
     sources = [canvas.source]
     for level in range(canvas.levels):
@@ -274,10 +277,9 @@ def rolling_guidance_image(
     meter = _Meter(progress, 1 + (iterations - 1) * (9 * canvas.levels + len(cells)) * len(canvas.batches))
     guide = canvas.directions(canvas.blurred(sigma_s), slice(None))
     meter.add(1)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for _ in range(1, iterations):
-            guide *= np.float32(math.sqrt(0.5) / sigma_r)
-            guide = _next_guide(canvas, guide, cells, pool, meter)
+    for _ in range(1, iterations):
+        guide *= np.float32(math.sqrt(0.5) / sigma_r)
+        guide = _next_guide(canvas, guide, cells, meter)
     found = np.moveaxis(guide.reshape(canvas.shape)[canvas.picture], 0, -1)
     result[box][covered[box]] = found[covered[box]]
     return result

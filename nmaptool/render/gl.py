@@ -5,10 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-import warnings
 from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +13,12 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import LimitError, RendererError
 from nmaptool.render.numpy_raster import Draw
+from nmaptool.render.offscreen import PLATFORM_VARIABLE, Offscreen
 from nmaptool.types.mesh import Faces
 
 # software OpenGL says 16384 and fails there; two buffers of four samples a pixel take 100 MB at this size
 TILE_PX = 2048
 PLATFORMS = ("egl", "osmesa", "window")
-_SHADERS = Path(__file__).parent / "shaders"
-_VARIABLE = "PYOPENGL_PLATFORM"
 _REMEDY = (
     "install OpenGL's libraries (Debian, Ubuntu: sudo apt-get install libegl1 libgl1 libgl1-mesa-dri libxrender1; "
     "Fedora: sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers libXrender), or draw without them, slower: "
@@ -57,74 +53,16 @@ def drawing(renderer: str = "auto") -> Iterator[tuple[Draw, str]]:
         context.close()
 
 
-class _Context:
-    """An OpenGL context that draws face numbers."""
-
-    def __init__(self, platform: str) -> None:
-        self.platform = platform
-        self._offscreen = self._opened(1, 1)
-
-    def _opened(self, rows: int, cols: int) -> Any:
-        before = os.environ.get(_VARIABLE)
-        if self.platform == "window":
-            os.environ.pop(_VARIABLE, None)
-        else:
-            os.environ[_VARIABLE] = self.platform
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of the packages' own making
-                from pyrender import OffscreenRenderer
-                from pyrender.shader_program import ShaderProgramCache
-
-                offscreen = OffscreenRenderer(cols, rows)
-            offscreen._renderer.dpscale = 1  # or a Mac would draw at twice the size and blend face numbers
-            offscreen._renderer._program_cache = ShaderProgramCache(shader_dir=str(_SHADERS))
-            return offscreen
-        finally:
-            if before is None:
-                os.environ.pop(_VARIABLE, None)
-            else:
-                os.environ[_VARIABLE] = before
-
-    def sized(self, rows: int, cols: int) -> Any:
-        """The renderer, set up for pictures of this size."""
-        offscreen = self._offscreen
-        if (offscreen.viewport_height, offscreen.viewport_width) != (rows, cols):
-            if offscreen._platform.supports_framebuffers():
-                offscreen.viewport_width, offscreen.viewport_height = cols, rows
-            else:  # pyrender would make a new one with its own shaders
-                self.close()
-                self._offscreen = self._opened(rows, cols)
-        return self._offscreen
-
-    def close(self) -> None:
-        """Free everything; pyrender would end the whole display connection, under any other context of this process."""
-        offscreen = self._offscreen
-        platform = offscreen._platform
-        display = getattr(platform, "_egl_display", None)
-        if display is None:
-            offscreen.delete()
-            return
-        from OpenGL import EGL
-
-        platform.make_current()
-        offscreen._renderer.delete()
-        EGL.eglMakeCurrent(display, EGL.EGL_NO_SURFACE, EGL.EGL_NO_SURFACE, EGL.EGL_NO_CONTEXT)
-        EGL.eglDestroyContext(display, platform._egl_context)
-        platform._egl_display = platform._egl_context = None
-        offscreen._renderer = offscreen._platform = None
-
-
-def _open(renderer: str) -> _Context:
+def _open(renderer: str) -> Offscreen:
     wanted = (renderer,) if renderer != "auto" else PLATFORMS
-    chosen = os.environ.get(_VARIABLE)
+    chosen = os.environ.get(PLATFORM_VARIABLE)
     if renderer == "auto" and chosen in PLATFORMS:
         wanted = (chosen,)
     reasons = []
     for platform in wanted:
         loaded = {name for name in sys.modules if _is_graphics(name)}
         try:
-            return _Context(platform)
+            return Offscreen(platform)
         except Exception as error:  # noqa: BLE001 - drivers and their bindings fail in every way there is
             reasons.append(f"{platform}: {_reason(platform, error)}")
         for name in [name for name in sys.modules if _is_graphics(name) and name not in loaded]:
@@ -143,7 +81,7 @@ def _is_graphics(name: str) -> bool:
     return name.partition(".")[0] in ("OpenGL", "pyrender")
 
 
-def _draw(context: _Context, points: Float64, faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
+def _draw(context: Offscreen, points: Float64, faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
     """The whole picture, in tiles that the renderer can hold."""
     toward = _turned_to_viewer(points, faces)
     near = points[:, 2]
@@ -190,26 +128,15 @@ def _renumbered(tile: NDArray[np.int32], number: NDArray[np.int64]) -> NDArray[n
     return out
 
 
-def _draw_tile(context: _Context, clip: NDArray[np.float32], faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
+def _draw_tile(context: Offscreen, clip: NDArray[np.float32], faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
     if not len(faces):
         return np.full((rows, cols), -1, np.int32)
-    from pyrender import Mesh, Node, OrthographicCamera, Primitive, RenderFlags, Scene
-
-    scene = Scene()
-    scene.add(OrthographicCamera(1.0, 1.0))  # asked for, not used: the shader takes the positions as they are
-    node = Node(mesh=Mesh([Primitive(positions=clip, indices=faces.astype(np.uint32))]))
-    scene.add_node(node)
-    offscreen = context.sized(rows, cols)
-    flags = RenderFlags.SEG | RenderFlags.RGBA
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        bytes_, _ = offscreen.render(scene, flags=flags, seg_node_map={node: (0, 0, 0)})
-        offscreen._renderer._update_context(Scene(), flags)  # frees the buffers of this drawing
-    if bytes_.shape[-1] < 4 and len(faces) >= 1 << 24:
+    color = context.draw(clip, faces, rows, cols)
+    if color.shape[-1] < 4 and len(faces) >= 1 << 24:
         raise LimitError(
             f"{len(faces)} faces are more than {context.platform} can number (16777215); use --renderer egl"
         )
-    return face_numbers(bytes_)
+    return face_numbers(color)
 
 
 def face_numbers(color: NDArray[np.uint8]) -> NDArray[np.int32]:

@@ -1,7 +1,7 @@
 """Recipes: layers and their places as a designer writes them down, before any file is read.
 
 A recipe is a mapping, as ``tomllib`` reads it from a file: a table ``canvas`` and a list ``layer``, from the lowest to
-the topmost; `nmaptool.io.recipes` reads the files.
+the topmost; `nmaptool.read_recipe` reads the file.
 """
 
 from __future__ import annotations

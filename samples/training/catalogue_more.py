@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from forms import box, gear, polygon, prism, turned
-from meshes import Entry
+from entry import KEPT, Entry
+from form_makers import block, extruded, lump, spun
+from forms import gear, polygon
 from ornament import bricks, fractal, hammered, knurl, laid, noise, weave, writing
 from regular import (
     beads,
@@ -42,10 +43,8 @@ from simple_forms import (
     torus,
     ziggurat,
 )
-from solids import blob
-from tessellation import cubes, fibonacci
+from tessellation import fibonacci
 
-KEPT = (0.25, 0.2, 4)  # leaves a mesh as it is
 FACETS = fibonacci(70), 8.5 + 0.5 * np.cos(5 * np.arange(70))
 
 MORE = (
@@ -78,39 +77,27 @@ MORE = (
     Entry("egg fur", "organic", egg(2200), (4, 0.5, 4), fur(4, 4), 0.7),
     Entry("ball fractal", "organic", oval(2050, (10, 8, 10), "even"), (8, 0.7, 4), fractal(6, 2), 0.35, noise=0.1),
     Entry(
-        "heap cells",
-        "organic",
-        lambda rng: cubes(blob(rng, 4, 5), (-17, -15, -13), (17, 15, 13), 0.82, 1),
-        (3, 0.4, 4),
-        cells(6, 0.25),
-        0.6,
-        noise=0.08,
+        "heap cells", "organic", lump((17, 15, 13), 0.82, 4, 5, rounds=1), (3, 0.4, 4), cells(6, 0.25), 0.6, noise=0.08
     ),
     # creases
     Entry(
         "brick grooves",
         "creased",
-        lambda rng: box((18, 9, 12), 0.64, diagonal="one"),
+        block((18, 9, 12), 0.64, diagonal="one"),
         (8, 0.5, 6),
         grooves(6, (1, 0.3, 0.6)),
         1.1,
     ),
-    Entry("cube noise", "creased", lambda rng: box((15, 15, 15), 0.76), (12, 0.2, 4), noise(7), 0.35),
+    Entry("cube noise", "creased", block((15, 15, 15), 0.76), (12, 0.2, 4), noise(7), 0.35),
     Entry(
-        "plate honeycomb",
-        "creased",
-        lambda rng: box((22, 20, 3), 0.71),
-        (3, 0.35, 6),
-        laid(honeycomb, 7),
-        0.6,
-        rim=(0.5, 1.5),
+        "plate honeycomb", "creased", block((22, 20, 3), 0.71), (3, 0.35, 6), laid(honeycomb, 7), 0.6, rim=(0.5, 1.5)
     ),
-    Entry("wedge noise fine", "creased", lambda rng: prism(TRIANGLE, 9, 0.58, rng), (12, 0.35, 4), noise(2.5), 0.5),
-    Entry("angle hammered", "creased", lambda rng: prism(ANGLE, 8, 0.58, rng), (12, 0.35, 4), hammered(5), 0.6),
+    Entry("wedge noise fine", "creased", extruded(TRIANGLE, 9, 0.58), (12, 0.35, 4), noise(2.5), 0.5),
+    Entry("angle hammered", "creased", extruded(ANGLE, 8, 0.58), (12, 0.35, 4), hammered(5), 0.6),
     Entry(
         "angle woven",
         "creased",
-        lambda rng: prism(ANGLE, 5, 0.52, rng, diagonal="one"),
+        extruded(ANGLE, 5, 0.52, diagonal="one"),
         (6, 0.35, 6),
         laid(weave, 4),
         0.6,
@@ -119,7 +106,7 @@ MORE = (
     Entry(
         "coin letters",
         "creased",
-        lambda rng: prism(CIRCLE, 2.5, 0.65, rng),
+        extruded(CIRCLE, 2.5, 0.65),
         (12, 0.5, 4),
         laid(writing("VERONA"), 9, 1.3),
         0.9,
@@ -129,31 +116,15 @@ MORE = (
     Entry("octahedron pores", "creased", cut(2300, EIGHT, np.full(8, 7.0), 5), (12, 0.35, 6), pores(9), 0.5),
     Entry("bars fur", "creased", carved(bars, (9.5, 9.5, 9.5), 0.76), (12, 0.5, 4), fur(2.5, 6, (1, 0.7, 0.4)), 0.5),
     Entry("ziggurat bosses", "creased", carved(ziggurat, (13, 8, 13), 0.8), (8, 0.2, 4), bosses(5), 0.5),
-    Entry(
-        "spool bricks", "creased", lambda rng: turned(SPOOL, 56, 0.72, rng, "one"), (2, 0.2, 6), laid(bricks, 4), 0.6
-    ),
-    Entry(
-        "cog ripples",
-        "creased",
-        lambda rng: prism(gear(7, 11, 8), 4, 0.66, rng),
-        (4, 0.2, 4),
-        ripples(5, (0, 0, 2)),
-        0.2,
-    ),
-    Entry(
-        "post grain",
-        "creased",
-        lambda rng: prism(polygon(5, 5), 18, 0.54, rng),
-        (12, 0.4, 4),
-        grain(4, (0.05, 0.1, 1)),
-        0.4,
-    ),
+    Entry("spool bricks", "creased", spun(SPOOL, 56, 0.72, "one"), (2, 0.2, 6), laid(bricks, 4), 0.6),
+    Entry("cog ripples", "creased", extruded(gear(7, 11, 8), 4, 0.66), (4, 0.2, 4), ripples(5, (0, 0, 2)), 0.2),
+    Entry("post grain", "creased", extruded(polygon(5, 5), 18, 0.54), (12, 0.4, 4), grain(4, (0.05, 0.1, 1)), 0.4),
     # coarse, and the same once finer
     Entry("small ball studs", "ornament", oval(800, (10, 9, 8)), (4, 0.7, 4), studs(5), 0.7, finer=(8, 0.7, 4)),
     Entry(
         "small wedge grooves",
         "creased",
-        lambda rng: prism(TRIANGLE, 8, 0.95, rng),
+        extruded(TRIANGLE, 8, 0.95),
         (12, 0.35, 6),
         grooves(5, (0.2, 0.1, 1)),
         0.6,
@@ -162,7 +133,7 @@ MORE = (
     Entry(
         "small box honeycomb",
         "creased",
-        lambda rng: box((14, 12, 8), 0.9),
+        block((14, 12, 8), 0.9),
         (6, 0.4, 4),
         laid(honeycomb, 7),
         0.6,
@@ -172,7 +143,7 @@ MORE = (
     # nothing to take off
     Entry("capsule", "plain", capsule(36, 0.9), KEPT),
     Entry("stone of many facets", "plain", cut(1800, *FACETS), KEPT),
-    Entry("coarse cog", "plain", lambda rng: prism(gear(26, 12, 10.4), 3, 0.75, rng), KEPT),
+    Entry("coarse cog", "plain", extruded(gear(26, 12, 10.4), 3, 0.75), KEPT),
     Entry("thin coil", "plain", coil(210, 9, 0.7, 4, 9, 4), KEPT),
     Entry("bent sheet", "plain", bent((26, 16), (60, 30), 2.2), KEPT),
     Entry("bars", "plain", carved(bars, (9.5, 9.5, 9.5), 0.9), KEPT),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from surface import Array, Surface, angle_deg
 
 import nmaptool as nm
-from nmaptool.filters.rolling import roll, split_residuals
+from nmaptool.filters.rolling import rolling_guidance, split_residuals
 from nmaptool.filters.surface import gather_surface
 
 SIZES = (1.5, 2, 3, 4, 5, 6, 8, 10, 12)
@@ -52,7 +52,7 @@ def angles(mesh: TrainingMesh, given: nm.Mesh, size: float, likeness: float, wei
             guides.append(guide.copy())
         return np.asarray(gather(guide))
 
-    guides_last = roll(geometry.normals, kept, max(PASSES))
+    guides_last = rolling_guidance(geometry.normals, kept, max(PASSES))
     for passes in PASSES:
         filtered = guides_last if passes == max(PASSES) else guides[passes - 1]
         base = split_residuals(geometry.normals, filtered, areas).base

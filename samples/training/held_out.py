@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from forms import cloth, curved, drawn, gear, globe, polygon, prism, sheet, turned, uneven
-from meshes import Entry
+from entry import KEPT, Entry
+from form_makers import extruded, solid, spun
+from forms import cloth, curved, drawn, gear, globe, polygon, sheet, uneven
 from ornament import both, bricks, chased, fractal, knurl, laid, noise, tiles, waves, writing
 from profiles import above, crystal, hair
 from scattered import bosses, cells, fur, pores, scales
 from solids import animal, bracket, head, torso
 from surface import Array, Surface
-from tessellation import cubes, fibonacci, sharpened
+from tessellation import fibonacci
 
 GOBLET = ((7, 0), (7, 1.2), (1.8, 3.5), (1.6, 9), (2.4, 10), (7.5, 14), (8.2, 20), (7.6, 20.8))
 CROSS = np.array(
@@ -35,40 +36,12 @@ def snail() -> Surface:
 
 
 HELD_OUT = (
+    Entry("bracket pores", "creased", solid(bracket, 0.5, creased=True), (2, 0.2, 4), pores(5), 0.5),
     Entry(
-        "bracket pores",
-        "creased",
-        lambda rng: sharpened(cubes(bracket, (-13, -11, -10), (13, 13, 10), 0.5), bracket),
-        (2, 0.2, 4),
-        pores(5),
-        0.5,
+        "cross scales", "creased", extruded(CROSS, 5, 0.52, diagonal="one"), (8, 0.3, 4), scales(6, (0.5, -1, 0.3)), 0.7
     ),
-    Entry(
-        "cross scales",
-        "creased",
-        lambda rng: prism(CROSS, 5, 0.52, rng, diagonal="one"),
-        (8, 0.3, 4),
-        scales(6, (0.5, -1, 0.3)),
-        0.7,
-    ),
-    Entry(
-        "goblet bricks",
-        "creased",
-        lambda rng: turned(GOBLET, 84, 0.42, rng, "other"),
-        (2, 0.3, 6),
-        laid(bricks, 5),
-        0.9,
-        above(13.5),
-    ),
-    Entry(
-        "gear fractal",
-        "creased",
-        lambda rng: prism(gear(9, 11, 8), 5, 0.44, rng),
-        (8, 0.2, 8),
-        fractal(9, 3),
-        0.4,
-        noise=0.05,
-    ),
+    Entry("goblet bricks", "creased", spun(GOBLET, 84, 0.42, "other"), (2, 0.3, 6), laid(bricks, 5), 0.9, above(13.5)),
+    Entry("gear fractal", "creased", extruded(gear(9, 11, 8), 5, 0.44), (8, 0.2, 8), fractal(9, 3), 0.4, noise=0.05),
     Entry(
         "roof tiled",
         "creased",
@@ -77,32 +50,9 @@ HELD_OUT = (
         laid(tiles, 5),
         0.6,
     ),
-    Entry(
-        "head cells",
-        "organic",
-        lambda rng: cubes(head, (-11, -15, -13), (11, 14, 13), 0.44),
-        (2, 0.4, 4),
-        cells(7),
-        0.7,
-        hair,
-    ),
-    Entry(
-        "beast bosses",
-        "organic",
-        lambda rng: cubes(animal, (-21, -16, -8), (19, 16, 8), 0.44),
-        (2, 0.7, 4),
-        bosses(5),
-        0.7,
-    ),
-    Entry(
-        "torso knitted",
-        "organic",
-        lambda rng: cubes(torso, (-15, -19, -8), (15, 19, 9), 0.44),
-        (3, 0.4, 4),
-        both(chased(6), noise(4), 0.3),
-        0.6,
-        above(-12),
-    ),
+    Entry("head cells", "organic", solid(head, 0.44), (2, 0.4, 4), cells(7), 0.7, hair),
+    Entry("beast bosses", "organic", solid(animal, 0.44), (2, 0.7, 4), bosses(5), 0.7),
+    Entry("torso knitted", "organic", solid(torso, 0.44), (3, 0.4, 4), both(chased(6), noise(4), 0.3), 0.6, above(-12)),
     Entry("snail fur", "organic", lambda rng: snail(), (2, 0.7, 4), fur(3, 5, (1, 0.4, 0)), 0.5),
     Entry(
         "dome crackled",
@@ -120,11 +70,11 @@ HELD_OUT = (
         laid(writing("ROMASONATNOVA"), 9, 1.4),
         0.9,
     ),
-    Entry("crystal", "plain", lambda rng: crystal(fibonacci(4000)), (0.25, 0.2, 4)),
+    Entry("crystal", "plain", lambda rng: crystal(fibonacci(4000)), KEPT),
     Entry(
         "small column knurled",
         "creased",
-        lambda rng: prism(polygon(8, 6), 16, 0.6, rng),
+        extruded(polygon(8, 6), 16, 0.6),
         (2, 0.2, 5),
         laid(knurl, 5),
         0.7,

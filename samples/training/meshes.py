@@ -10,12 +10,15 @@ the ornament, so are the normals that a filter should give: ``clean_normals``.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from catalogue import TRAINING
+from catalogue_more import MORE
+from entry import Entry
+from held_out import HELD_OUT
 from numpy.typing import NDArray
-from ornament import Ornament, Rng
+from ornament import Rng
 from surface import Array, Faces, Surface, angle_deg
 from tessellation import halved
 
@@ -48,22 +51,6 @@ class TrainingMesh:
     iterations: int
     group: str
     clean_normals: NDArray[np.float64] | None = None
-
-
-@dataclass(frozen=True)
-class Entry:
-    """How one mesh is made: sizes are in edges, ``slope`` is what nine in ten ornamented faces stay below."""
-
-    name: str
-    group: str
-    form: Callable[[Rng], Surface]
-    filter: tuple[float, float, int]
-    ornament: Ornament | None = None
-    slope: float = 0.0
-    where: Callable[[Array], Array] | None = None  # over vertices: 1 where there is ornament
-    rim: tuple[float, float] | None = None  # edges from a crease within which ornament fades in
-    noise: float = 0.0
-    finer: tuple[float, float, int] | None = None  # parameters of its version with four times the faces
 
 
 def heights_of(entry: Entry, surface: Surface, rng: Rng) -> Array:
@@ -110,14 +97,9 @@ def made(entry: Entry, seed: int) -> list[TrainingMesh]:
 
 def training_meshes(seed: int) -> list[TrainingMesh]:
     """Meshes to learn from, the same for the same seed."""
-    from catalogue import TRAINING
-    from catalogue_more import MORE
-
     return [mesh for entry in (*TRAINING, *MORE) for mesh in made(entry, seed)]
 
 
 def held_out_meshes(seed: int) -> list[TrainingMesh]:
     """Meshes to judge with: other forms, ornaments and tessellations together than those to learn from."""
-    from held_out import HELD_OUT
-
     return [mesh for entry in HELD_OUT for mesh in made(entry, seed)]

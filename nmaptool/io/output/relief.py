@@ -86,8 +86,8 @@ def write_relief(
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
     """
-    values = relief.report.to_dict() if metadata is None else metadata
-    relief_outputs(outputs, preview=preview, report=report, overwrite=overwrite, at=at).write(relief, values)
+    plan = relief_outputs(outputs, preview=preview, report=report, overwrite=overwrite, at=at)
+    plan.write(relief, relief.report.to_dict() if metadata is None else metadata)
 
 
 def _write_surface(surface: _Surface, path: Path) -> None:

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import contextlib
-import logging
-import struct
-import warnings
-import zlib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from psd_tools.constants import ChannelID, Clipping, Compression, Resource, SectionDivider, Tag
+from psd_tools.constants import ChannelID, Clipping, Resource, SectionDivider, Tag
 from psd_tools.psd import PSD
 from psd_tools.psd.layer_and_mask import ChannelData, LayerRecord
-from psd_tools.psd.parse_limits import ParseLimits
 
-from nmaptool.core.errors import InputError, LimitError
-from nmaptool.io.pictures.png import check_size
+from nmaptool.core.errors import InputError
 from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.io.workspaces.limits import Budget
 from nmaptool.io.workspaces.pages import masks_joined
+from nmaptool.io.workspaces.psd_document import check_end, check_header, damaged, explain_damage, layer_records, parse
 from nmaptool.types.picture import Frame
 from nmaptool.types.workspace import Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
 
-_MOST_OBJECTS = 2_000_000
-_MODES = {0: "bitmap", 1: "grey", 2: "palette", 4: "CMYK", 7: "multichannel", 8: "duotone", 9: "Lab"}
 _TEXT = (Tag.TYPE_TOOL_OBJECT_SETTING, Tag.TYPE_TOOL_INFO)
 _SHAPE = (Tag.VECTOR_STROKE_DATA, Tag.VECTOR_STROKE_CONTENT_DATA, Tag.VECTOR_ORIGINATION_DATA)
 _FILL = (Tag.SOLID_COLOR_SHEET_SETTING, Tag.GRADIENT_FILL_SETTING, Tag.PATTERN_FILL_SETTING)
@@ -37,34 +28,6 @@ _ADJUSTMENT = (
     *(Tag.PHOTO_FILTER, Tag.POSTERIZE, Tag.SELECTIVE_COLOR, Tag.THRESHOLD, Tag.VIBRANCE),
 )
 _EFFECTS = (Tag.EFFECTS_LAYER, Tag.OBJECT_BASED_EFFECTS_LAYER_INFO, Tag.OBJECT_BASED_EFFECTS_LAYER_INFO_V0)
-_DAMAGE = (
-    *(ValueError, OSError, EOFError, KeyError, IndexError, TypeError, AttributeError, AssertionError),
-    *(struct.error, zlib.error, RecursionError, ArithmeticError, UserWarning, UnicodeError),
-)
-
-
-@contextlib.contextmanager
-def _damage_told(path: Path) -> Iterator[None]:
-    """One clear line for whatever psd-tools meets in a damaged file; its own words are not shown."""
-    logger = logging.getLogger("psd_tools")
-    before, logger.disabled = logger.level, False
-    logger.setLevel(logging.CRITICAL + 1)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # a channel that cannot be decoded would be black, with a warning
-            yield
-    except (InputError, LimitError):
-        raise
-    except _DAMAGE:
-        raise _damaged(path) from None
-    except MemoryError:
-        raise LimitError(f"{path}: does not fit in memory; make it smaller") from None
-    finally:
-        logger.setLevel(before)
-
-
-def _damaged(path: Path) -> InputError:
-    return InputError(f"{path}: the PSD file is cut short or damaged; save or download it again")
 
 
 def read_psd(path: Path, max_megapixels: float) -> Workspace:
@@ -77,35 +40,9 @@ def read_psd(path: Path, max_megapixels: float) -> Workspace:
     LimitError
         If the canvas or all layers together are over ``max_megapixels``.
     """
-    header = _check_header(path, max_megapixels)
-    with _damage_told(path):
-        with path.open("rb") as stream:
-            size = stream.seek(0, 2)
-            stream.seek(0)
-            limits = ParseLimits(max_total_bytes=16 * size + 1_000_000, max_objects=_MOST_OBJECTS)
-            document = PSD.read(stream, parse_limits=limits)
-        return _workspace(path, document, header, max_megapixels)
-
-
-def _check_header(path: Path, max_megapixels: float) -> tuple[int, int, int]:
-    """(rows, cols, depth) of a document that can be read here, from its first 26 bytes."""
-    with path.open("rb") as stream:
-        head = stream.read(26)
-        size = stream.seek(0, 2)
-    if len(head) < 26:
-        raise _damaged(path)
-    version, channels, rows, cols, depth, mode = struct.unpack(">4xH6xHIIHH", head)
-    if version not in (1, 2) or not 1 <= channels <= 56 or min(rows, cols) < 1:
-        raise _damaged(path)
-    check_size(path, cols, rows, max_megapixels)
-    if size > max_megapixels * 1e6 * 16 + 1e8:  # as much as all layers uncompressed in 32 bits
-        raise LimitError(f"{path}: is a file of {size / 1e9:.1f} GB; make it smaller or raise --max-megapixels")
-    if mode != 3:
-        found = f"a {_MODES[mode]} picture" if mode in _MODES else "a picture of an unknown colour mode"
-        raise InputError(f"{path}: is {found}; normal maps need RGB: convert it to RGB of 16 bits")
-    if depth not in (8, 16, 32):
-        raise InputError(f"{path}: has {depth} bits a channel; accepted are 8, 16 and 32")
-    return rows, cols, depth
+    header = check_header(path, max_megapixels)
+    with explain_damage(path):
+        return _workspace(path, parse(path), header, max_megapixels)
 
 
 def _workspace(path: Path, document: PSD, header: tuple[int, int, int], max_megapixels: float) -> Workspace:
@@ -114,10 +51,8 @@ def _workspace(path: Path, document: PSD, header: tuple[int, int, int], max_mega
     own = metadata.from_xmp(_bytes(resources.get_data(Resource.XMP_METADATA)))
     profile = _bytes(resources.get_data(Resource.ICC_PROFILE))
     budget = Budget(path, max_megapixels)
-    info = document._get_layer_info()
-    records = list(info.layer_records) if info is not None and info.layer_records is not None else []
-    channels = list(info.channel_image_data) if info is not None and info.channel_image_data is not None else []
-    _check_end(path, document, header)
+    records, channels = layer_records(document)
+    check_end(path, document, header)
     found = _Layers(path, depth, document.header.version, budget)
     found.read(records, channels)
     if not records:
@@ -136,22 +71,6 @@ def _workspace(path: Path, document: PSD, header: tuple[int, int, int], max_mega
     )
 
 
-def _check_end(path: Path, document: PSD, header: tuple[int, int, int]) -> None:
-    """Refuse a merged picture, the last thing in the file, of which only a part is there."""
-    rows, cols, depth = header
-    data, channels = document.image_data.data, document.header.channels
-    needed = 0
-    if document.image_data.compression == Compression.RAW:
-        needed = rows * cols * channels * depth // 8
-    elif document.image_data.compression == Compression.RLE:
-        size = 2 * document.header.version
-        needed = rows * channels * size
-        if len(data) >= needed:
-            needed += int(np.frombuffer(data[:needed], f">u{size}").sum(dtype=np.int64))
-    if 0 < len(data) < needed:
-        raise _damaged(path)
-
-
 def _bytes(value: Any) -> bytes:
     return value if isinstance(value, bytes) else b""
 
@@ -167,7 +86,7 @@ class _Layers:
     def read(self, records: list[LayerRecord], channels: list[Any]) -> None:
         """Read all; sizes are checked before the first channel is decoded."""
         if len(channels) < len(records):
-            raise _damaged(self.path)
+            raise damaged(self.path)
         self.budget.check_count(len(records))
         for record in records:
             if _kind(record) == "pixels":
@@ -198,7 +117,7 @@ class _Layers:
         rows, cols = record.height, record.width
         color = (0, 1, 2) if all(i in by_id for i in (1, 2)) else (0, 0, 0)  # Krita writes grey layers with one channel
         if 0 not in by_id:
-            raise _damaged(self.path)
+            raise damaged(self.path)
         stack = [self._plane(by_id[ChannelID(i)], rows, cols) for i in color]
         clear = by_id.get(ChannelID.TRANSPARENCY_MASK)
         top = 1 if self.depth == 32 else (1 << self.depth) - 1

@@ -1,0 +1,56 @@
+"""No module imports, directly or through others, a module that imports it."""
+
+import ast
+import graphlib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+# a folder, and the name that its modules are imported under
+TREES = {
+    "nmaptool": "nmaptool",
+    "cli": "nmaptool_cli",
+    "bench": "bench",
+    "samples/training": "",
+    "tests": "",
+}
+
+
+def module_name(path, folder, prefix):
+    parts = [*([prefix] if prefix else []), *path.relative_to(folder).with_suffix("").parts]
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imported(node):
+    """The dotted names that an import statement may load."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    return [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
+
+
+def import_graph(folder, prefix):
+    """Each module and the modules of the same tree it imports, in functions too."""
+    files = {module_name(path, folder, prefix): path for path in sorted(folder.rglob("*.py"))}
+    graph = {}
+    for name, path in files.items():
+        statements = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Import | ast.ImportFrom)]
+        graph[name] = {target for node in statements for target in imported(node) if target in files}
+    return graph
+
+
+@pytest.mark.parametrize("tree", TREES)
+def test_imports_go_one_way(tree):
+    graph = import_graph(ROOT / tree, TREES[tree])
+    assert sum(map(len, graph.values())) > 10
+    try:
+        graphlib.TopologicalSorter(graph).prepare()
+    except graphlib.CycleError as error:
+        pytest.fail(f"circle of imports: {' -> '.join(error.args[1])}")
+
+
+def test_a_circle_through_a_function_is_found(tmp_path):
+    (tmp_path / "a.py").write_text("from b import one\n")
+    (tmp_path / "b.py").write_text("def one():\n    import a\n")
+    with pytest.raises(graphlib.CycleError):
+        graphlib.TopologicalSorter(import_graph(tmp_path, "")).prepare()
