@@ -38,7 +38,7 @@ def inspect(
     with input_files(map, mask) as (source, mask_source):
         assert source is not None
         chosen = nm.read_grey(mask_source, reading.max_megapixels) if mask_source is not None else None
-        seen = nm.inspect_map(nm.read_raster(source, reading), reading, chosen)
+        seen = nm.inspect_map(nm.read_raster(source, reading), reading, mask=chosen)
     seen = dataclasses.replace(seen, name=display_name(seen.name))
     if run.json:
         session.data(seen.to_dict())

@@ -26,13 +26,14 @@ from nmaptool.meshes.clean import clean_mesh
 from nmaptool.options import DescriptorOptions, FilterOptions, TrainOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.mesh import Mesh
+from nmaptool.types.shown import OneLine
 
 # fewer faces than weights teach a network nothing
 _LEAST_FACES = 500
 
 
-@dataclass(frozen=True, eq=False)
-class TrainingExample:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrainingExample(OneLine):
     """A mesh and the base normals that the filter should give it.
 
     Parameters
@@ -56,6 +57,9 @@ class TrainingExample:
             )
         if not (np.abs(np.einsum("ij,ij->i", self.targets, self.targets) - 1) <= 1e-6).all():
             raise InputError(f"{self.mesh.name}: targets must be finite and of unit length")
+
+    def _line(self) -> str:
+        return f"of {self.mesh._line()}"
 
 
 def training_example(mesh: Mesh, filter: FilterOptions | None = None) -> TrainingExample:

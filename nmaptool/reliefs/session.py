@@ -7,7 +7,6 @@ import itertools
 import threading
 import time
 
-from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import UsageError
 from nmaptool.core.progress import Progress
 from nmaptool.options import ReliefOptions
@@ -20,6 +19,7 @@ from nmaptool.reliefs.report import SolverFacts, facts_of, report_of
 from nmaptool.reliefs.targets import CappedSlopes, Weights, build_targets, capped_slopes, to_pixels
 from nmaptool.solver import QuadSystem, Solver, prepare
 from nmaptool.types.height import Height
+from nmaptool.types.inputs import FloatsLike, MaskLike, NormalsLike
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.relief import Relief
 
@@ -55,16 +55,8 @@ class ReliefSession:
 
     Parameters
     ----------
-    original : NormalMap
-        The original map O, or the base map B.
-    detail : NormalMap, optional
-        The detail map D, same size; flat where there is no detail.
-    mask : (H, W) float or bool, optional
-        Foreground where 0.5 or more. Default: what the map's file shows as motif.
-    surface : NormalMap or Height, optional
-        The curved background for ``background="surface"``.
-    mu_map, beta_map, delta_map : (H, W) float32, optional
-        Multiply mu, beta and delta per pixel; finite, mu and beta not negative.
+    original, detail, mask, surface, mu_map, beta_map, delta_map
+        As for `nmaptool.relief`.
     keep : int
         Settings of mu, beta, background and the like whose solver and heights are kept, the latest used: 2 let one go
         back and forth between two. Each takes what a solve takes, and 32 bytes a pixel more. 0 keeps nothing.
@@ -84,14 +76,14 @@ class ReliefSession:
 
     def __init__(
         self,
-        original: NormalMap,
-        detail: NormalMap | None = None,
+        original: NormalsLike,
+        detail: NormalsLike | None = None,
         *,
-        mask: Float32 | Mask | None = None,
-        surface: NormalMap | Height | None = None,
-        mu_map: Float32 | None = None,
-        beta_map: Float32 | None = None,
-        delta_map: Float32 | None = None,
+        mask: MaskLike | None = None,
+        surface: NormalsLike | Height | None = None,
+        mu_map: FloatsLike | None = None,
+        beta_map: FloatsLike | None = None,
+        delta_map: FloatsLike | None = None,
         keep: int = 2,
     ) -> None:
         self._maps = given.check_maps(original, detail, mask, surface, mu_map, beta_map, delta_map)
@@ -102,14 +94,15 @@ class ReliefSession:
         self._lock = threading.Lock()
         self._solving: int | None = None  # the thread that does
 
-    def solve(self, options: ReliefOptions | None = None, progress: Progress | None = None) -> Relief:
+    def solve(self, options: ReliefOptions | None = None, *, progress: Progress | None = None) -> Relief:
         """The relief with these options.
 
         Parameters
         ----------
         options : ReliefOptions, optional
+            Height, width, weights, background, solver.
         progress : callable, optional
-            Called with a word and a share in 0..1; what it raises ends the solve.
+            Called with the name of the stage and the share done, 0 to 1; what it raises ends the solve.
 
         Returns
         -------
@@ -122,8 +115,18 @@ class ReliefSession:
             If nothing is foreground or the exact height cannot be reached.
         UsageError
             If options do not go together.
+        LimitError
+            If the solve needs more memory than ``options.memory_limit``.
         ConvergenceError
             If the solver does not reach its tolerance.
+
+        Examples
+        --------
+        >>> session = nm.ReliefSession(np.dstack([np.full((8, 8), 0.5), np.zeros((8, 8)), np.ones((8, 8))]))
+        >>> for height in ("2mm", "3mm"):
+        ...     session.solve(nm.ReliefOptions(background="free", height=nm.length(height)))
+        <Relief 100 x 100 mm (8 x 8 px), 3.203 to 5.203 mm high, by dct in 1 iteration>
+        <Relief 100 x 100 mm (8 x 8 px), 4.804 to 7.804 mm high, by dct in 0 iterations>
         """
         options = options or ReliefOptions()
         if self._solving == threading.get_ident():

@@ -9,10 +9,11 @@ from typing import Any
 
 from nmaptool.core.arrays import Float32
 from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.shown import OneLine, Pictured
 
 
-@dataclass(frozen=True, eq=False)
-class ComposeReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class ComposeReport(OneLine):
     """What an edit of normal maps did.
 
     Attributes
@@ -45,8 +46,8 @@ class ComposeReport:
         return dataclasses.asdict(self)
 
 
-@dataclass(frozen=True, eq=False)
-class Composition:
+@dataclass(frozen=True, eq=False, repr=False)
+class Composition(Pictured):
     """An edited normal map, and how it came about.
 
     Attributes
@@ -60,3 +61,6 @@ class Composition:
     normal_map: NormalMap
     placed: Float32
     report: ComposeReport
+
+    def _line(self) -> str:
+        return f"by {self.report.command}: {self.normal_map._line()}, mean curl {self.report.curl_after:.3g}"

@@ -16,10 +16,11 @@ from nmaptool.types.mesh_findings import MeshFindings
 from nmaptool.types.mixture import Mixture
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
+from nmaptool.types.shown import OneLine, Pictured
 
 
-@dataclass(frozen=True, eq=False)
-class LayerReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class LayerReport(OneLine):
     """How layers were made.
 
     Attributes
@@ -83,8 +84,8 @@ class LayerReport:
         return out
 
 
-@dataclass(frozen=True, eq=False)
-class LayerSet:
+@dataclass(frozen=True, eq=False, repr=False)
+class LayerSet(Pictured):
     """Three normal maps of one view, and what else the drawing knows.
 
     Parameters
@@ -131,3 +132,8 @@ class LayerSet:
     def coverage(self) -> Float32:
         """(H, W) float32 in [0, 1]: where the layers are defined."""
         return self.original.coverage
+
+    def _line(self) -> str:
+        parts = [name for name in ("depth_mm", "faces") if getattr(self, name) is not None]
+        more = f", with {' and '.join(parts)}" if parts else ""
+        return f"{self.original.name}: {self.frame.with_pitch}, {self.report.detail_share:.0%} detail{more}"

@@ -11,10 +11,11 @@ from nmaptool.core.arrays import Float64, Mask
 from nmaptool.options import ReliefOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.height import Height
+from nmaptool.types.shown import OneLine, Pictured, counted
 
 
-@dataclass(frozen=True, eq=False)
-class ReliefReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class ReliefReport(OneLine):
     """What a relief run did.
 
     Attributes
@@ -85,8 +86,8 @@ class ReliefReport:
         return out
 
 
-@dataclass(frozen=True, eq=False)
-class Relief:
+@dataclass(frozen=True, eq=False, repr=False)
+class Relief(Pictured):
     """A relief: heights, where they are, and how they came about.
 
     Attributes
@@ -95,7 +96,7 @@ class Relief:
         Heights in mm at vertices, the surface's pixels, the frame.
     foreground : (H, W) bool
         The motif.
-    report : SolveReport
+    report : ReliefReport
     """
 
     height: Height
@@ -116,3 +117,7 @@ class Relief:
     def pitch_mm(self) -> float:
         """Millimetres per pixel."""
         return self.height.pitch_mm
+
+    def _line(self) -> str:
+        report = self.report
+        return f"{self.height._line()}, by {report.solver} in {counted(report.iterations, 'iteration')}"

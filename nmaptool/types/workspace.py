@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError
 from nmaptool.types.picture import Frame
+from nmaptool.types.shown import OneLine, counted
 
 # what editors call painting one layer over another; every other mode computes with codes as if they were colours
 NORMAL_BLEND = "normal"
@@ -20,8 +21,8 @@ PASS_THROUGH = "pass through"
 MASK_SUFFIX = " [mask]"
 
 
-@dataclass(frozen=True, eq=False)
-class WorkspaceMask:
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkspaceMask(OneLine):
     """A grey picture that hides parts of a layer.
 
     Parameters
@@ -69,8 +70,8 @@ class WorkspaceGroup:
     blend_mode: str = NORMAL_BLEND
 
 
-@dataclass(frozen=True, eq=False)
-class WorkspaceLayer:
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkspaceLayer(OneLine):
     """One layer as an editor holds it.
 
     Parameters
@@ -135,9 +136,13 @@ class WorkspaceLayer:
         """Whether it and all its groups are visible."""
         return self.visible and all(group.visible for group in self.groups)
 
+    def _line(self) -> str:
+        rows, cols = self.size
+        return f"{self.name}: {cols} x {rows} px at {self.left}, {self.top}, {'shown' if self.shown else 'hidden'}"
 
-@dataclass(frozen=True, eq=False)
-class Workspace:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Workspace(OneLine):
     """Layers on a canvas.
 
     Parameters
@@ -172,6 +177,9 @@ class Workspace:
     def __post_init__(self) -> None:
         if not self.layers:
             raise InputError(f"{self.name}: holds no layer with pixels")
+
+    def _line(self) -> str:
+        return f"{self.name}: {self.frame.with_pitch}, {self.bits} bits, {counted(len(self.layers), 'layer')}"
 
 
 def largest_code(pixels: NDArray[Any]) -> int:

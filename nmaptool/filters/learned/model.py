@@ -15,6 +15,7 @@ from nmaptool.core.arrays import Float32, read_only
 from nmaptool.core.errors import InputError
 from nmaptool.filters.learned.network import Network
 from nmaptool.options import DescriptorOptions
+from nmaptool.types.shown import OneLine, counted
 
 
 def input_width(descriptor: DescriptorOptions) -> int:
@@ -22,8 +23,8 @@ def input_width(descriptor: DescriptorOptions) -> int:
     return 3 + 4 * descriptor.size
 
 
-@dataclass(frozen=True, eq=False)
-class Stage:
+@dataclass(frozen=True, eq=False, repr=False)
+class Stage(OneLine):
     """Networks for the kinds of neighbourhood of one stage.
 
     Parameters
@@ -55,8 +56,8 @@ class Stage:
         object.__setattr__(self, "centers", read_only(self.centers))
 
 
-@dataclass(frozen=True, eq=False)
-class FilterModel:
+@dataclass(frozen=True, eq=False, repr=False)
+class FilterModel(OneLine):
     """A filter of face normals, learned (paper, Sec. 3.2: DRNF).
 
     Parameters
@@ -97,9 +98,13 @@ class FilterModel:
                 seen.update(str(array.shape).encode() + np.ascontiguousarray(array).tobytes())
         return seen.hexdigest()[:12]
 
+    def _line(self) -> str:
+        networks = sum(len(stage.networks) for stage in self.stages)
+        return f"{self.digest}: {counted(len(self.stages), 'stage')}, {counted(networks, 'network')}"
 
-@dataclass(frozen=True, eq=False)
-class TrainingState:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TrainingState(OneLine):
     """What is finished of a training that is not: enough to go on from, to the same result.
 
     Parameters
@@ -124,3 +129,6 @@ class TrainingState:
     networks: tuple[Network, ...] = ()
     losses: tuple[float, ...] = ()
     name: str = "the state"
+
+    def _line(self) -> str:
+        return f"{self.name}: {counted(len(self.stages), 'stage')} and {counted(len(self.networks), 'network')} done"

@@ -16,12 +16,13 @@ from nmaptool.options import CanvasOptions, ReadOptions
 from nmaptool.types.layers import Layer, LayerGroup
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.recipe import READ_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
+from nmaptool.types.shown import OneLine, counted
 
 _T = TypeVar("_T")
 
 
-@dataclass(frozen=True, eq=False)
-class Stack:
+@dataclass(frozen=True, eq=False, repr=False)
+class Stack(OneLine):
     """What a recipe stands for: ``nm.compose(stack.layers, stack.canvas)``.
 
     Attributes
@@ -42,6 +43,10 @@ class Stack:
     recipe: Recipe
     maps: tuple[NormalMap, ...]
     outside: tuple[str, ...]
+
+    def _line(self) -> str:
+        layers, maps = counted(len(self.layers), "layer"), counted(len(self.maps), "map")
+        return f"{self.recipe.name}: {layers} from {maps}"
 
 
 def read_stack(
