@@ -54,12 +54,13 @@ def bake(
     mesh : Mesh
         Any; what cannot be used is dropped and reported.
     options : BakeOptions, optional
-        Of one view.
+        Size, camera, one view, renderer, encoding of the detail.
     filter : FilterOptions, optional
+        What counts as detail.
     model : FilterModel, optional
-        For the filter ``learned``. Default: the one that comes with the package.
+        For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
@@ -75,6 +76,14 @@ def bake(
         If no face of the mesh can be used or none is seen.
     RendererError
         If no OpenGL context can be had.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=2))
+    >>> layers = nm.bake(sphere, nm.BakeOptions(size="64x48", renderer="numpy"))
+    >>> layers.original.normals.shape, layers.depth_mm.dtype
+    ((48, 64, 3), dtype('float32'))
     """
     options = options or BakeOptions()
     if len(options.views) > 1:
@@ -90,7 +99,43 @@ def bake_views(
     model: FilterModel | None = None,
     progress: Progress | None = None,
 ) -> tuple[LayerSet, ...]:
-    """`bake` for each view of ``options.view``, in order; the mesh is filtered once."""
+    """`bake` for each of several views; the mesh is filtered once.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any; what cannot be used is dropped and reported.
+    options : BakeOptions, optional
+        As for `bake`, with one or more views.
+    filter : FilterOptions, optional
+        What counts as detail.
+    model : FilterModel, optional
+        For the filter ``learned`` only. Default: the one that comes with the package.
+    progress : callable, optional
+        Called with the name of the stage and the share done, 0 to 1.
+
+    Returns
+    -------
+    tuple of LayerSet
+        One for each view of ``options.view``, in that order.
+
+    Raises
+    ------
+    UsageError
+        If options do not fit each other.
+    InputError
+        If no face of the mesh can be used or none is seen.
+    RendererError
+        If no OpenGL context can be had.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> box = nm.Mesh.from_trimesh(trimesh.creation.box())
+    >>> views = nm.bake_views(box, nm.BakeOptions(view="front,left", size="32x32", renderer="numpy"))
+    >>> [layers.report.view for layers in views]
+    ['front', 'left']
+    """
     options = options or BakeOptions()
     notify = progress or (lambda word, share: None)
     asked = filter or FilterOptions()

@@ -52,7 +52,7 @@ _ALL_KEYS = tuple(dict.fromkeys((*LAYER_KEYS, *GROUP_KEYS)))
 _LONGEST_SHOWN = 60
 
 
-def parse_recipe(values: Mapping[str, Any], name: str = "recipe", folder: str = "") -> Recipe:
+def parse_recipe(values: Mapping[str, Any], *, name: str = "recipe", folder: str = "") -> Recipe:
     """A recipe from a mapping, as ``tomllib`` reads it.
 
     Parameters
@@ -64,12 +64,21 @@ def parse_recipe(values: Mapping[str, Any], name: str = "recipe", folder: str = 
     folder : str
         What its files are relative to.
 
+    Returns
+    -------
+    Recipe
+
     Raises
     ------
     InputError
-        One line that says where, which key, what was found and what is accepted.
+        If a key or value is not accepted; the message says where, which key, what was found and what is accepted.
     LimitError
         If groups lie too deep in each other.
+
+    Examples
+    --------
+    >>> nm.parse_recipe({"layer": [{"file": "plate.png"}, {"file": "leaf.png", "mode": "rnm"}]})
+    <Recipe recipe: 2 layers, 2 files, canvas that of the lowest layer>
     """
     known = _known(values, ("canvas", "layer"), name)
     canvas = CanvasOptions()

@@ -31,6 +31,14 @@ def to_toml(recipe: Recipe) -> str:
     ------
     InputError
         If a file name is not valid UTF-8, which TOML is.
+
+    Examples
+    --------
+    >>> recipe = nm.parse_recipe({"layer": [{"file": "plate.png"}]})
+    >>> print(nm.to_toml(recipe))
+    [[layer]]
+    file = "plate.png"
+    <BLANKLINE>
     """
     lines = list(_pairs(_given(recipe.canvas, CanvasOptions())))
     if lines:

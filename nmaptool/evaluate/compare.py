@@ -60,9 +60,9 @@ def compare(
     reconstruct_options : ReconstructOptions, optional
         Of gSfG as it is shown.
     model : FilterModel, optional
-        For the filter ``learned``. Default: the one that comes with the package.
+        For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
@@ -76,6 +76,14 @@ def compare(
         If no face of the mesh can be used.
     RendererError
         If no OpenGL context can be had.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
+    >>> comparison = nm.compare(sphere, nm.CompareOptions(renderer="numpy"))
+    >>> list(comparison.contenders), comparison.faces
+    (['gsfg', 'poisson'], 80)
     """
     options, chosen = options or CompareOptions(), filter or FilterOptions()
     ours = reconstruct_options or ReconstructOptions()

@@ -39,10 +39,11 @@ def decompose_normals(
         Any; what cannot be used is dropped and vertices at one position are welded first, see
         `nmaptool.meshes.clean.clean_mesh`, whose faces are those of the answer.
     options : FilterOptions, optional
+        Filter and its parameters.
     model : FilterModel, optional
-        For the filter ``learned``. Default: the one that comes with the package.
+        For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
@@ -55,6 +56,14 @@ def decompose_normals(
         If no face of the mesh can be used.
     UsageError
         If a model is given to another filter.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
+    >>> split = nm.decompose_normals(sphere)
+    >>> bool(np.all(split.base + split.residual == split.normals))
+    True
     """
     clean, _, _ = clean_mesh(mesh)
     return decompose_clean(clean, options or FilterOptions(), progress, model)

@@ -72,10 +72,20 @@ def training_example(mesh: Mesh, filter: FilterOptions | None = None) -> Trainin
     filter : FilterOptions, optional
         The parameters that suit this mesh. Default: those of ``FilterOptions(filter="grnf")``.
 
+    Returns
+    -------
+    TrainingExample
+
     Raises
     ------
     InputError
         If no face of the mesh can be used.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> nm.training_example(nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1)))
+    <TrainingExample of mesh: 42 vertices, 80 faces, 1 mm to a unit (assumed)>
     """
     options = filter or FilterOptions(filter="grnf")
     clean, _, _ = clean_mesh(mesh)
@@ -100,14 +110,18 @@ def train(
     Parameters
     ----------
     examples : sequence of TrainingExample
+        With 500 faces or more in all.
     options : TrainOptions, optional
+        Stages, size and number of the networks, steps, seed.
     descriptor : DescriptorOptions, optional
+        What the networks look at.
     state : TrainingState, optional
         Of an earlier run that was not finished, with the same examples and options: the result is the same as if it
         had been.
     keep : callable, optional
         Called with the state after every network.
     progress : callable, optional
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
@@ -117,6 +131,15 @@ def train(
     ------
     InputError
         If there are too few faces to learn from, or the state is of another training.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> mesh = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=3))
+    >>> quick = nm.TrainOptions(stages=1, clusters=1, hidden=2, steps=1)
+    >>> model = nm.train([nm.training_example(mesh)], quick, descriptor=nm.DescriptorOptions((3.0,), (0.5,), 1))
+    >>> len(model.stages)
+    1
     """
     options, descriptor = options or TrainOptions(), descriptor or DescriptorOptions()
     faces = sum(len(example.mesh.faces) for example in examples)

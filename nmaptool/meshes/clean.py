@@ -24,6 +24,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     Parameters
     ----------
     mesh : Mesh
+        Any; it is not changed.
 
     Returns
     -------
@@ -37,6 +38,15 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     ------
     InputError
         If nothing is left, or the mesh has no extent.
+
+    Examples
+    --------
+    Vertices 1 and 3 lie at one position, so the second face has no area:
+
+    >>> vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0]]
+    >>> mesh, source_faces, findings = nm.clean_mesh(nm.Mesh.from_arrays(vertices, [[0, 1, 2], [0, 3, 1]]))
+    >>> mesh.faces.tolist(), source_faces.tolist(), findings.welded_vertices, findings.degenerate_faces
+    ([[0, 1, 2]], [0], 1, 1)
     """
     if not len(mesh.faces):
         raise InputError(f"{mesh.name}: holds {len(mesh.vertices)} points and no faces; a surface is needed")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,22 +25,23 @@ _OFF_LENGTH = 1e-3
 
 def reconstruct(
     mesh: Mesh,
-    normals: NDArray[np.floating],
+    normals: NDArray[np.floating[Any]],
     options: ReconstructOptions | None = None,
     *,
     progress: Progress | None = None,
 ) -> Reconstruction:
-    """Move the vertices of a mesh so that its face normals come to given ones (gSfG: paper, Sec. 4.1, Eq. 2 and 3).
+    """Move the vertices of a mesh so that its face normals become the given ones (gSfG: paper, Sec. 4.1, Eq. 2 and 3).
 
     Parameters
     ----------
     mesh : Mesh
         Clean, see `nmaptool.meshes.clean.clean_mesh`.
-    normals : (M, 3) float
-        Where each face should look: unit vectors.
+    normals : (M, 3) float of any type
+        The normal that each face should have: unit vectors.
     options : ReconstructOptions, optional
+        Scheme, steps and closeness.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
@@ -53,6 +55,16 @@ def reconstruct(
         If the mesh is not clean, or the normals are not one finite unit vector a face, or most of them look inwards.
     ConvergenceError
         If the system of scheme "poisson" cannot be solved.
+
+    Examples
+    --------
+    Its own normals leave a mesh as it is:
+
+    >>> import trimesh
+    >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
+    >>> rebuilt = nm.reconstruct(sphere, sphere.geometry.normals)
+    >>> bool(np.allclose(rebuilt.vertices, sphere.vertices))
+    True
     """
     options = options or ReconstructOptions()
     _check_mesh(mesh)

@@ -40,24 +40,35 @@ def smooth(
     mesh : Mesh
         Any; what cannot be used is dropped and reported, vertices at one position are welded.
     options : SmoothOptions, optional
+        Detail gain: 0 smooths, 1 keeps the mesh, more exaggerates.
     filter : FilterOptions, optional
-        What is detail.
+        What counts as detail.
     reconstruct_options : ReconstructOptions, optional
+        Scheme, steps and closeness.
     model : FilterModel, optional
-        For the filter ``learned``. Default: the one that comes with the package.
+        For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
-    Smoothed
+    SmoothResult
 
     Raises
     ------
     InputError
         If no face of the mesh can be used.
+    UsageError
+        If a model is given to another filter than ``learned``.
     ConvergenceError
-        As `reconstruct`.
+        If the system of scheme "poisson" cannot be solved.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> box = nm.Mesh.from_trimesh(trimesh.creation.box().subdivide().subdivide())
+    >>> nm.smooth(box, nm.SmoothOptions(detail_gain=2)).mesh
+    <Mesh mesh: 98 vertices, 192 faces, 1 mm to a unit (assumed)>
     """
     options, chosen = options or SmoothOptions(), filter or FilterOptions()
     notify = progress or (lambda word, share: None)

@@ -136,4 +136,5 @@ class LayerSet(Pictured):
     def _line(self) -> str:
         parts = [name for name in ("depth_mm", "faces") if getattr(self, name) is not None]
         more = f", with {' and '.join(parts)}" if parts else ""
-        return f"{self.original.name}: {self.frame.with_pitch}, {self.report.detail_share:.0%} detail{more}"
+        name = self.original.name.removesuffix(": original")
+        return f"{name}: {self.frame.with_pitch}, {self.report.detail_share:.0%} detail{more}"

@@ -56,7 +56,9 @@ def read_recipe(
     path = Path(path)
     name = str(path) if name is None else name
     folder = path.parent if folder is None else Path(folder)
-    recipe = parse_recipe(_values(path, name, max_megapixels), name, "" if folder == Path() else str(folder))
+    recipe = parse_recipe(
+        _values(path, name, max_megapixels), name=name, folder="" if folder == Path() else str(folder)
+    )
     return _Linking(folder, max_megapixels).linked(recipe, _Chain(((identity(path), name),)))
 
 
@@ -127,7 +129,7 @@ class _Linking:
                 values = _values(path, str(path), self.max_megapixels)
             except (InputError, LimitError) as error:
                 raise type(error)(f"{link.origin}: {error}") from None
-            self.parsed[own] = parse_recipe(values, str(path))
+            self.parsed[own] = parse_recipe(values, name=str(path))
         inner = self.parsed[own]
         self.sources.append(named)
         if inner.canvas != CanvasOptions():
