@@ -37,7 +37,7 @@ def inspect(
     session = Session(run)
     with input_files(map, mask) as (source, mask_source):
         assert source is not None
-        chosen = nm.read_grey(mask_source, reading.max_megapixels) if mask_source is not None else None
+        chosen = nm.read_grey(mask_source, max_megapixels=reading.max_megapixels) if mask_source is not None else None
         seen = nm.inspect_map(nm.read_raster(source, reading), reading, mask=chosen)
     seen = dataclasses.replace(seen, name=display_name(seen.name))
     if run.json:

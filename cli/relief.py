@@ -179,7 +179,7 @@ def _solve(
             surface = nm.read_surface(surface_source, others, like=original, pitch_mm=pitch_mm)
 
         def grey(path: str | None) -> Any:
-            return None if path is None else nm.read_grey(path, reading.max_megapixels)
+            return None if path is None else nm.read_grey(path, max_megapixels=reading.max_megapixels)
 
         maps = {"mask": mask, "mu_map": mu_map, "beta_map": beta_map, "delta_map": delta_map}
         greys = {role: grey(path) for role, path in maps.items()}

@@ -44,7 +44,7 @@ def blend(
     with input_files(base, detail, mask) as (base_file, detail_file, mask_file):
         below = read_map(base_file, reading)
         above = read_map(detail_file, dataclasses.replace(reading, layer=None), like=below)
-        chosen = None if mask_file is None else nm.read_grey(mask_file, reading.max_megapixels)
+        chosen = None if mask_file is None else nm.read_grey(mask_file, max_megapixels=reading.max_megapixels)
         result = nm.blend(below, above, options, mask=chosen, mask_name=mask or "")
     for each in (below, above):
         say_map(session, each)

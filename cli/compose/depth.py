@@ -75,7 +75,7 @@ def depth(
     with input_files(image, mask) as (source, mask_file), session.progress() as progress:
         assert source is not None
         picture = nm.read_raster(source, ReadOptions(layer=layer, max_megapixels=max_megapixels))
-        chosen = None if mask_file is None else nm.read_grey(mask_file, max_megapixels)
+        chosen = None if mask_file is None else nm.read_grey(mask_file, max_megapixels=max_megapixels)
         result = nm.depth_to_normals(picture, options, mask=chosen, progress=progress)
     recipe = json.dumps({"command": "depth", "options": plain_values(options)})
     metadata = {

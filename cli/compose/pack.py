@@ -151,7 +151,9 @@ def _read(
     masks = [None if name == "none" else name for name in layering.mask] or [None] * len(maps)
     with input_files(*maps, *masks) as sources:
         read = [read_map(name, reading) for name in sources[: len(maps)]]
-        grey = [None if m is None else nm.read_grey(m, reading.max_megapixels) for m in sources[len(maps) :]]
+        grey = [
+            None if m is None else nm.read_grey(m, max_megapixels=reading.max_megapixels) for m in sources[len(maps) :]
+        ]
     frame = common_frame(read)
     modes, strengths = layering.mode or ("over",) * len(maps), layering.strength or (1.0,) * len(maps)
     rows = zip(

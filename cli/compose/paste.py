@@ -130,7 +130,9 @@ def paste(
         ground = read_map(files[0], reading)
         others = dataclasses.replace(reading, layer=None)
         maps = [read_map(file, others) for file in files[1:]]
-        chosen = [None if name is None else nm.read_grey(name, reading.max_megapixels) for name in mask_files]
+        chosen = [
+            None if name is None else nm.read_grey(name, max_megapixels=reading.max_megapixels) for name in mask_files
+        ]
         names = ["" if name is None else name for name in masks]
         stack = [nm.Layer(*parts) for parts in zip(maps, options, chosen, names, strict=True)]
         result = nm.paste(ground, stack, width=width, progress=progress)

@@ -71,7 +71,7 @@ def unpack(
     import nmaptool as nm
     from nmaptool_cli.wording import describe_unpacked
 
-    unpacked = nm.unpack(nm.read_workspace(workspace, max_megapixels))
+    unpacked = nm.unpack(nm.read_workspace(workspace, max_megapixels=max_megapixels))
     metadata: dict[str, Any] = {"version": nm.__version__, **unpacked.to_dict()}
     written = nm.write_unpacked(
         unpacked,

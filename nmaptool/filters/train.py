@@ -42,7 +42,7 @@ class TrainingExample(OneLine):
         Clean, see `nmaptool.clean_mesh`.
     targets : (M, 3) float64
         Unit normals of its faces.
-    account : mapping
+    metadata : mapping
         How the targets were made, plain values.
     """
 

@@ -87,7 +87,7 @@ class Verdict:
         Normal deviations of those.
     ratio_low, ratio_high : float or None
         gSfG's vertex deviation over Poisson's at those points that gSfG reaches.
-    words : str
+    summary : str
         The same in a sentence.
     """
 
@@ -137,7 +137,7 @@ class Comparison(OneLine):
     curves : mapping
         Name to points of a sweep.
     verdicts : tuple of Verdict
-    shots : mapping
+    rendered_views : mapping of str to RenderedView
         Pictures of the contenders.
     seconds : mapping of str to float
     """

@@ -25,7 +25,7 @@ class Inspection(OneLine):
 
     Attributes
     ----------
-    name, cols, rows, bits, channels, layer
+    name, cols, rows, bits, channels, layer, pitch_mm
         The file.
     decoding : Decoding
         Convention, zero code and background, each with its source; ``curl_ratio`` is how many times more curl the

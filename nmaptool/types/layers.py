@@ -91,7 +91,7 @@ class LayerGroup(OneLine):
         return self.options.name
 
     def _line(self) -> str:
-        return f"{self.name or 'without a name'}: {counted(len(self.layers), 'layer')}"
+        return f"{self.name}: {counted(len(self.layers), 'layer')}"
 
 
 LayerLike: TypeAlias = Layer | LayerGroup | NormalsLike

@@ -178,8 +178,9 @@ class Mesh(OneLine):
         import trimesh  # takes long to load
 
         mesh = trimesh.Trimesh(self.vertices.copy(), self.faces.copy(), process=False)
-        known = self.unit_from != "assumed"
-        mesh.units = next((name for name, mm in MM_PER_UNIT.items() if known and mm == self.mm_per_unit), None)
+        names = [name for name, mm in MM_PER_UNIT.items() if mm == self.mm_per_unit]
+        if names and self.unit_from != "assumed":
+            mesh.units = names[0]
         return mesh
 
     def _line(self) -> str:

@@ -45,7 +45,7 @@ def as_faces(values: Any, vertices: int, name: str) -> NDArray[np.int32]:
 
 def _require_three(array: NDArray[Any], what: str, remedy: str) -> None:
     if array.size and (array.ndim != 2 or array.shape[1] != 3):
-        raise InputError(f"{what} are {array.shape}, expected (count, 3){remedy}")
+        raise InputError(f"{what}: found shape {array.shape}, expected (count, 3){remedy}")
 
 
 def trimesh_unit(units: str | None) -> float | None:
@@ -56,7 +56,7 @@ def trimesh_unit(units: str | None) -> float | None:
     InputError
         If trimesh does not know the unit.
     """
-    if units is None:
+    if units in (None, "none"):  # what trimesh makes of None
         return None
     from trimesh.units import unit_conversion  # takes long to load
 

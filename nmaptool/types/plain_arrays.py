@@ -89,15 +89,15 @@ def unit_normals(values: Any, coverage: Float32 | None, name: str) -> tuple[Floa
     UsageError
         If it is no array of numbers.
     """
-    vectors = as_numbers(values, f"{name}: normals")
+    vectors = as_numbers(values, name)
     if vectors.dtype.kind != "f":
         raise InputError(
-            f"{name}: normals are {vectors.dtype}, expected floats from -1 to 1; turn codes into normals with "
+            f"{name}: found {vectors.dtype}, expected floats from -1 to 1; turn codes into normals with "
             "decode_normal_map"
         )
     if vectors.ndim != 3 or vectors.shape[2] != 3:
         hint = "; move the components last, with numpy.moveaxis(normals, 0, -1)" if vectors.shape[:1] == (3,) else ""
-        raise InputError(f"{name}: normals are {vectors.shape}, expected (H, W, 3){hint}")
+        raise InputError(f"{name}: found shape {vectors.shape}, expected (H, W, 3){hint}")
     shape = vectors.shape[:2]
     if coverage is None:
         coverage = np.ones(shape, np.float32)

@@ -129,7 +129,7 @@ class RecipeGroup(_Group):
 
     def _line(self) -> str:
         hidden = ", hidden" if self.hidden else ""
-        return f"{self.label or 'without a name'}: {counted(len(self.layers), 'layer')}{hidden}"
+        return f"{self.label}: {counted(len(self.layers), 'layer')}{hidden}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -166,7 +166,7 @@ class RecipeLink(_Group):
             yield self.mask
 
     def _line(self) -> str:
-        return f"{self.label or self.recipe}: {self.recipe}{', hidden' if self.hidden else ''}"
+        return f"{self.label}: {self.recipe}{', hidden' if self.hidden else ''}"
 
 
 Entry: TypeAlias = RecipeLayer | RecipeGroup | RecipeLink

@@ -70,8 +70,8 @@ class UnpackResult(OneLine):
         Of the whole first, then those of the layers.
     ground : str
         What lies below the lowest layer: ``clear`` or ``flat``.
-    has_words : bool
-        Whether nmaptool's own words are still in the file; without them, moves and mirrorings cannot be told.
+    has_metadata : bool
+        Whether nmaptool's own metadata is still in the file; without it, moves and mirrorings cannot be recognised.
     """
 
     name: str

@@ -66,7 +66,7 @@ class FilterModel(OneLine):
         What the networks look at.
     stages : tuple of Stage
         Applied one after the other.
-    account : mapping
+    metadata : mapping
         How it was made, plain values: meshes, seed, options, losses.
 
     Raises

@@ -74,7 +74,7 @@ def write_comparison(
         .json.
     overwrite : bool
         Replace files that exist.
-    account : mapping, optional
+    metadata : mapping, optional
         What to put in the report. Default: ``comparison.to_dict()``.
 
     Raises
@@ -83,6 +83,12 @@ def write_comparison(
         If an ending is not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
+    >>> nm.write_comparison(nm.compare(sphere, nm.CompareOptions(renderer="numpy")), report="comparison.json")
     """
     places = [None if path is None else Path(path) for path in (figure, report)]
     files = ComparisonFiles(places[0], places[1], overwrite)

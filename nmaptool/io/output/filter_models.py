@@ -124,10 +124,25 @@ def read_filter_model(path: str | Path) -> FilterModel:
     path : str or Path
         .npz
 
+    Returns
+    -------
+    FilterModel
+
     Raises
     ------
     InputError
         If it cannot be read or is none. No code in it is ever run.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> mesh = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=3))
+    >>> quick = nm.TrainOptions(stages=1, clusters=1, hidden=2, steps=1)
+    >>> descriptor, states = nm.DescriptorOptions((3.0,), (0.5,), 1), []
+    >>> model = nm.train([nm.training_example(mesh)], quick, descriptor=descriptor, keep=states.append)
+    >>> nm.write_filter_model(model, "mine.npz")
+    >>> nm.read_filter_model("mine.npz").digest == model.digest
+    True
     """
     try:
         return filter_from_arrays(_read(Path(path)))
@@ -152,6 +167,15 @@ def write_filter_model(model: FilterModel, path: str | Path, *, overwrite: bool 
         If the ending is another.
     OutputError
         If it cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> mesh = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=3))
+    >>> quick = nm.TrainOptions(stages=1, clusters=1, hidden=2, steps=1)
+    >>> descriptor, states = nm.DescriptorOptions((3.0,), (0.5,), 1), []
+    >>> model = nm.train([nm.training_example(mesh)], quick, descriptor=descriptor, keep=states.append)
+    >>> nm.write_filter_model(model, "mine.npz")
     """
     target = Path(path)
     _check_ending(target)
@@ -161,10 +185,31 @@ def write_filter_model(model: FilterModel, path: str | Path, *, overwrite: bool 
 def read_training(path: str | Path) -> TrainingState:
     """Read a training that was begun.
 
+    Parameters
+    ----------
+    path : str or Path
+        .npz, written by `nmaptool.write_training`.
+
+    Returns
+    -------
+    TrainingState
+        For ``state`` of `nmaptool.train`.
+
     Raises
     ------
     InputError
         If it cannot be read or is none.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> mesh = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=3))
+    >>> quick = nm.TrainOptions(stages=1, clusters=1, hidden=2, steps=1)
+    >>> descriptor, states = nm.DescriptorOptions((3.0,), (0.5,), 1), []
+    >>> model = nm.train([nm.training_example(mesh)], quick, descriptor=descriptor, keep=states.append)
+    >>> nm.write_training(states[-1], "begun.npz")
+    >>> nm.read_training("begun.npz").fingerprint == states[-1].fingerprint
+    True
     """
     try:
         return replace(training_from_arrays(_read(Path(path))), name=str(path))
@@ -175,10 +220,26 @@ def read_training(path: str | Path) -> TrainingState:
 def write_training(state: TrainingState, path: str | Path) -> None:
     """Keep a training that was begun, in place of what the file held before.
 
+    Parameters
+    ----------
+    state : TrainingState
+        As ``keep`` of `nmaptool.train` is given it.
+    path : str or Path
+        .npz
+
     Raises
     ------
     OutputError
         If it cannot be written.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> mesh = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=3))
+    >>> quick = nm.TrainOptions(stages=1, clusters=1, hidden=2, steps=1)
+    >>> descriptor, states = nm.DescriptorOptions((3.0,), (0.5,), 1), []
+    >>> model = nm.train([nm.training_example(mesh)], quick, descriptor=descriptor, keep=states.append)
+    >>> nm.write_training(states[-1], "begun.npz")
     """
     _write(Path(path), training_to_arrays(state), overwrite=True, last=False)
 

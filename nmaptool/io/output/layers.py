@@ -198,7 +198,7 @@ def write_layers(
         Picture of the |curl| of the first view's base, .png: see `nmaptool.curl_picture`.
     overwrite : bool
         Replace files that exist.
-    account : mapping, optional
+    metadata : mapping, optional
         What to put in the report. Default: the reports of the layer sets.
 
     Returns
@@ -214,6 +214,14 @@ def write_layers(
         If face numbers are too large for a picture.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> layers = nm.split(flat)
+    >>> len(nm.write_layers(layers, "layers", format="png"))
+    5
     """
     sets = [layer_sets] if isinstance(layer_sets, LayerSet) else list(layer_sets)
     views = tuple(layers.report.view for layers in sets)

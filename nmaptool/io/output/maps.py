@@ -150,7 +150,7 @@ def write_composition(
         JSON account of the run.
     overwrite : bool
         Replace files that exist.
-    account : mapping, optional
+    metadata : mapping, optional
         What to put in the report. Default: ``composition.report.to_dict()``.
     recipe : str, optional
         How the map came about, for its metadata. Default: command, options and layers as JSON.
@@ -161,6 +161,11 @@ def write_composition(
         If an ending is not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> base, detail = (nm.read_normal_map(f"samples/medal_{name}.png") for name in ("base", "detail"))
+    >>> nm.write_composition(nm.blend(base, detail), "medal.png", report="medal.json")
     """
     named_pictures = {"curl": curl, "placed": placed}
     pictures = {kind: Path(path) for kind, path in named_pictures.items() if path is not None}

@@ -76,7 +76,7 @@ def write_mesh(
         JSON account of the run.
     overwrite : bool
         Replace files that exist.
-    account : mapping, optional
+    metadata : mapping, optional
         What to put in the report.
 
     Raises
@@ -85,6 +85,13 @@ def write_mesh(
         If an ending is not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> mesh = nm.Mesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> nm.write_mesh(mesh, "triangle.ply", "triangle.obj")
+    >>> nm.read_mesh("triangle.ply")
+    <Mesh triangle.ply: 3 vertices, 1 face, 1 mm to a unit (assumed)>
     """
     files = MeshFiles([Path(p) for p in outputs], Path(report) if report is not None else None, overwrite)
     files.check()

@@ -148,7 +148,7 @@ def write_unpacked(
         JSON account.
     overwrite : bool
         Replace files that exist.
-    account : mapping, optional
+    metadata : mapping, optional
         What to put in the report. Default: ``unpacked.to_dict()``.
 
     Returns
@@ -162,6 +162,14 @@ def write_unpacked(
         If a format or ending is not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> written = nm.write_unpacked(nm.unpack(nm.pack([flat])), "unpacked", format="png")
+    >>> sorted(path.suffix for path in written)
+    ['.png', '.toml']
     """
     files = UnpackedFiles(Path(folder), format, Path(report) if report is not None else None, overwrite)
     files.check()

@@ -62,6 +62,11 @@ def convert(
         As `nmaptool.read_normal_map`.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> nm.convert("samples/medal_base.png", "base.exr").normal_map
+    <NormalMap samples/medal_base.png: 248 x 248 px, pitch unknown, 72% covered>
     """
     reading, writing, output = reading or ReadOptions(), writing or WriteOptions(), Path(path_out)
     pictures = {} if curl is None else {"curl": Path(curl)}

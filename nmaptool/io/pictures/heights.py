@@ -101,7 +101,7 @@ def to_vertices(centre: Float64) -> Float64:
     return corner_mean(centre)
 
 
-def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels: float = 270.0) -> Height:
+def read_height(path: str | Path, *, pitch_mm: float | None = None, max_megapixels: float = 270.0) -> Height:
     """Read heights in mm at pixel centres, as `write_height` writes them.
 
     Parameters
@@ -111,6 +111,11 @@ def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels:
     pitch_mm : float, optional
         Size of a pixel where the file does not say it.
     max_megapixels : float
+        Refuse a larger picture.
+
+    Returns
+    -------
+    Height
 
     Raises
     ------
@@ -118,6 +123,12 @@ def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels:
         If it cannot be read, is no height field, or holds NaN or infinite values.
     LimitError
         If it is larger than ``max_megapixels``.
+
+    Examples
+    --------
+    >>> np.save("plane.npy", np.ones((4, 6)))
+    >>> nm.read_height("plane.npy", pitch_mm=0.5)
+    <Height 3 x 2 mm (6 x 4 px), 1 to 1 mm high>
     """
     path = Path(path)
     if path.suffix.lower() == ".npy":
@@ -141,14 +152,24 @@ def read_surface(
     pitch_mm : float
         Size of a pixel where a file of heights does not say it.
 
+    Returns
+    -------
+    NormalMap or Height
+
     Raises
     ------
     InputError, LimitError
         As `read_height` and `nmaptool.read_normal_map`.
+
+    Examples
+    --------
+    >>> leaf = nm.read_normal_map("samples/leaf_on_roll.png")
+    >>> nm.read_surface("samples/roll.png", like=leaf, pitch_mm=0.5)
+    <NormalMap samples/roll.png: 224 x 224 px, pitch unknown, 100% covered>
     """
     options = options or ReadOptions()
     if Path(path).suffix.lower() == ".npy":
-        return read_height(path, pitch_mm, options.max_megapixels)
+        return read_height(path, pitch_mm=pitch_mm, max_megapixels=options.max_megapixels)
     image = read_raster(path, options)
     see_through = image.alpha is not None and not alpha_is_data(image)
     options = replace(options, background_color="alpha" if see_through else "none")

@@ -52,6 +52,12 @@ def read_recipe(
     LimitError
         If one is larger than 1 MB or in a map larger than ``max_megapixels``, or they lie more than 16 deep in each
         other, or hold more than 1000 layers in all.
+
+    Examples
+    --------
+    >>> recipe = nm.read_recipe("samples/scene.toml")
+    >>> recipe.files[0]
+    'medal_base.png'
     """
     path = Path(path)
     name = str(path) if name is None else name

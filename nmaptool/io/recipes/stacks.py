@@ -74,6 +74,12 @@ def read_stack(
         which layer of which recipe wants it.
     LimitError
         If the pictures are larger than ``reading.max_megapixels`` together.
+
+    Examples
+    --------
+    >>> stack = nm.read_stack("samples/scene.toml")
+    >>> nm.compose(stack.layers, stack.canvas).normal_map.frame.shape
+    (340, 640)
     """
     reading = reading or ReadOptions()
     if not isinstance(recipe, Recipe):
@@ -155,7 +161,7 @@ class _Pictures:
         file, layer = split_layer(source)
         key = (identity(file), layer)
         if key not in self.masks:
-            self.masks[key] = self._within(lambda: read_grey(source, self._left()))
+            self.masks[key] = self._within(lambda: read_grey(source, max_megapixels=self._left()))
             self._take(self.masks[key].size)
         return self.masks[key]
 

@@ -43,7 +43,7 @@ def _kind(path: Path) -> str:
     raise InputError(f"{path}: is no workspace that can be read here; accepted are {_ACCEPTED}")
 
 
-def read_workspace(path: str | Path, max_megapixels: float = 270.0) -> Workspace:
+def read_workspace(path: str | Path, *, max_megapixels: float = 270.0) -> Workspace:
     """Read the layers of a file that an image editor wrote, or `write_workspace`.
 
     Parameters
@@ -53,12 +53,24 @@ def read_workspace(path: str | Path, max_megapixels: float = 270.0) -> Workspace
     max_megapixels : float
         Of the canvas, and of all layers together; refused before any memory is taken.
 
+    Returns
+    -------
+    Workspace
+
     Raises
     ------
     InputError
         If it cannot be read, or holds no layer of pixels.
     LimitError
         If it is larger than ``max_megapixels``.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> nm.write_workspace("flat.psd", nm.pack([flat]))
+    >>> nm.read_workspace("flat.psd")
+    <Workspace flat.psd: 48 x 32 px, pitch unknown, 16 bits, 1 layer>
     """
     path = Path(path)
     kind = _kind(path)
@@ -123,13 +135,19 @@ def write_workspace(path: str | Path, workspace: Workspace, *, overwrite: bool =
         If the ending is not offered, or does not hold the workspace's bits.
     OutputError
         If it cannot be written, or exists.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> nm.write_workspace("flat.ora", nm.pack([flat]))
     """
     target = Path(path)
     check_workspace_target(target, workspace.bits, workspace.half)
     with written_beside([target], overwrite) as (beside,):
         try:
             _write(beside, workspace)
-            back = read_workspace(beside, _NO_LIMIT)
+            back = read_workspace(beside, max_megapixels=_NO_LIMIT)
         except (OutputError, InputError, LimitError) as error:
             reason = str(error).replace(str(beside), str(target))
             raise OutputError(reason if isinstance(error, OutputError) else _full(target)) from None
