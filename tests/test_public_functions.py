@@ -11,7 +11,7 @@ import pytest
 
 import nmaptool as nm
 
-FUNCTIONS = {name: getattr(nm, name) for name in nm.__all__ if inspect.isfunction(getattr(nm, name))}
+FUNCTIONS = {name: getattr(nm, name) for name in nm.__all__ if inspect.isroutine(inspect.unwrap(getattr(nm, name)))}
 METHODS = {
     "NormalMap.from_array": nm.NormalMap.from_array,
     "Mesh.from_arrays": nm.Mesh.from_arrays,

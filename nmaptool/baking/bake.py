@@ -47,14 +47,14 @@ def bake(
     model: FilterModel | None = None,
     progress: Progress | None = None,
 ) -> LayerSet:
-    """Draw a mesh as original, base and detail normal maps (paper, Sec. 3 and 4.2.1).
+    """Render the original, base and detail normal maps of a mesh (paper, Sec. 3 and 4.2.1).
 
     Parameters
     ----------
     mesh : Mesh
-        Any; what cannot be used is dropped and reported.
+        Need not be clean: unusable faces are dropped and reported.
     options : BakeOptions, optional
-        Size, camera, one view, renderer, encoding of the detail.
+        Size, camera, one view, renderer and detail encoding.
     filter : FilterOptions, optional
         What counts as detail.
     model : FilterModel, optional
@@ -65,17 +65,17 @@ def bake(
     Returns
     -------
     LayerSet
-        Base and detail are drawn on the original geometry (paper, Fig. 10), or with ``geometry="updated"`` all layers
-        on a mesh rebuilt to the base normals, seen by the same camera.
+        Normal maps of shape (rows, cols), depth in mm and face numbers. All are rendered on the original geometry
+        (paper, Fig. 10), or with ``geometry="updated"`` on a mesh rebuilt to the base normals, by the same camera.
 
     Raises
     ------
     UsageError
-        If options do not fit each other, or name several views: then use `bake_views`.
+        If options contradict each other or name several views; use `bake_views` for those.
     InputError
-        If no face of the mesh can be used or none is seen.
+        If no face of the mesh is usable, or none is visible.
     RendererError
-        If no OpenGL context can be had.
+        If no OpenGL context is available.
 
     Examples
     --------
@@ -99,20 +99,16 @@ def bake_views(
     model: FilterModel | None = None,
     progress: Progress | None = None,
 ) -> tuple[LayerSet, ...]:
-    """`bake` for each of several views; the mesh is filtered once.
+    """Render the layers of a mesh from several views, as `bake` does from one; the mesh is filtered once.
 
     Parameters
     ----------
     mesh : Mesh
-        Any; what cannot be used is dropped and reported.
+        As for `bake`.
     options : BakeOptions, optional
         As for `bake`, with one or more views.
-    filter : FilterOptions, optional
-        What counts as detail.
-    model : FilterModel, optional
-        For the filter ``learned`` only. Default: the one that comes with the package.
-    progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+    filter, model, progress : optional
+        As for `bake`.
 
     Returns
     -------
@@ -121,12 +117,8 @@ def bake_views(
 
     Raises
     ------
-    UsageError
-        If options do not fit each other.
-    InputError
-        If no face of the mesh can be used or none is seen.
-    RendererError
-        If no OpenGL context can be had.
+    UsageError, InputError, RendererError
+        As `bake`, which refuses several views.
 
     Examples
     --------

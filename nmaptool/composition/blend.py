@@ -35,9 +35,9 @@ def blend(
     Parameters
     ----------
     base, detail : NormalMap or (H, W, 3) float of any type
-        The detail counts as much as it covers the base; the result is covered where the base is.
+        The detail counts in proportion to its coverage. The result has the coverage of the base.
     options : BlendOptions, optional
-        Mode, strength, and whether a detail of another size is stretched.
+        Mode, strength, and whether to stretch a detail map of another size.
     mask : (H, W) bool or float in [0, 1], optional
         Multiplies the strength.
     mask_name : str
@@ -46,7 +46,8 @@ def blend(
     Returns
     -------
     Composition
-        A flat detail and strength 0 leave the base as it is, in every bit (modes linear and overlay: strength 0 only).
+        A flat detail or a strength of 0 leaves every bit of the base as it is (in the modes linear and overlay, only a
+        strength of 0 does).
 
     Raises
     ------

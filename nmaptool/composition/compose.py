@@ -39,8 +39,8 @@ def compose(
     Parameters
     ----------
     layers : sequence of Layer, LayerGroup, NormalMap or (h, w, 3) float
-        A map alone is a layer with the default options. Where the lowest is a plain layer of the canvas's size, "over"
-        and unmoved, it is the ground of the others.
+        A map alone is a layer with the default options. The lowest layer becomes the ground of the others if it has the
+        size of the canvas, the mode "over", no mask, and is not moved.
     canvas : CanvasOptions, optional
         Size, width in mm and ground. Default: the size of the lowest layer.
     max_megapixels : float
@@ -51,13 +51,14 @@ def compose(
     Returns
     -------
     Composition
+        The map, where layers lie above the lowest one, and the report.
 
     Raises
     ------
     InputError
         If there is no layer, or one lies off the canvas, covers nothing or lies on nothing.
     UsageError
-        If a length is in mm and the size of a pixel is not known, or a layer is none.
+        If a length is in mm and the size of a pixel is not known, or a layer is neither a Layer nor a map.
     LimitError
         If the canvas is larger than ``max_megapixels``.
 
@@ -98,25 +99,26 @@ def paste(
     Parameters
     ----------
     background : NormalMap or (H, W, 3) float of any type
-        The result has its size and, where nothing covers it, its normals in every bit.
+        The result has its size and, where no layer covers it, exactly its normals.
     layers : sequence of Layer, LayerGroup, NormalMap or (h, w, 3) float
-        A map alone is a layer with the default options. A layer brings its motif along, not a flat background around
-        it.
+        A map alone is a layer with the default options. Only the motif of a layer is pasted, not the flat background
+        around it.
     width : Length, optional
-        Width of the whole picture; gives mm a meaning. Default: the background's own pitch.
+        Width of the whole picture in mm, for lengths given in mm. Default: by the background's pitch.
     progress : callable, optional
         Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     Composition
+        The map, where layers lie above the background, and the report.
 
     Raises
     ------
     InputError
         If a layer lies off the canvas, covers nothing or lies on nothing.
     UsageError
-        If a length is in mm and the size of a pixel is not known, or a value is no map or layer.
+        If a length is in mm and the size of a pixel is not known, or a value is neither a map nor a layer.
 
     Examples
     --------

@@ -21,21 +21,21 @@ from nmaptool.types.picture import Frame
 def place_layers(
     layers: Sequence[LayerLike], canvas: CanvasOptions | None = None
 ) -> tuple[tuple[PackedMap, ...], Frame]:
-    """Layers moved, turned, masked and feathered for a canvas, as `nmaptool.pack` takes them.
+    """Move, turn, mask and feather layers for a canvas, without blending them: the input of `nmaptool.pack`.
 
     Parameters
     ----------
     layers : sequence of Layer, LayerGroup, NormalMap or (h, w, 3) float
-        From the lowest to the topmost. A group all of whose layers lie "over" keeps them, within a group of that name.
-        Any other becomes one layer, since an editor has no group whose details change the group alone; so does one with
-        a mode, strength or mask of its own.
+        From the lowest to the topmost. A group whose layers all have the mode "over" stays a group of these layers. Any
+        other group, or one with a mode, strength or mask of its own, becomes one layer: image editors have no such
+        groups.
     canvas : CanvasOptions, optional
         Size, width in mm and ground. Default: the size of the lowest layer.
 
     Returns
     -------
     layers : tuple of PackedMap
-        Cut to what they cover; their vectors are turned, their masks and soft edges are part of their coverage.
+        Cropped to what they cover. Vectors are turned; masks and soft edges are part of the coverage.
     frame : Frame
         The canvas.
 
@@ -44,7 +44,7 @@ def place_layers(
     InputError
         If there is no layer, or one lies off the canvas or covers nothing.
     UsageError
-        If a length is in mm and the size of a pixel is not known, or a layer is none.
+        If a length is in mm and the size of a pixel is not known, or a layer is neither a Layer nor a map.
 
     Examples
     --------

@@ -53,12 +53,13 @@ _LONGEST_SHOWN = 60
 
 
 def parse_recipe(values: Mapping[str, Any], *, name: str = "recipe", folder: str = "") -> Recipe:
-    """A recipe from a mapping, as ``tomllib`` reads it.
+    """Make a recipe of a mapping, as ``tomllib`` reads it.
 
     Parameters
     ----------
     values : mapping
-        ``canvas`` (table, optional) and ``layer`` (list of tables); the keys are those of the options, with _ or -.
+        ``canvas`` (table, optional) and ``layer`` (list of tables); keys are the fields of the options, with _
+        or -.
     name : str
         What to call the recipe in messages.
     folder : str
@@ -73,7 +74,7 @@ def parse_recipe(values: Mapping[str, Any], *, name: str = "recipe", folder: str
     InputError
         If a key or value is not accepted; the message says where, which key, what was found and what is accepted.
     LimitError
-        If groups lie too deep in each other.
+        If groups are nested too deeply.
 
     Examples
     --------

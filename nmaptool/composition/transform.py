@@ -33,7 +33,7 @@ from nmaptool.types.picture import Frame
 def transform(
     normal_map: NormalsLike, options: TransformOptions | None = None, *, max_megapixels: float = 270.0
 ) -> Composition:
-    """Crop, mirror, resize, turn and pad a map; slopes follow by the inverse transpose.
+    """Crop, mirror, resize, rotate and pad a map; vectors are transformed along (slopes by the inverse transpose).
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def transform(
     Returns
     -------
     Composition
-        Exact, in every bit, where pixels go to pixels: crops, borders, mirrors, quarter turns.
+        Crops, borders, mirrors and quarter turns are exact in every bit.
 
     Raises
     ------

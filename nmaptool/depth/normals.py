@@ -72,23 +72,24 @@ def depth_to_normals(
 ) -> DepthResult:
     """Turn a depth or height picture into a normal map.
 
-    Jumps, where one part hides another, are found and never sloped across; stepped or noisy heights are fitted by the
-    least bent surface that they allow; clean ones are differenced.
+    Jumps, where one part hides another, are detected, and no slope is taken across them. Stepped or noisy heights are
+    fitted by the smoothest surface within their tolerance; clean heights are differenced.
 
     Parameters
     ----------
     image : RasterImage, or (H, W) uint8, uint16 or float
-        Grey: integer codes or floats, see `nmaptool.read_raster`. NaN and infinite values are no depth.
+        Grey: integer codes or floats, see `nmaptool.read_raster`. NaN and infinite values mean that there is no depth.
     options : DepthOptions, optional
         Which way is near, the scale of the values, jumps, smoothing, background.
     mask : (H, W) bool or float in [0, 1], optional
-        Where the surface is: becomes coverage. What lies outside does not count.
+        Where the surface is: becomes the coverage. Pixels outside are ignored.
     progress : callable, optional
         Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     DepthResult
+        The normal map, the height of jumps in px, and the report.
 
     Raises
     ------

@@ -44,21 +44,21 @@ def compare(
     model: FilterModel | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
-    """Rebuild a mesh to its base normals by gSfG and by Poisson's equation, and judge both (paper, Fig. 13).
+    """Rebuild a mesh to its base normals by gSfG and by Poisson's equation, and compare both (paper, Fig. 13).
 
-    Both are swept over their closeness, so that vertex deviations are compared at equal normal deviations: either
-    scheme has a smaller one of the two for a larger one of the other.
+    Each scheme trades normal deviation for vertex deviation. Both are run over a range of their closeness parameter, so
+    that vertex deviations can be compared at equal normal deviations.
 
     Parameters
     ----------
     mesh : Mesh
-        Any; what cannot be used is dropped.
+        Need not be clean: unusable faces are dropped.
     options : CompareOptions, optional
-        How it is drawn.
+        View and renderer of the figure.
     filter : FilterOptions, optional
-        What makes the targets.
+        Filter that gives the target normals.
     reconstruct_options : ReconstructOptions, optional
-        Of gSfG as it is shown.
+        Options of the gSfG run that the figure shows.
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
@@ -67,15 +67,16 @@ def compare(
     Returns
     -------
     Comparison
+        Deviations in mm and degrees of every run, and a verdict.
 
     Raises
     ------
     UsageError
-        If ``reconstruct_options`` ask for Poisson.
+        If ``reconstruct_options.scheme`` is Poisson.
     InputError
-        If no face of the mesh can be used.
+        If no face of the mesh is usable.
     RendererError
-        If no OpenGL context can be had.
+        If no OpenGL context is available.
 
     Examples
     --------

@@ -15,7 +15,7 @@ _STEEPEST = 3.0
 
 
 def curl_picture(normal_map: NormalsLike) -> NDArray[np.uint8]:
-    """Size of the curl at each pixel as a colour: black where slopes fit each other, through red to light yellow.
+    """Show |curl| as a colour at each pixel: black where slopes belong to a surface, through red to light yellow.
 
     Parameters
     ----------
@@ -25,15 +25,13 @@ def curl_picture(normal_map: NormalsLike) -> NDArray[np.uint8]:
     -------
     (H, W, 3) uint8
         sRGB, for looking at; grey where the map is not defined. Black is a curl of 0.001 slope per px or less, the
-        lightest yellow 1 or more, on a logarithmic scale. A pixel shows the largest curl at its four corners, slopes
-        being believed up to 3.
+        lightest yellow 1 or more, on a logarithmic scale. A pixel shows the largest curl at its four corners. Slopes
+        are capped at 3.
 
     Raises
     ------
-    InputError
-        If a normal of an array has no direction.
-    UsageError
-        If the map is neither a NormalMap nor an array.
+    InputError, UsageError
+        If the map is an array without normals, or something else: see `nmaptool.NormalMap.from_array`.
 
     Examples
     --------

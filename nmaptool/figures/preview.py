@@ -42,7 +42,7 @@ def lambert(height: Height) -> Float64:
 
 
 def preview(height: Height | Relief) -> Picture:
-    """Shaded picture of a relief, enlarged by a whole factor where the map is small.
+    """Shade a relief under two raking lights; small ones are enlarged by a whole factor.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def preview(height: Height | Relief) -> Picture:
     Raises
     ------
     UsageError
-        If it is something else, such as an array, which does not know the size of a pixel.
+        If the value is neither a Height nor a Relief.
 
     Examples
     --------

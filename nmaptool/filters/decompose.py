@@ -36,10 +36,9 @@ def decompose_normals(
     Parameters
     ----------
     mesh : Mesh
-        Any; what cannot be used is dropped and vertices at one position are welded first, see
-        `nmaptool.meshes.clean.clean_mesh`, whose faces are those of the answer.
+        It is cleaned first; the result is about the faces that `nmaptool.clean_mesh` gives.
     options : FilterOptions, optional
-        Filter and its parameters.
+        The filter and its parameters.
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
@@ -48,14 +47,15 @@ def decompose_normals(
     Returns
     -------
     Decomposition
-        Face normals, base and residual, base + residual = normals in every bit; the mixture and its threshold.
+        Face normals, base and residual as (M, 3) float64, where base + residual equals the normals in every bit; the
+        mixture and its threshold.
 
     Raises
     ------
     InputError
-        If no face of the mesh can be used.
+        If no face of the mesh is usable.
     UsageError
-        If a model is given to another filter.
+        If a model is given, but the filter is not ``learned``.
 
     Examples
     --------

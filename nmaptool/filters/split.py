@@ -31,22 +31,22 @@ def split(
     Parameters
     ----------
     normal_map : NormalMap or (H, W, 3) float of any type
-        What lies outside its coverage does not count.
+        Pixels that are not covered are ignored.
     options : SplitOptions, optional
-        Filter and its parameters, and the encoding of the detail.
+        The filter, its parameters and the detail encoding.
     progress : callable, optional
         Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     LayerSet
-        Without depth and faces. The original is the map itself.
+        Original (the map itself), base and detail; no depth and no face numbers.
 
     Raises
     ------
     UsageError
-        If sigma_s is a length in mm and the map's pitch is not known, it is a fraction of a pixel, or the map is
-        neither a NormalMap nor an array.
+        If sigma_s is in mm and the map's pitch is not known, sigma_s is below 0.3 px, or the map is neither a NormalMap
+        nor an array.
     InputError
         If the map covers nothing, or a normal of an array has no direction.
 

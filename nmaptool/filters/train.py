@@ -34,7 +34,7 @@ _LEAST_FACES = 500
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrainingExample(OneLine):
-    """A mesh and the base normals that the filter should give it.
+    """A mesh and the base normals that a learned filter should give it.
 
     Parameters
     ----------
@@ -63,23 +63,24 @@ class TrainingExample(OneLine):
 
 
 def training_example(mesh: Mesh, filter: FilterOptions | None = None) -> TrainingExample:
-    """A mesh with the base normals of the GMM-based filter (paper, Sec. 3.2: the targets of training).
+    """Pair a mesh with the base normals of the GMM-based filter, the targets of training (paper, Sec. 3.2).
 
     Parameters
     ----------
     mesh : Mesh
-        Any; it is cleaned first.
+        It is cleaned first.
     filter : FilterOptions, optional
-        The parameters that suit this mesh. Default: those of ``FilterOptions(filter="grnf")``.
+        Parameters that suit this mesh. Default: those of ``FilterOptions(filter="grnf")``.
 
     Returns
     -------
     TrainingExample
+        The clean mesh and (M, 3) float64 target normals.
 
     Raises
     ------
     InputError
-        If no face of the mesh can be used.
+        If no face of the mesh is usable.
 
     Examples
     --------
@@ -104,33 +105,34 @@ def train(
 ) -> FilterModel:
     """Learn a filter of face normals from examples (paper, Sec. 3.2: DRNF).
 
-    Every stage describes the faces by their filtered normals, in frames of their own; sorts them into kinds; and fits a
-    network for each kind to the target normals. What this one gives leads the filters of the next.
+    Each stage describes every face by filtered normals in a local frame, clusters the faces, and fits one network per
+    cluster to the target normals. Its output guides the filters of the next stage.
 
     Parameters
     ----------
     examples : sequence of TrainingExample
-        With 500 faces or more in all.
+        At least 500 faces in all.
     options : TrainOptions, optional
-        Stages, size and number of the networks, steps, seed.
+        Stages, number and size of the networks, steps and seed.
     descriptor : DescriptorOptions, optional
-        What the networks look at.
+        Input of the networks.
     state : TrainingState, optional
-        Of an earlier run that was not finished, with the same examples and options: the result is the same as if it
-        had been.
+        Of an unfinished run with the same examples and options, to continue it; the result is that of a run without
+        interruption.
     keep : callable, optional
-        Called with the state after every network.
+        Called with the TrainingState after each network.
     progress : callable, optional
         Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     FilterModel
+        For the parameter ``model`` of `nmaptool.bake` and others.
 
     Raises
     ------
     InputError
-        If there are too few faces to learn from, or the state is of another training.
+        If there are fewer than 500 faces, or the state is of another training.
 
     Examples
     --------

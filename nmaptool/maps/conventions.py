@@ -126,18 +126,18 @@ def is_inverted(sign: float | None) -> bool:
 
 
 def diagnose(normal_map: NormalsLike, *, code_step: float = 2 / 255) -> tuple[str, ...]:
-    """What speaks against the way a map was read, each with its remedy, for a warning before it is used.
+    """Warn where a map looks inverted, turned or mirrored.
 
     Parameters
     ----------
     normal_map : NormalMap or (H, W, 3) float of any type
     code_step : float
-        Smallest step of a component that the file can hold: curl below it says nothing.
+        Smallest step of a component in the file, such as 2/255 for 8 bits. Smaller curl is rounding.
 
     Returns
     -------
     tuple of str
-        Empty where nothing is wrong.
+        Warnings with the remedy; empty where nothing looks wrong.
 
     Raises
     ------

@@ -33,7 +33,7 @@ _PARTIAL_ALPHA_PIXELS = 50
 
 
 def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: MaskLike | None = None) -> Inspection:
-    """Measure a raw picture as the normal map it is said to be.
+    """Measure a raw picture as a normal map and list what is wrong with it.
 
     Parameters
     ----------
@@ -47,13 +47,14 @@ def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: 
     Returns
     -------
     Inspection
+        Measurements, what was recognised, and findings, each with a remedy.
 
     Raises
     ------
     InputError
-        As `nmaptool.decode_normal_map`, or if the mask has another size or selects nothing.
+        If `nmaptool.decode_normal_map` refuses the picture, or the mask has another size or selects nothing.
     UsageError
-        If the picture is neither a RasterImage nor an array, or an option cannot be meant.
+        If the picture is neither a RasterImage nor an array, or an option is not accepted.
 
     Examples
     --------

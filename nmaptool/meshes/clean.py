@@ -19,20 +19,22 @@ _FACES_AT_ONCE = 100_000
 
 
 def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
-    """Drop what cannot be used and weld vertices at the same position.
+    """Drop unusable faces and vertices, and weld vertices that lie at the same position.
 
     Parameters
     ----------
     mesh : Mesh
-        Any; it is not changed.
+        It is not changed.
 
     Returns
     -------
     mesh : Mesh
-        Finite vertices, each used; no two at one position; no face without area or twice; neighbours wound alike.
+        Every vertex is finite and used, no two share a position; every face has an area and occurs once; neighbouring
+        faces are wound the same way.
     source_faces : (M,) int64
-        Which face of the given mesh each face is.
+        Index in the given mesh of each face.
     findings : MeshFindings
+        Counts of what was dropped, welded and turned.
 
     Raises
     ------

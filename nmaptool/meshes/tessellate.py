@@ -11,9 +11,10 @@ from nmaptool.types.relief import Relief
 
 
 def surface_mesh(height: Height | Relief) -> Mesh:
-    """The surface of a height field: two triangles a pixel of its domain, so that its outline is the mask's.
+    """Triangulate a height field: two triangles for each pixel of its domain.
 
-    Each pixel is split along the diagonal whose continuation bends less, which keeps slanting ridges and valleys whole.
+    Each pixel is split along the diagonal along which the surface bends less, which preserves diagonal ridges and
+    valleys.
 
     Parameters
     ----------
@@ -22,7 +23,7 @@ def surface_mesh(height: Height | Relief) -> Mesh:
     Returns
     -------
     Mesh
-        In mm.
+        In mm: +x right, +y up, +z to the viewer, the lower left corner of the picture at (0, 0).
 
     Raises
     ------

@@ -35,7 +35,7 @@ def reconstruct(
     Parameters
     ----------
     mesh : Mesh
-        Clean, see `nmaptool.meshes.clean.clean_mesh`.
+        Clean, see `nmaptool.clean_mesh`.
     normals : (M, 3) float of any type
         The normal that each face should have: unit vectors.
     options : ReconstructOptions, optional
@@ -46,13 +46,14 @@ def reconstruct(
     Returns
     -------
     Reconstruction
-        The faces as they were on moved vertices, in the same units; normals that are the mesh's own move nothing by
-        more than 1e-9 of its size.
+        The same faces on moved vertices, in the same units. The mesh's own normals move no vertex by more than 1e-9 of
+        the size of the mesh.
 
     Raises
     ------
     InputError
-        If the mesh is not clean, or the normals are not one finite unit vector a face, or most of them look inwards.
+        If the mesh is not clean, the normals are not one finite unit vector for each face, or most of them point
+        inwards.
     ConvergenceError
         If the system of scheme "poisson" cannot be solved.
 

@@ -33,14 +33,14 @@ def smooth(
     model: FilterModel | None = None,
     progress: Progress | None = None,
 ) -> SmoothResult:
-    """Rebuild a mesh to unit(N_B + gain N_D), its base normals and so much of its detail (paper, Sec. 3 and 4.1).
+    """Smooth or exaggerate a mesh: rebuild it to the normals unit(N_B + gain N_D) (paper, Sec. 3 and 4.1).
 
     Parameters
     ----------
     mesh : Mesh
-        Any; what cannot be used is dropped and reported, vertices at one position are welded.
+        Need not be clean: unusable faces are dropped and reported, vertices at the same position welded.
     options : SmoothOptions, optional
-        Detail gain: 0 smooths, 1 keeps the mesh, more exaggerates.
+        Detail gain: 0 removes the detail, 1 keeps it, more exaggerates it.
     filter : FilterOptions, optional
         What counts as detail.
     reconstruct_options : ReconstructOptions, optional
@@ -53,13 +53,14 @@ def smooth(
     Returns
     -------
     SmoothResult
+        The mesh, the source of each face, and the report.
 
     Raises
     ------
     InputError
-        If no face of the mesh can be used.
+        If no face of the mesh is usable.
     UsageError
-        If a model is given to another filter than ``learned``.
+        If a model is given, but the filter is not ``learned``.
     ConvergenceError
         If the system of scheme "poisson" cannot be solved.
 

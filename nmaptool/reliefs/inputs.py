@@ -104,26 +104,25 @@ def check_maps(
 
 
 def pitch_of(original: NormalsLike, options: ReliefOptions | None = None) -> tuple[float, str]:
-    """Millimetres per pixel of a relief, and where that comes from.
+    """Tell the size of a pixel of a relief, and where it comes from.
 
     Parameters
     ----------
     original : NormalMap or (H, W, 3) float of any type
     options : ReliefOptions, optional
-        Its width goes before what the map says.
+        Its width overrides the pitch of the map.
 
     Returns
     -------
     pitch_mm : float
+        Millimetres per pixel.
     pitch_from : str
-        ``given``, ``file`` or ``assumed``: the longer side is 100 mm then.
+        ``given``, ``file``, or ``assumed`` for a longer side of 100 mm.
 
     Raises
     ------
-    InputError
-        If a normal of an array has no direction.
-    UsageError
-        If the map is neither a NormalMap nor an array.
+    InputError, UsageError
+        As `nmaptool.NormalMap.from_array`, where an array or something else is given.
 
     Examples
     --------

@@ -25,10 +25,10 @@ def integrate(
     normals : NormalMap or (H, W, 3) float of any type
         In eye space: x right, y up, z to the viewer, row 0 at the top.
     mask : (H, W) bool or float in [0, 1], optional
-        The surface is where it is 0.5 or more and, in a NormalMap, coverage is so too. Outside it (0), the vectors of
-        an array may be anything. Default: all that is covered.
+        The surface is where the mask is 0.5 or more and, for a NormalMap, its coverage, too. Where the mask is 0, the
+        vectors of an array may be anything. Default: everything that is covered.
     slope_cap : float
-        Steepest slope that is believed, above 0; normals that face away count as so steep.
+        Steeper slopes are reduced to this one, above 0; normals that face away count as infinitely steep.
     tolerance : float
         Relative residual of the solve, 1e-14 to 1.
 
@@ -36,7 +36,7 @@ def integrate(
     -------
     (H+1, W+1) float64
         Heights at the corners of the pixels, in px; positive is nearer to the viewer. The lowest is 0, and so is
-        everything outside the surface. Parts that do not touch are each placed about their own mean height.
+        everything outside the surface. Parts that do not touch each other are placed at the same mean height.
 
     Raises
     ------

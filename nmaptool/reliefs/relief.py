@@ -22,7 +22,7 @@ def relief(
     delta_map: FloatsLike | None = None,
     progress: Progress | None = None,
 ) -> Relief:
-    """Solve a bas-relief: detail-preserving from O and D (Eq. 6), structure-preserving from B alone (Eq. 8).
+    """Solve for a bas-relief: detail-preserving from O and D (Eq. 6), or structure-preserving from B alone (Eq. 8).
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ def relief(
     options : ReliefOptions, optional
         Height, width, weights, background, solver.
     mask : (H, W) bool or float in [0, 1], optional
-        Foreground where 0.5 or more. An array of normals is defined where it is above 0 and may hold anything
-        elsewhere. Default: the foreground of the map.
+        Foreground where 0.5 or more. Where the mask is 0, an array of normals may hold anything. Default: the
+        foreground of the map.
     surface : NormalMap, (H, W, 3) float or Height, optional
         The curved background for ``background="surface"``.
     mu_map, beta_map, delta_map : (H, W) float of any type, optional
@@ -52,7 +52,7 @@ def relief(
     InputError
         If sizes differ, nothing is foreground, a map holds bad values, or the exact height cannot be reached.
     UsageError
-        If options do not go together, or a value is neither a map nor an array.
+        If options contradict each other, or a value is neither a map nor an array.
     LimitError
         If the solve needs more memory than ``options.memory_limit``.
     ConvergenceError

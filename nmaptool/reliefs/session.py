@@ -46,32 +46,32 @@ class _Case:
 
 
 class ReliefSession:
-    """Reliefs of the same maps with changing options: the engine of a live preview.
+    """Solve reliefs of the same maps with changing options, such as for a live preview.
 
-    What an option does not touch is not worked out again. A new delta, height, fit, width or looser tolerance needs
-    no solver iterations: heights are linear in delta, and their two parts are kept from the second delta on. A new mu,
-    beta, slope cap or energy is solved from the heights before it. Results are those of `nmaptool.relief` to the
-    tolerance asked for; each has arrays of its own, which no later solve changes.
+    Only what a changed option affects is computed again. A new delta, height, fit, width or looser tolerance needs no
+    solver iterations: heights are linear in delta, and their two parts are kept from the second delta on. A new mu,
+    beta, slope cap or energy starts from the previous heights. Results equal those of `nmaptool.relief` to the
+    tolerance; each has arrays of its own, which no later solve changes.
 
     Parameters
     ----------
     original, detail, mask, surface, mu_map, beta_map, delta_map
         As for `nmaptool.relief`.
     keep : int
-        Settings of mu, beta, background and the like whose solver and heights are kept, the latest used: 2 let one go
-        back and forth between two. Each takes what a solve takes, and 32 bytes a pixel more. 0 keeps nothing.
+        How many settings of mu, beta, background and so on to keep with their solver and heights, latest used first: 2
+        allow to go back and forth between two. Each takes the memory of a solve and 32 bytes a pixel. 0 keeps nothing.
 
     Notes
     -----
-    Maps are neither copied nor changed, and must not be changed while the session lives. Solves may be asked for from
-    several threads; they are done one after the other. One that fails or is interrupted does the session no harm.
+    Maps are neither copied nor changed, and must not be changed while the session is in use. Several threads may call
+    `solve`; the solves run one after the other. A solve that fails or is interrupted leaves the session intact.
 
     Raises
     ------
     InputError
         If sizes differ or a map holds bad values.
     UsageError
-        If an input is not what it should be, there is a mu map without a detail map, or ``keep`` is negative.
+        If an input has the wrong type, there is a mu map without a detail map, or ``keep`` is negative.
     """
 
     def __init__(
@@ -95,7 +95,7 @@ class ReliefSession:
         self._solving: int | None = None  # the thread that does
 
     def solve(self, options: ReliefOptions | None = None, *, progress: Progress | None = None) -> Relief:
-        """The relief with these options.
+        """Solve for the relief with these options.
 
         Parameters
         ----------
@@ -114,7 +114,7 @@ class ReliefSession:
         InputError
             If nothing is foreground or the exact height cannot be reached.
         UsageError
-            If options do not go together.
+            If options contradict each other.
         LimitError
             If the solve needs more memory than ``options.memory_limit``.
         ConvergenceError

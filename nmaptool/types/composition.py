@@ -14,7 +14,7 @@ from nmaptool.types.shown import OneLine, Pictured
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ComposeReport(OneLine):
-    """What an edit of normal maps did.
+    """How a normal map was edited.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Composition(Pictured):
     ----------
     normal_map : NormalMap
     placed : (H, W) float32 in [0, 1]
-        Where layers lie above the lowest: the mask for a relief whose background keeps its own height.
+        Where layers lie above the lowest one: the mask for a relief whose background keeps its height.
     report : ComposeReport
     """
 

@@ -17,7 +17,7 @@ DEFAULT_LONGER_SIDE_MM = 100.0
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Height(Pictured):
-    """A height field on the corners of the pixels, in millimetres.
+    """Heights in millimetres at the corners of the pixels.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Height(Pictured):
     domain : (H, W) bool
         Pixels (faces) that belong to the surface.
     frame : Frame
-        Size and pitch (known).
+        Size; the pitch must be known.
     """
 
     z_mm: Float64

@@ -68,10 +68,8 @@ def as_raster(value: Any, what: str = "the picture") -> RasterImage:
 
     Raises
     ------
-    InputError
-        If the array has another shape or type.
-    UsageError
-        If it is something else, such as a path.
+    InputError, UsageError
+        If the array has another shape or type; if it is no picture and no array.
     """
     if isinstance(value, RasterImage):
         return value

@@ -21,7 +21,7 @@ from nmaptool.types.shown import OneLine, Pictured
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LayerReport(OneLine):
-    """How layers were made.
+    """How the layers were made.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class LayerReport(OneLine):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LayerSet(Pictured):
-    """Three normal maps of one view, and what else the drawing knows.
+    """The original, base and detail normal maps of one view, with depth and face numbers where they were rendered.
 
     Parameters
     ----------

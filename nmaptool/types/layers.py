@@ -24,7 +24,7 @@ class Layer(OneLine):
     normal_map : NormalMap or (h, w, 3) float of any type
     options : LayerOptions
     mask : (h, w) bool or float in [0, 1], optional
-        Of the map's own size: what shows of it.
+        Of the map's size: 1 shows the layer, 0 hides it.
     mask_name : str
         What to call the mask in messages, such as its file.
 
@@ -33,7 +33,7 @@ class Layer(OneLine):
     InputError
         If the mask is of another size, leaves [0, 1], is not finite, or is black all over.
     UsageError
-        If the map or the mask is neither what it should be nor an array.
+        If the map or the mask has a type that is not accepted.
     """
 
     normal_map: NormalMap
@@ -67,7 +67,7 @@ class LayerGroup(OneLine):
         From the lowest to the topmost; a map alone is a layer with the default options.
     options : GroupOptions
     mask : (H, W) bool or float in [0, 1], optional
-        Of the canvas's size: what shows of the group.
+        Of the canvas's size: 1 shows the group, 0 hides it.
     mask_name : str
         What to call the mask in messages, such as its file.
     """

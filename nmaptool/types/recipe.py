@@ -43,9 +43,9 @@ class RecipeLayer(OneLine):
     Raises
     ------
     InputError
-        If ``file`` is empty or ``read`` has a key that is none.
+        If ``file`` is empty or ``read`` has an unknown key.
     UsageError
-        If a value in ``read`` is none that is accepted.
+        If a value in ``read`` is not accepted.
     """
 
     file: str
@@ -188,7 +188,7 @@ class Recipe(OneLine):
     sources : tuple of str
         The recipes it was read from.
     notes : tuple of str
-        What was left aside when it was read.
+        What was ignored when it was read.
 
     Raises
     ------

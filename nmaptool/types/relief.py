@@ -16,7 +16,7 @@ from nmaptool.types.shown import OneLine, Pictured, counted
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ReliefReport(OneLine):
-    """What a relief run did.
+    """How a relief was solved.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class ReliefReport(OneLine):
         The solve; the residual is relative, the largest over the islands. No iterations where a session knew the
         heights already.
     planned_bytes : int
-        Memory that the solver was reckoned to take, before it took any.
+        Memory that the solver was estimated to need.
     height_min_mm, height_max_mm, height_range_mm : float
         Over the vertices of the surface.
     relief_range_mm : float
@@ -88,14 +88,14 @@ class ReliefReport(OneLine):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Relief(Pictured):
-    """A relief: heights, where they are, and how they came about.
+    """A relief: its heights, its foreground, and the report of the solve.
 
     Attributes
     ----------
     height : Height
         Heights in mm at vertices, the surface's pixels, the frame.
     foreground : (H, W) bool
-        The motif.
+        The pixels of the motif.
     report : ReliefReport
     """
 

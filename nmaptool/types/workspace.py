@@ -52,7 +52,7 @@ class WorkspaceMask(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class WorkspaceGroup:
-    """A folder of layers; two groups of one name are two.
+    """A folder of layers; groups of the same name are different groups.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class WorkspaceGroup:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WorkspaceLayer(OneLine):
-    """One layer as an editor holds it.
+    """One layer as an image editor stores it.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class WorkspaceLayer(OneLine):
     groups : tuple of WorkspaceGroup
         The groups it is in, outermost first.
     facts : mapping
-        What the file says of the layer in nmaptool's own words; empty where an editor dropped it.
+        nmaptool's metadata of the layer; empty where an editor dropped it.
     signed : bool
         Floats hold n itself, not (n + 1)/2.
     """
@@ -158,7 +158,7 @@ class Workspace(OneLine):
     name : str
         What to call it in messages: a file name.
     metadata : mapping or None
-        nmaptool's own words about the whole; None where an editor dropped them.
+        nmaptool's metadata of the whole file; None where an editor dropped it.
     color_profile : str or None
         Colour profile that the file carries.
     skipped : tuple of (name, what)

@@ -44,20 +44,21 @@ def pack(
     maps : sequence of NormalMap, PackedMap or (h, w, 3) float
         Bottom to top.
     options : PackOptions, optional
-        ``bits`` None is 16.
+        Bits of the codes; None stands for 16.
     frame : Frame, optional
-        The canvas. Default: `common_frame`.
+        The canvas. Default: as large as the largest map.
     ground : str
         What lies below the lowest layer when they are composed again: ``clear`` or ``flat``.
 
     Returns
     -------
     Workspace
+        Layers of codes for `nmaptool.write_workspace`.
 
     Raises
     ------
     UsageError
-        If there is no map, or one is none.
+        If there is no map, or a value is neither a map nor an array.
 
     Examples
     --------

@@ -23,7 +23,7 @@ _RENAMED = 0.02
 
 
 def unpack(workspace: Workspace) -> UnpackResult:
-    """Take a workspace apart: a normal map for each layer, and what an editor did to it.
+    """Take a workspace apart into a normal map for each layer, and find what an image editor changed.
 
     Parameters
     ----------
@@ -33,11 +33,12 @@ def unpack(workspace: Workspace) -> UnpackResult:
     Returns
     -------
     UnpackResult
+        Maps, masks, places, findings and repairs.
 
     Raises
     ------
     UsageError
-        If it is no Workspace, such as a path.
+        If the value is not a Workspace, such as a path.
 
     Examples
     --------

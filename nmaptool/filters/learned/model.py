@@ -58,12 +58,12 @@ class Stage(OneLine):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FilterModel(OneLine):
-    """A filter of face normals, learned (paper, Sec. 3.2: DRNF).
+    """A learned filter of face normals (paper, Sec. 3.2: DRNF).
 
     Parameters
     ----------
     descriptor : DescriptorOptions
-        What the networks look at.
+        Input of the networks.
     stages : tuple of Stage
         Applied one after the other.
     metadata : mapping
@@ -105,18 +105,18 @@ class FilterModel(OneLine):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TrainingState(OneLine):
-    """What is finished of a training that is not: enough to go on from, to the same result.
+    """The state of an unfinished training, from which it continues to the same result.
 
     Parameters
     ----------
     fingerprint : str
-        Of the examples and options; a training goes on from a state of its own only.
+        Identifies the examples and options; a training continues only from a state of its own.
     stages : tuple of Stage
-        That are finished.
+        Finished stages.
     centers : (K, D) float32 or None
-        Of the stage at hand; None where none of its networks is finished.
+        Of the current stage; None if none of its networks is finished.
     networks : tuple of Network
-        Of the stage at hand, those that are finished.
+        Finished networks of the current stage.
     losses : tuple of float
         Of all finished networks.
     name : str

@@ -145,8 +145,7 @@ def read_surface(
     ----------
     path : str or Path
     options : ReadOptions, optional
-        As for the map that lies on it; all of a background is surface, whatever its colours, but where it is
-        transparent.
+        As for the map that lies on it. Every pixel that is not transparent counts as surface, whatever its colour.
     like : NormalMap
         The map that lies on it: green points the same way.
     pitch_mm : float

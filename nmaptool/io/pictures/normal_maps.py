@@ -47,14 +47,14 @@ def split_layer(text: str) -> tuple[Path, str | None]:
 
 
 def read_raster(path: str | Path, options: ReadOptions | None = None) -> RasterImage:
-    """Read a picture as stored, for `nmaptool.inspect_map` or `nmaptool.decode_normal_map`.
+    """Read a picture without decoding it, for `nmaptool.inspect_map` or `nmaptool.decode_normal_map`.
 
     Parameters
     ----------
     path : str or Path
         ``FILE`` or ``FILE.exr:layer``.
     options : ReadOptions, optional
-        ``layer`` and ``max_megapixels`` are used.
+        Only ``layer`` and ``max_megapixels`` are used.
 
     Returns
     -------
@@ -87,8 +87,8 @@ def read_normal_map(
         ``FILE`` or ``FILE.exr:layer``.
     options : ReadOptions, optional
     like : NormalMap, optional
-        The original that this map goes with: which way green points is taken from there unless the options or the
-        file itself say it, since the curl of a detail map or a smooth background says little.
+        The original that this map belongs to. Green points the same way, unless the options or the file say otherwise:
+        the curl of a detail map or of a smooth background is too small to tell.
 
     Returns
     -------
@@ -122,8 +122,8 @@ def options_like(image: RasterImage, options: ReadOptions, like: NormalMap | Non
 def read_grey(path: str | Path, *, max_megapixels: float = 270.0) -> Float32:
     """Read a grey control picture: a mask, or a map of weights.
 
-    Integer codes become 0..1; floats stay as they are. A picture with colours all equal counts as grey. Where alpha
-    is the only thing that varies, alpha is meant.
+    Integer codes become 0 to 1; floats stay as they are. A picture whose three colours are equal counts as grey. If
+    only alpha varies, alpha is used.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ def read_recipe(
     Parameters
     ----------
     path : str or Path
-        TOML, or a map that was composed by a recipe, which is in its metadata.
+        TOML, or a map that was composed by a recipe: the recipe is in its metadata.
     folder : str or Path, optional
         What its files are relative to. Default: the folder that it is in.
     name : str, optional
@@ -48,10 +48,10 @@ def read_recipe(
     Raises
     ------
     InputError
-        If a recipe cannot be read, holds what is no recipe, or recipes hold each other.
+        If a recipe cannot be read or is not valid, or recipes include each other in a circle.
     LimitError
-        If one is larger than 1 MB or in a map larger than ``max_megapixels``, or they lie more than 16 deep in each
-        other, or hold more than 1000 layers in all.
+        If a recipe is larger than 1 MB or in a map larger than ``max_megapixels``, or recipes are nested more than 16
+        deep or hold more than 1000 layers in all.
 
     Examples
     --------

@@ -23,15 +23,15 @@ _T = TypeVar("_T")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Stack(OneLine):
-    """What a recipe stands for: ``nm.compose(stack.layers, stack.canvas)``.
+    """The layers and canvas of a recipe, for ``nm.compose(stack.layers, stack.canvas)``.
 
     Attributes
     ----------
     layers : tuple of Layer or LayerGroup
-        Without those that are hidden.
+        Those that are not hidden.
     canvas : CanvasOptions
     recipe : Recipe
-        With the options of reading that were given beside it, so that it alone gives the same layers again.
+        Including the reading options that were given, so that it gives the same layers again by itself.
     maps : tuple of NormalMap
         Every map once.
     outside : tuple of str
@@ -57,15 +57,16 @@ def read_stack(
     Parameters
     ----------
     recipe : Recipe, str or Path
-        Or its file, as `nmaptool.read_recipe` reads it.
+        A recipe, or the file of one for `nmaptool.read_recipe`.
     reading : ReadOptions, optional
-        For all maps; what a layer says of itself goes before. ``max_megapixels`` holds for all pictures together.
+        For all maps; options of a single layer override them. ``max_megapixels`` limits all pictures together.
     folder : str or Path, optional
         What files are relative to. Default: the recipe's own folder.
 
     Returns
     -------
     Stack
+        Layers and canvas for `nmaptool.compose`.
 
     Raises
     ------

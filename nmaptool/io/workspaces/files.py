@@ -51,7 +51,7 @@ def read_workspace(path: str | Path, *, max_megapixels: float = 270.0) -> Worksp
     path : str or Path
         PSD, PSB, ORA, multi-page TIFF or multi-part EXR, recognised by its bytes.
     max_megapixels : float
-        Of the canvas, and of all layers together; refused before any memory is taken.
+        Limit for the canvas, and for all layers together; checked before memory is allocated.
 
     Returns
     -------
