@@ -79,7 +79,7 @@ def read_grey(run: Run, file: str | None) -> Any:
     """A grey picture; None where none is given."""
     import nmaptool as nm
 
-    return None if file is None else nm.read_grey(file, run[ReadOptions].max_megapixels)
+    return None if file is None else nm.read_grey(file, max_megapixels=run[ReadOptions].max_megapixels)
 
 
 def map_header(run: Run, *maps: nm.NormalMap, **more: Any) -> dict[str, Any]:

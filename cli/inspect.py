@@ -45,7 +45,7 @@ def inspect(run: Run, map: str, /) -> int:
 
     with run.work() as (files, _):
         chosen = read_grey(run, files["mask"])
-        found = nm.inspect_map(nm.read_raster(files["map"], reading), reading, chosen)
+        found = nm.inspect_map(nm.read_raster(files["map"], reading), reading, mask=chosen)
     found = dataclasses.replace(found, name=display_name(found.name))
     if run.options.json:
         run.data(found.to_dict())

@@ -12,4 +12,16 @@ library.
 
 import lazy_loader
 
+from nmaptool.types.shown import set_painter as _set_painter
+
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def _paint(value: object) -> bytes:
+    """What a notebook shows of a value: `nmaptool.types` does not know `nmaptool.figures` (decision 0019)."""
+    from nmaptool.figures.notebook import png_of  # loads NumPy and OpenCV
+
+    return png_of(value)
+
+
+_set_painter(_paint)

@@ -212,7 +212,7 @@ def test_a_height_file_with_holes_is_no_curved_background(tmp_path, ending):
     z = np.random.default_rng(22).uniform(size=(9, 10))
     write_height(nm.Height(z, inside, nm.Frame(8, 9, 0.1)), tmp_path / f"ground.{ending}", {})
     with pytest.raises(nm.InputError, match=rf"ground\.{ending}: .*must be defined everywhere"):
-        nm.read_height(tmp_path / f"ground.{ending}", 0.1)
+        nm.read_height(tmp_path / f"ground.{ending}", pitch_mm=0.1)
 
 
 def test_values_far_beyond_unit_length_do_no_harm(tmp_path, dome, picture):

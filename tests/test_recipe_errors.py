@@ -12,7 +12,7 @@ BUNNY = '[[layer]]\nfile = "plate.exr"\n[[layer]]\nname = "bunny"\nfile = "b.exr
 
 def message_of(text, kind=nm.InputError):
     with pytest.raises(kind) as caught:
-        nm.parse_recipe(tomllib.loads(text), "scene.toml")
+        nm.parse_recipe(tomllib.loads(text), name="scene.toml")
     (message,) = caught.value.args
     assert "\n" not in message
     return message

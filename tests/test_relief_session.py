@@ -246,7 +246,7 @@ def test_an_interrupted_solve_does_no_harm(after, maps):
     for options in (dataclasses.replace(START, beta=0.01), dataclasses.replace(START, tolerance=1e-11)):
         left = after
         with pytest.raises(StoppedError):
-            session.solve(options, progress)
+            session.solve(options, progress=progress)
         assert_same(session.solve(options), nm.relief(*maps, options=options))
     assert_same(session.solve(START), nm.relief(*maps, options=START))
 
@@ -288,7 +288,7 @@ def test_a_session_asked_from_its_own_callback_says_so(maps):
         session.solve()
 
     with pytest.raises(nm.UsageError, match="a session cannot solve while it solves"):
-        session.solve(START, ask)
+        session.solve(START, progress=ask)
     assert session.solve(START).report.residual <= START.tolerance
 
 

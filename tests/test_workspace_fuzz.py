@@ -46,7 +46,7 @@ def test_random_damage(tmp_path, capfd, name, bits):
     for _ in range(RUNS):
         path.write_bytes(damaged(data, chance))
         try:
-            nm.unpack(nm.read_workspace(path, 2.0))
+            nm.unpack(nm.read_workspace(path, max_megapixels=2.0))
         except (nm.InputError, nm.LimitError) as error:
             refused += 1
             assert str(error).startswith(str(path))

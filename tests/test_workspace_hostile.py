@@ -39,7 +39,7 @@ def ora(tmp_path, png):
 
 def refuses(path, pattern, error=nm.InputError, limit=270.0):
     with pytest.raises(error, match=pattern) as caught:
-        nm.read_workspace(path, limit)
+        nm.read_workspace(path, max_megapixels=limit)
     assert str(caught.value).startswith(str(path))
     assert "\n" not in str(caught.value)
     if error is nm.InputError:

@@ -68,7 +68,7 @@ def unpack(run: Run, workspace: str, /) -> int:
     import nmaptool as nm
     from nmaptool_cli.wording.edits import describe_unpacked
 
-    unpacked = nm.unpack(nm.read_workspace(workspace, run[UnpackReading].max_megapixels))
+    unpacked = nm.unpack(nm.read_workspace(workspace, max_megapixels=run[UnpackReading].max_megapixels))
     outputs = unpacked_outputs(flags.output, unpacked, format=flags.format, **flags.shared)
     printed = flags.prints_report or run.options.json
     run.detail(*(f"  wrote {path}" for path in outputs.paths))

@@ -47,34 +47,43 @@ def bake(
     model: FilterModel | None = None,
     progress: Progress | None = None,
 ) -> LayerSet:
-    """Draw a mesh as original, base and detail normal maps (paper, Sec. 3 and 4.2.1).
+    """Render the original, base and detail normal maps of a mesh (paper, Sec. 3 and 4.2.1).
 
     Parameters
     ----------
     mesh : Mesh
-        Any; what cannot be used is dropped and reported.
+        Need not be clean: unusable faces are dropped and reported.
     options : BakeOptions, optional
-        Of one view.
+        Size, camera, one view, renderer and detail encoding.
     filter : FilterOptions, optional
+        What counts as detail.
     model : FilterModel, optional
-        For the filter ``learned``. Default: the one that comes with the package.
+        For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     LayerSet
-        Base and detail are drawn on the original geometry (paper, Fig. 10), or with ``geometry="updated"`` all layers
-        on a mesh rebuilt to the base normals, seen by the same camera.
+        Normal maps of shape (rows, cols), depth in mm and face numbers. All are rendered on the original geometry
+        (paper, Fig. 10), or with ``geometry="updated"`` on a mesh rebuilt to the base normals, by the same camera.
 
     Raises
     ------
     UsageError
-        If options do not fit each other, or name several views: then use `bake_views`.
+        If options contradict each other or name several views; use `bake_views` for those.
     InputError
-        If no face of the mesh can be used or none is seen.
+        If no face of the mesh is usable, or none is visible.
     RendererError
-        If no OpenGL context can be had.
+        If no OpenGL context is available.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=2))
+    >>> layers = nm.bake(sphere, nm.BakeOptions(size="64x48", renderer="numpy"))
+    >>> layers.original.normals.shape, layers.depth_mm.dtype
+    ((48, 64, 3), dtype('float32'))
     """
     options = options or BakeOptions()
     if len(options.views) > 1:
@@ -90,7 +99,35 @@ def bake_views(
     model: FilterModel | None = None,
     progress: Progress | None = None,
 ) -> tuple[LayerSet, ...]:
-    """`bake` for each view of ``options.view``, in order; the mesh is filtered once."""
+    """Render the layers of a mesh from several views, as `bake` does from one; the mesh is filtered once.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        As for `bake`.
+    options : BakeOptions, optional
+        As for `bake`, with one or more views.
+    filter, model, progress : optional
+        As for `bake`.
+
+    Returns
+    -------
+    tuple of LayerSet
+        One for each view of ``options.view``, in that order.
+
+    Raises
+    ------
+    UsageError, InputError, RendererError
+        As `bake`, which refuses several views.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> box = nm.Mesh.from_trimesh(trimesh.creation.box())
+    >>> views = nm.bake_views(box, nm.BakeOptions(view="front,left", size="32x32", renderer="numpy"))
+    >>> [layers.report.view for layers in views]
+    ['front', 'left']
+    """
     options = options or BakeOptions()
     notify = progress or (lambda word, share: None)
     asked = filter or FilterOptions()

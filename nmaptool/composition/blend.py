@@ -16,26 +16,29 @@ from nmaptool.core.vectors import mean_abs_curl
 from nmaptool.options import BlendOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.composition import ComposeReport, Composition
+from nmaptool.types.inputs import MaskLike, NormalsLike, as_normal_map
 from nmaptool.types.layers import check_mask
 from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.plain_arrays import as_float32
 
 
 def blend(
-    base: NormalMap,
-    detail: NormalMap,
+    base: NormalsLike,
+    detail: NormalsLike,
     options: BlendOptions | None = None,
     *,
-    mask: Float32 | None = None,
+    mask: MaskLike | None = None,
     mask_name: str = "",
 ) -> Composition:
     """Blend a detail map with a base map of the same size.
 
     Parameters
     ----------
-    base, detail : NormalMap
-        The detail counts as much as it covers the base; the result is covered where the base is.
+    base, detail : NormalMap or (H, W, 3) float of any type
+        The detail counts in proportion to its coverage. The result has the coverage of the base.
     options : BlendOptions, optional
-    mask : (H, W) float32 in [0, 1], optional
+        Mode, strength, and whether to stretch a detail map of another size.
+    mask : (H, W) bool or float in [0, 1], optional
         Multiplies the strength.
     mask_name : str
         What to call the mask in messages, such as its file.
@@ -43,19 +46,35 @@ def blend(
     Returns
     -------
     Composition
-        A flat detail and strength 0 leave the base as it is, in every bit (modes linear and overlay: strength 0 only).
+        A flat detail or a strength of 0 leaves every bit of the base as it is (in the modes linear and overlay, only a
+        strength of 0 does).
 
     Raises
     ------
     InputError
-        If the sizes differ and ``options.fit`` is False, or the mask does not fit.
+        If the sizes differ and ``options.fit`` is False, the mask does not fit, or a normal of an array has no
+        direction.
+    UsageError
+        If a value is neither a NormalMap nor an array.
+
+    Examples
+    --------
+    Slopes of 0.25 and 0.5 add up to 0.75:
+
+    >>> base, detail = np.zeros((2, 4, 4, 3))
+    >>> base[...], detail[...] = (-0.25, 0, 1), (-0.5, 0, 1)
+    >>> normals = nm.blend(base, detail, nm.BlendOptions(mode="pd")).normal_map.normals
+    >>> round(float(-normals[0, 0, 0] / normals[0, 0, 2]), 6)
+    0.75
     """
     options = options or BlendOptions()
     start = time.perf_counter()
+    base, detail = as_normal_map(base, "the base"), as_normal_map(detail, "the detail map")
     warnings = _warnings(base, detail)
     detail = _of_one_size(base, detail, options.fit)
     strength: np.ndarray | float = options.strength
     if mask is not None:
+        mask = as_float32(mask, "the mask")
         check_mask(mask, detail.name, base.frame.shape, mask_name)
     if mask is not None or (detail.coverage < 1).any():
         masked = detail.coverage if mask is None else detail.coverage * mask

@@ -17,7 +17,8 @@ from nmaptool.options import CanvasOptions, LayerOptions
 from nmaptool.options.compose import ANCHORS
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.composition import ComposeReport, Composition
-from nmaptool.types.layers import Layer, LayerGroup
+from nmaptool.types.inputs import NormalsLike, as_normal_map
+from nmaptool.types.layers import Layer, LayerGroup, LayerLike, as_layers
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
 
@@ -27,7 +28,7 @@ _SAME_PLACE_PX = 1e-3
 
 
 def compose(
-    layers: Sequence[Layer | LayerGroup],
+    layers: Sequence[LayerLike],
     canvas: CanvasOptions | None = None,
     *,
     max_megapixels: float = 270.0,
@@ -37,27 +38,40 @@ def compose(
 
     Parameters
     ----------
-    layers : sequence of Layer or LayerGroup
-        Where the lowest is a plain layer of the canvas's size, "over" and unmoved, it is the ground of the others.
+    layers : sequence of Layer, LayerGroup, NormalMap or (h, w, 3) float
+        A map alone is a layer with the default options. The lowest layer becomes the ground of the others if it has the
+        size of the canvas, the mode "over", no mask, and is not moved.
     canvas : CanvasOptions, optional
+        Size, width in mm and ground. Default: the size of the lowest layer.
     max_megapixels : float
         Refuse a larger canvas.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     Composition
+        The map, where layers lie above the lowest one, and the report.
 
     Raises
     ------
     InputError
         If there is no layer, or one lies off the canvas, covers nothing or lies on nothing.
     UsageError
-        If a length is in mm and the size of a pixel is not known.
+        If a length is in mm and the size of a pixel is not known, or a layer is neither a Layer nor a map.
     LimitError
         If the canvas is larger than ``max_megapixels``.
+
+    Examples
+    --------
+    A slanted square in the middle of a flat plate:
+
+    >>> plate, square = np.zeros((32, 32, 3)), np.zeros((8, 8, 3))
+    >>> plate[...], square[...] = (0, 0, 1), (0.6, 0, 0.8)
+    >>> int(nm.compose([plate, square]).placed.sum())
+    64
     """
+    layers = as_layers(layers)
     if not layers:
         raise InputError("nothing to compose: give at least one layer")
     canvas = canvas or CanvasOptions()
@@ -74,8 +88,8 @@ def compose(
 
 
 def paste(
-    background: NormalMap,
-    layers: Sequence[Layer | LayerGroup],
+    background: NormalsLike,
+    layers: Sequence[LayerLike],
     *,
     width: Length | None = None,
     progress: Progress | None = None,
@@ -84,25 +98,38 @@ def paste(
 
     Parameters
     ----------
-    background : NormalMap
-        The result has its size and, where nothing covers it, its normals in every bit.
-    layers : sequence of Layer or LayerGroup
-        A layer brings its motif along, not a flat background around it.
+    background : NormalMap or (H, W, 3) float of any type
+        The result has its size and, where no layer covers it, exactly its normals.
+    layers : sequence of Layer, LayerGroup, NormalMap or (h, w, 3) float
+        A map alone is a layer with the default options. Only the motif of a layer is pasted, not the flat background
+        around it.
     width : Length, optional
-        Width of the whole picture; gives mm a meaning. Default: the background's own pitch.
+        Width of the whole picture in mm, for lengths given in mm. Default: by the background's pitch.
     progress : callable, optional
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     Composition
+        The map, where layers lie above the background, and the report.
 
     Raises
     ------
     InputError
         If a layer lies off the canvas, covers nothing or lies on nothing.
     UsageError
-        If a length is in mm and the size of a pixel is not known.
+        If a length is in mm and the size of a pixel is not known, or a value is neither a map nor a layer.
+
+    Examples
+    --------
+    >>> plate, square = np.zeros((32, 32, 3)), np.zeros((8, 8, 3))
+    >>> plate[...], square[...] = (0, 0, 1), (0.6, 0, 0.8)
+    >>> place = nm.LayerOptions(at="0px,0px", anchor="top-left")
+    >>> pasted = nm.paste(plate, [nm.Layer(square, place)]).normal_map
+    >>> pasted.normals[4, 4].tolist(), pasted.normals[16, 16].tolist()
+    ([0.6000000238418579, 0.0, 0.800000011920929], [0.0, 0.0, 1.0])
     """
+    background, layers = as_normal_map(background, "the background"), as_layers(layers)
     canvas = CanvasOptions(width=width)
     frame = _with_pitch(background.frame, canvas)
     return _composed("paste", canvas_of(background, frame), layers, canvas, progress)

@@ -12,29 +12,30 @@ from nmaptool.composition.compositor import clear_canvas, compose_onto, place
 from nmaptool.composition.placement import Piece
 from nmaptool.core.errors import InputError
 from nmaptool.options import CanvasOptions, GroupOptions
-from nmaptool.types.layers import Layer, LayerGroup, check_mask
+from nmaptool.types.layers import Layer, LayerGroup, LayerLike, as_layers, check_mask
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.packed_map import PackedMap
 from nmaptool.types.picture import Frame
 
 
 def place_layers(
-    layers: Sequence[Layer | LayerGroup], canvas: CanvasOptions | None = None
+    layers: Sequence[LayerLike], canvas: CanvasOptions | None = None
 ) -> tuple[tuple[PackedMap, ...], Frame]:
-    """Layers moved, turned, masked and feathered for a canvas, as `nmaptool.pack` takes them.
+    """Move, turn, mask and feather layers for a canvas, without blending them: the input of `nmaptool.pack`.
 
     Parameters
     ----------
-    layers : sequence of Layer or LayerGroup
-        From the lowest to the topmost. A group all of whose layers lie "over" keeps them, within a group of that name.
-        Any other becomes one layer, since an editor has no group whose details change the group alone; so does one with
-        a mode, strength or mask of its own.
+    layers : sequence of Layer, LayerGroup, NormalMap or (h, w, 3) float
+        From the lowest to the topmost. A group whose layers all have the mode "over" stays a group of these layers. Any
+        other group, or one with a mode, strength or mask of its own, becomes one layer: image editors have no such
+        groups.
     canvas : CanvasOptions, optional
+        Size, width in mm and ground. Default: the size of the lowest layer.
 
     Returns
     -------
     layers : tuple of PackedMap
-        Cut to what they cover; their vectors are turned, their masks and soft edges are part of their coverage.
+        Cropped to what they cover. Vectors are turned; masks and soft edges are part of the coverage.
     frame : Frame
         The canvas.
 
@@ -43,8 +44,17 @@ def place_layers(
     InputError
         If there is no layer, or one lies off the canvas or covers nothing.
     UsageError
-        If a length is in mm and the size of a pixel is not known.
+        If a length is in mm and the size of a pixel is not known, or a layer is neither a Layer nor a map.
+
+    Examples
+    --------
+    >>> plate, square = np.zeros((32, 32, 3)), np.zeros((8, 8, 3))
+    >>> plate[...], square[...] = (0, 0, 1), (0.6, 0, 0.8)
+    >>> layers, frame = nm.place_layers([plate, square])
+    >>> [(layer.left, layer.top) for layer in layers]
+    [(0, 0), (12, 12)]
     """
+    layers = as_layers(layers)
     if not layers:
         raise InputError("nothing to pack: give at least one layer")
     canvas = canvas or CanvasOptions()

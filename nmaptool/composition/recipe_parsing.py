@@ -34,24 +34,34 @@ _ALL_KEYS = tuple(dict.fromkeys((*LAYER_KEYS, *GROUP_KEYS)))
 _LONGEST_SHOWN = 60
 
 
-def parse_recipe(values: Mapping[str, Any], name: str = "recipe", folder: str = "") -> Recipe:
-    """A recipe from a mapping, as ``tomllib`` reads it.
+def parse_recipe(values: Mapping[str, Any], *, name: str = "recipe", folder: str = "") -> Recipe:
+    """Make a recipe of a mapping, as ``tomllib`` reads it.
 
     Parameters
     ----------
     values : mapping
-        ``canvas`` (table, optional) and ``layer`` (list of tables); the keys are those of the options, with _ or -.
+        ``canvas`` (table, optional) and ``layer`` (list of tables); keys are the fields of the options, with _
+        or -.
     name : str
         What to call the recipe in messages.
     folder : str
         What its files are relative to.
 
+    Returns
+    -------
+    Recipe
+
     Raises
     ------
     InputError
-        One line that says where, which key, what was found and what is accepted.
+        If a key or value is not accepted; the message says where, which key, what was found and what is accepted.
     LimitError
-        If groups lie too deep in each other.
+        If groups are nested too deeply.
+
+    Examples
+    --------
+    >>> nm.parse_recipe({"layer": [{"file": "plate.png"}, {"file": "leaf.png", "mode": "rnm"}]})
+    <Recipe recipe: 2 layers, 2 files, canvas that of the lowest layer>
     """
     known = _known(values, ("canvas", "layer"), name)
     canvas = CanvasOptions()

@@ -16,7 +16,7 @@ _SHORT = {"\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f", "\r": "\\r", '"': 
 
 
 def to_toml(recipe: Recipe) -> str:
-    """A recipe as the text of a file; what is as by default is left out.
+    """Write a recipe as TOML text; default values are left out.
 
     Parameters
     ----------
@@ -25,12 +25,20 @@ def to_toml(recipe: Recipe) -> str:
     Returns
     -------
     str
-        `nmaptool.parse_recipe` of it, read by ``tomllib``, gives an equal recipe.
+        Read by ``tomllib`` and parsed by `nmaptool.parse_recipe`, it gives an equal recipe.
 
     Raises
     ------
     InputError
-        If a file name is not valid UTF-8, which TOML is.
+        If a file name is not valid UTF-8, as TOML requires.
+
+    Examples
+    --------
+    >>> recipe = nm.parse_recipe({"layer": [{"file": "plate.png"}]})
+    >>> print(nm.to_toml(recipe))
+    [[layer]]
+    file = "plate.png"
+    <BLANKLINE>
     """
     lines = list(_pairs(_given(recipe.canvas, CanvasOptions())))
     if lines:

@@ -25,36 +25,48 @@ from nmaptool.core.vectors import FLAT, mean_abs_curl
 from nmaptool.options import TransformOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.composition import ComposeReport, Composition
+from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
 
 
 def transform(
-    normal_map: NormalMap, options: TransformOptions | None = None, *, max_megapixels: float = 270.0
+    normal_map: NormalsLike, options: TransformOptions | None = None, *, max_megapixels: float = 270.0
 ) -> Composition:
-    """Crop, mirror, resize, turn and pad a map; slopes follow by the inverse transpose.
+    """Crop, mirror, resize, rotate and pad a map; vectors are transformed along (slopes by the inverse transpose).
 
     Parameters
     ----------
-    normal_map : NormalMap
+    normal_map : NormalMap or (H, W, 3) float of any type
     options : TransformOptions, optional
+        Crop, mirrors, scale, rotation, borders.
     max_megapixels : float
         Refuse a larger result.
 
     Returns
     -------
     Composition
-        Exact, in every bit, where pixels go to pixels: crops, borders, mirrors, quarter turns.
+        Crops, borders, mirrors and quarter turns are exact in every bit.
 
     Raises
     ------
     UsageError
-        If a length is in mm and the size of a pixel is not known.
+        If a length is in mm and the size of a pixel is not known, or the map is neither a NormalMap nor an array.
     InputError
         If the crop lies outside the picture, or nothing is left.
     LimitError
         If the result is larger than ``max_megapixels``.
+
+    Examples
+    --------
+    A mirrored slope rises the other way:
+
+    >>> normals = np.zeros((4, 6, 3))
+    >>> normals[...] = 0.6, 0, 0.8
+    >>> nm.transform(normals, nm.TransformOptions(flip_h=True)).normal_map.normals[0, 0].tolist()
+    [-0.6000000238418579, 0.0, 0.800000011920929]
     """
+    normal_map = as_normal_map(normal_map)
     o = options or TransformOptions()
     start = time.perf_counter()
     frame = normal_map.frame

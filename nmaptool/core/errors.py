@@ -18,7 +18,7 @@ class NmaptoolError(Exception):
 
 
 class UsageError(NmaptoolError, ValueError):
-    """An option or argument that cannot be meant (exit code 2)."""
+    """An option or argument that is not accepted (exit code 2)."""
 
     exit_code = 2
 
@@ -42,7 +42,7 @@ class OutputError(NmaptoolError, OSError):
 
 
 class RendererError(NmaptoolError, RuntimeError):
-    """No OpenGL context can be had, or the one there cannot draw (exit code 6)."""
+    """No OpenGL context is available, or it cannot draw (exit code 6)."""
 
     exit_code = 6
 

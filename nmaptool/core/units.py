@@ -75,6 +75,15 @@ class Length:
 def length(text: str) -> Length:
     """Read a length such as ``12mm``, ``4px``, ``3%``, ``1.5cm`` or ``2in``.
 
+    Parameters
+    ----------
+    text : str
+        A positive number and one of mm, cm, in, px, % (of the longer side).
+
+    Returns
+    -------
+    Length
+
     Raises
     ------
     UsageError

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
-from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.errors import InputError
 from nmaptool.core.progress import Progress
 from nmaptool.depth.fit import fit_surface
 from nmaptool.depth.ground import find_ground
@@ -22,11 +22,12 @@ from nmaptool.depth.scale import Scale, in_px, magnification, settle_scale, with
 from nmaptool.depth.slopes import jump_sizes, mean_curl, normals_of
 from nmaptool.depth.steps import JumpRule
 from nmaptool.depth.values import GreyValues, grey_values, noise_of, step_of
-from nmaptool.maps.masks import check_mask
 from nmaptool.options import DepthOptions
 from nmaptool.types.depth import DepthReport, DepthResult
+from nmaptool.types.inputs import MaskLike, RasterLike, as_raster
 from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import Frame, RasterImage
+from nmaptool.types.plain_arrays import as_mask, check_sizes
 
 # a jump is this high at least: in px, in steps of the codes, and in deviations of the noise
 _JUMP_PX, _JUMP_STEPS, _JUMP_NOISE = 1.0, 4.0, 7.0
@@ -63,42 +64,55 @@ class _Stages:
 
 
 def depth_to_normals(
-    image: RasterImage,
+    image: RasterLike,
     options: DepthOptions | None = None,
     *,
-    mask: Float32 | None = None,
+    mask: MaskLike | None = None,
     progress: Progress | None = None,
 ) -> DepthResult:
     """Turn a depth or height picture into a normal map.
 
-    Jumps, where one part hides another, are found and never sloped across; stepped or noisy heights are fitted by the
-    least bent surface that they allow; clean ones are differenced.
+    Jumps, where one part hides another, are detected, and no slope is taken across them. Stepped or noisy heights are
+    fitted by the smoothest surface within their tolerance; clean heights are differenced.
 
     Parameters
     ----------
-    image : RasterImage
-        Grey: integer codes or floats, see `nmaptool.read_raster`.
+    image : RasterImage, or (H, W) uint8, uint16 or float
+        Grey: integer codes or floats, see `nmaptool.read_raster`. NaN and infinite values mean that there is no depth.
     options : DepthOptions, optional
-    mask : (H, W) float32, optional
-        Where the surface is, 0 to 1: becomes coverage. What lies outside does not count.
+        Which way is near, the scale of the values, jumps, smoothing, background.
+    mask : (H, W) bool or float in [0, 1], optional
+        Where the surface is: becomes the coverage. Pixels outside are ignored.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
-    DepthNormals
+    DepthResult
+        The normal map, the height of jumps in px, and the report.
 
     Raises
     ------
     InputError
         If the picture is coloured or empty, or the mask does not fit or selects nothing.
     UsageError
-        If a length in mm needs a pixel's size that is not known, or an option contradicts what the file says.
+        If a length in mm needs a pixel's size that is not known, an option contradicts what the file says, or the
+        picture is neither a RasterImage nor an array.
+
+    Examples
+    --------
+    Heights of half a pixel a pixel to the right, given in px:
+
+    >>> heights = 0.5 * np.arange(16) + np.zeros((16, 1))
+    >>> options = nm.DepthOptions(depth_scale=nm.length("7.5px"), background="none")
+    >>> normals = nm.depth_to_normals(heights, options).normal_map.normals
+    >>> (-normals[8, 8, :2] / normals[8, 8, 2]).round(3).tolist()
+    [0.5, -0.0]
     """
     options = options or DepthOptions()
     stages = _Stages(progress)
     with stages.stage("reading", 0.0):
-        source = _read(image, options, mask)
+        source = _read(as_raster(image), options, None if mask is None else as_mask(mask))
         heights, known, scale = source.heights, source.grey.known, source.scale
         rule = _rule(options, source)
     with stages.stage("jumps", 0.2):
@@ -172,7 +186,7 @@ class _Source:
         return {**facts, "bits": self.grey.bits, "step_px": self.step_px, "noise_px": self.noise_px}
 
 
-def _read(image: RasterImage, options: DepthOptions, mask: Any) -> _Source:
+def _read(image: RasterImage, options: DepthOptions, mask: Float32 | None) -> _Source:
     grey, cover = _surface(image, options, mask)
     scale = settle_scale(image, grey, options)
     step = step_of(grey)
@@ -191,14 +205,10 @@ def _ends(heights: Float32, known: Mask) -> tuple[float, float]:
     return float(heights.min(where=known, initial=np.inf)), float(heights.max(where=known, initial=-np.inf))
 
 
-def _surface(image: RasterImage, options: DepthOptions, mask: Any) -> tuple[GreyValues, Float32 | None]:
+def _surface(image: RasterImage, options: DepthOptions, given: Float32 | None) -> tuple[GreyValues, Float32 | None]:
     """The grey values where there is a surface, and its coverage (None: all of it is covered where known)."""
-    if not isinstance(image, RasterImage):
-        raise UsageError(f"the picture must be a RasterImage, found {type(image).__name__}; read one with read_raster")
-    given = check_mask(mask)
-    if given is not None and given.shape != image.frame.shape:
-        size = " x ".join(str(n) for n in reversed(given.shape))
-        raise InputError(f"{image.name} is {image.frame} pixels but the mask is {size}; make them the same size")
+    if given is not None:
+        check_sizes(image.name, image.frame.shape, {"the mask": given.shape})
     grey = without_empty(image, grey_values(image), options)
     cover = image.alpha
     if given is not None:

@@ -19,36 +19,39 @@ _LIGHT = np.array([-0.55, 0.55, 0.63], np.float32)
 Picture = NDArray[np.uint8]
 
 
-def contact_sheet(layer_sets: Sequence[LayerSet]) -> Picture:
+def contact_sheet(layer_sets: Sequence[LayerSet], tile_px: int = _TILE_PX) -> Picture:
     """A picture of layer sets: two rows a view, the maps' colours above, shaded below.
 
     Parameters
     ----------
     layer_sets : sequence of LayerSet
+    tile_px : int
+        Longer side of each of the four pictures in a row.
 
     Returns
     -------
     (h, w, 3) uint8
         sRGB, for looking at.
     """
-    return np.vstack([row for layers in layer_sets for row in _rows(layers)])
+    return np.vstack([row for layers in layer_sets for row in _rows(layers, tile_px)])
 
 
-def _rows(layers: LayerSet) -> list[Picture]:
+def _rows(layers: LayerSet, tile_px: int) -> list[Picture]:
     view = f"{layers.report.view} " if layers.report.view else ""
     maps = {"original": layers.original, "base": layers.base, "detail": layers.detail}
     cover = layers.coverage
-    colors = [(f"{view}{name}", _colors(m.normals)) for name, m in maps.items()]
+    colors = [(f"{view}{name}", map_colors(m.normals)) for name, m in maps.items()]
     shaded = [(f"{view}{name}, lit", _lit(m.normals, cover)) for name, m in maps.items()]
     colors.append((f"{view}coverage", _grey(cover)))
     if layers.depth_mm is not None:
         shaded.append((f"{view}depth", _depth(layers.depth_mm, cover)))
     else:
         shaded.append(("", np.full((*cover.shape, 3), _PAPER, np.uint8)))
-    return [_row(colors), _row(shaded)]
+    return [_row(colors, tile_px), _row(shaded, tile_px)]
 
 
-def _colors(normals: Float32) -> Picture:
+def map_colors(normals: Float32) -> Picture:
+    """(h, w, 3) uint8 of (h, w, 3) normals, as normal maps are shown."""
     return ((normals + 1) * 127.5 + 0.5).clip(0, 255).astype(np.uint8)
 
 
@@ -68,11 +71,11 @@ def _depth(depth_mm: Float32, coverage: Float32) -> Picture:
     return _grey(np.where(seen, near, 0.1).astype(np.float32))
 
 
-def _row(tiles: list[tuple[str, Picture]]) -> Picture:
+def _row(tiles: list[tuple[str, Picture]], tile_px: int) -> Picture:
     import cv2
 
     rows, cols = tiles[0][1].shape[:2]
-    factor = _TILE_PX / max(rows, cols)
+    factor = tile_px / max(rows, cols)
     size = (max(1, round(cols * factor)), max(1, round(rows * factor)))
     way = cv2.INTER_AREA if factor < 1 else cv2.INTER_NEAREST
     canvas = np.full((size[1] + _LABEL_PX + _GAP_PX, (size[0] + _GAP_PX) * len(tiles) + _GAP_PX, 3), _PAPER, np.uint8)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.vectors import curl, inner_vertices, slopes
-from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.inputs import NormalsLike, as_normal_map
 
 # slope per px that are black and white; between them the scale is logarithmic
 DARKEST, BRIGHTEST = 1e-3, 1.0
@@ -14,22 +14,35 @@ _UNDEFINED = (96, 96, 96)
 _STEEPEST = 3.0
 
 
-def curl_picture(normal_map: NormalMap) -> NDArray[np.uint8]:
-    """Size of the curl at each pixel as a colour: black where slopes fit each other, through red to light yellow.
+def curl_picture(normal_map: NormalsLike) -> NDArray[np.uint8]:
+    """Show |curl| as a colour at each pixel: black where slopes belong to a surface, through red to light yellow.
 
     Parameters
     ----------
-    normal_map : NormalMap
+    normal_map : NormalMap or (H, W, 3) float of any type
 
     Returns
     -------
     (H, W, 3) uint8
         sRGB, for looking at; grey where the map is not defined. Black is a curl of 0.001 slope per px or less, the
-        lightest yellow 1 or more, on a logarithmic scale. A pixel shows the largest curl at its four corners, slopes
-        being believed up to 3.
+        lightest yellow 1 or more, on a logarithmic scale. A pixel shows the largest curl at its four corners. Slopes
+        are capped at 3.
+
+    Raises
+    ------
+    InputError, UsageError
+        If the map is an array without normals, or something else: see `nmaptool.NormalMap.from_array`.
+
+    Examples
+    --------
+    >>> flat = np.zeros((2, 3, 3))
+    >>> flat[..., 2] = 1
+    >>> nm.curl_picture(flat).shape
+    (2, 3, 3)
     """
     import cv2
 
+    normal_map = as_normal_map(normal_map)
     rows, cols = normal_map.frame.shape
     at_vertex = np.zeros((rows + 1, cols + 1), np.float32)
     if min(rows, cols) > 1:

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float64
 from nmaptool.core.grid import height_slopes
 from nmaptool.types.height import Height
+from nmaptool.types.inputs import as_height
+from nmaptool.types.relief import Relief
 
 # azimuth (counter-clockwise from +x) and elevation in degrees, and strength: a low key light from the upper left, a
 # weak fill from the right, a little ambient light
@@ -39,23 +41,40 @@ def lambert(height: Height) -> Float64:
     return light.clip(0, 1)
 
 
-def preview(height: Height) -> Picture:
-    """Shaded picture of a relief, enlarged by a whole factor where the map is small.
+def preview(height: Height | Relief) -> Picture:
+    """Shade a relief under two raking lights; small ones are enlarged by a whole factor.
 
     Parameters
     ----------
-    height : Height
+    height : Height or Relief
 
     Returns
     -------
     (h, w, 3) uint8
-        sRGB, for looking at.
+        sRGB, for looking at; the longer side has 900 px or more.
+
+    Raises
+    ------
+    UsageError
+        If the value is neither a Height nor a Relief.
+
+    Examples
+    --------
+    >>> height = nm.Height(np.zeros((3, 4)), np.ones((2, 3), bool), nm.Frame(2, 3, pitch_mm=0.5))
+    >>> nm.preview(height).shape
+    (600, 900, 3)
     """
     import cv2
 
+    height = as_height(height)
     light = lambert(height).astype(np.float32)
     factor = max(1, -(-_SMALLEST_LONGER_SIDE // max(light.shape)))
     if factor > 1:
         light = cv2.resize(light, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC)
+    return in_colors(light)
+
+
+def in_colors(light: NDArray[Any]) -> Picture:
+    """(h, w, 3) uint8 sRGB of (h, w) brightness."""
     encoded: NDArray[Any] = light.clip(0, 1)[..., None] ** _TONE * _WARM
     return (encoded * 255 + 0.5).astype(np.uint8)

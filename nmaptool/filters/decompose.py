@@ -36,25 +36,34 @@ def decompose_normals(
     Parameters
     ----------
     mesh : Mesh
-        Any; what cannot be used is dropped and vertices at one position are welded first, see
-        `nmaptool.meshes.clean.clean_mesh`, whose faces are those of the answer.
+        It is cleaned first; the result is about the faces that `nmaptool.clean_mesh` gives.
     options : FilterOptions, optional
+        The filter and its parameters.
     model : FilterModel, optional
-        For the filter ``learned``. Default: the one that comes with the package.
+        For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     Decomposition
-        Face normals, base and residual, base + residual = normals in every bit; the mixture and its threshold.
+        Face normals, base and residual as (M, 3) float64, where base + residual equals the normals in every bit; the
+        mixture and its threshold.
 
     Raises
     ------
     InputError
-        If no face of the mesh can be used.
+        If no face of the mesh is usable.
     UsageError
-        If a model is given to another filter.
+        If a model is given, but the filter is not ``learned``.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
+    >>> split = nm.decompose_normals(sphere)
+    >>> bool(np.all(split.base + split.residual == split.normals))
+    True
     """
     clean, _, _ = clean_mesh(mesh)
     return decompose_clean(clean, options or FilterOptions(), progress, model)

@@ -11,6 +11,7 @@ from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.progress import Progress
 from nmaptool.filters.mixture import fit_mixture
 from nmaptool.types.mixture import Mixture
+from nmaptool.types.shown import OneLine, counted
 
 # a sum shorter than this share of its weight has no direction: the normals around a face cancel out
 _AGREEMENT = 0.4
@@ -23,8 +24,8 @@ _STEP = 2.0**-40
 Gather = Callable[[Float64 | None], Float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Decomposition:
+@dataclass(frozen=True, eq=False, repr=False)
+class Decomposition(OneLine):
     """A field of unit normals N split into base and detail, N = base + residual in every bit.
 
     Attributes
@@ -49,6 +50,10 @@ class Decomposition:
     residual: Float64
     is_detail: Mask
     mixture: Mixture
+
+    def _line(self) -> str:
+        normals = counted(len(self.normals), "normal")
+        return f"of {normals}: {self.is_detail.mean():.0%} detail, theta {self.mixture.theta:.4g}"
 
 
 def rolling_guidance(normals: Float64, gather: Gather, iterations: int, progress: Progress | None = None) -> Float64:

@@ -17,37 +17,50 @@ from nmaptool.maps.detail import encode_detail
 from nmaptool.maps.masks import motif_coverage
 from nmaptool.options import SplitOptions
 from nmaptool.options.plain_values import plain_values
+from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.layer_set import LayerReport, LayerSet
 from nmaptool.types.normal_map import NormalMap
 
 _SMALLEST_PX = 0.3
 
 
-def split(normal_map: NormalMap, options: SplitOptions | None = None, *, progress: Progress | None = None) -> LayerSet:
+def split(
+    normal_map: NormalsLike, options: SplitOptions | None = None, *, progress: Progress | None = None
+) -> LayerSet:
     """Split a normal map into base and detail: the filter of the paper (Sec. 3.1) with pixels for faces.
 
     Parameters
     ----------
-    normal_map : NormalMap
-        What lies outside its coverage does not count.
+    normal_map : NormalMap or (H, W, 3) float of any type
+        Pixels that are not covered are ignored.
     options : SplitOptions, optional
+        The filter, its parameters and the detail encoding.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     LayerSet
-        Without depth and faces. The original is the map itself.
+        Original (the map itself), base and detail; no depth and no face numbers.
 
     Raises
     ------
     UsageError
-        If sigma_s is a length in mm and the map's pitch is not known, or it is a fraction of a pixel.
+        If sigma_s is in mm and the map's pitch is not known, sigma_s is below 0.3 px, or the map is neither a NormalMap
+        nor an array.
     InputError
-        If the map covers nothing.
+        If the map covers nothing, or a normal of an array has no direction.
+
+    Examples
+    --------
+    >>> x = np.arange(32) + np.zeros((32, 1))
+    >>> normals = np.dstack([0.3 * np.sin(x), np.zeros_like(x), np.ones_like(x)])
+    >>> nm.split(normals, nm.SplitOptions(sigma_s=nm.length("3px")))
+    <LayerSet map: 32 x 32 px, pitch unknown, 47% detail>
     """
     options = options or SplitOptions()
     start = time.perf_counter()
+    normal_map = as_normal_map(normal_map)
     original = normal_map.normals
     # a defined background stays out of the motif, and the motif out of it
     coverage = motif_coverage(normal_map)

@@ -26,14 +26,15 @@ from nmaptool.meshes.clean import clean_mesh
 from nmaptool.options import DescriptorOptions, FilterOptions, TrainOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.mesh import Mesh
+from nmaptool.types.shown import OneLine
 
 # fewer faces than weights teach a network nothing
 _LEAST_FACES = 500
 
 
-@dataclass(frozen=True, eq=False)
-class TrainingExample:
-    """A mesh and the base normals that the filter should give it.
+@dataclass(frozen=True, eq=False, repr=False)
+class TrainingExample(OneLine):
+    """A mesh and the base normals that a learned filter should give it.
 
     Parameters
     ----------
@@ -41,7 +42,7 @@ class TrainingExample:
         Clean, see `nmaptool.clean_mesh`.
     targets : (M, 3) float64
         Unit normals of its faces.
-    account : mapping
+    metadata : mapping
         How the targets were made, plain values.
     """
 
@@ -57,21 +58,35 @@ class TrainingExample:
         if not (np.abs(np.einsum("ij,ij->i", self.targets, self.targets) - 1) <= 1e-6).all():
             raise InputError(f"{self.mesh.name}: targets must be finite and of unit length")
 
+    def _line(self) -> str:
+        return f"of {self.mesh._line()}"
+
 
 def training_example(mesh: Mesh, filter: FilterOptions | None = None) -> TrainingExample:
-    """A mesh with the base normals of the GMM-based filter (paper, Sec. 3.2: the targets of training).
+    """Pair a mesh with the base normals of the GMM-based filter, the targets of training (paper, Sec. 3.2).
 
     Parameters
     ----------
     mesh : Mesh
-        Any; it is cleaned first.
+        It is cleaned first.
     filter : FilterOptions, optional
-        The parameters that suit this mesh. Default: those of ``FilterOptions(filter="grnf")``.
+        Parameters that suit this mesh. Default: those of ``FilterOptions(filter="grnf")``.
+
+    Returns
+    -------
+    TrainingExample
+        The clean mesh and (M, 3) float64 target normals.
 
     Raises
     ------
     InputError
-        If no face of the mesh can be used.
+        If no face of the mesh is usable.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> nm.training_example(nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1)))
+    <TrainingExample of mesh: 42 vertices, 80 faces, 1 mm to a unit (assumed)>
     """
     options = filter or FilterOptions(filter="grnf")
     clean, _, _ = clean_mesh(mesh)
@@ -90,29 +105,43 @@ def train(
 ) -> FilterModel:
     """Learn a filter of face normals from examples (paper, Sec. 3.2: DRNF).
 
-    Every stage describes the faces by their filtered normals, in frames of their own; sorts them into kinds; and fits a
-    network for each kind to the target normals. What this one gives leads the filters of the next.
+    Each stage describes every face by filtered normals in a local frame, clusters the faces, and fits one network per
+    cluster to the target normals. Its output guides the filters of the next stage.
 
     Parameters
     ----------
     examples : sequence of TrainingExample
+        At least 500 faces in all.
     options : TrainOptions, optional
+        Stages, number and size of the networks, steps and seed.
     descriptor : DescriptorOptions, optional
+        Input of the networks.
     state : TrainingState, optional
-        Of an earlier run that was not finished, with the same examples and options: the result is the same as if it
-        had been.
+        Of an unfinished run with the same examples and options, to continue it; the result is that of a run without
+        interruption.
     keep : callable, optional
-        Called with the state after every network.
+        Called with the TrainingState after each network.
     progress : callable, optional
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     FilterModel
+        For the parameter ``model`` of `nmaptool.bake` and others.
 
     Raises
     ------
     InputError
-        If there are too few faces to learn from, or the state is of another training.
+        If there are fewer than 500 faces, or the state is of another training.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> mesh = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=3))
+    >>> quick = nm.TrainOptions(stages=1, clusters=1, hidden=2, steps=1)
+    >>> model = nm.train([nm.training_example(mesh)], quick, descriptor=nm.DescriptorOptions((3.0,), (0.5,), 1))
+    >>> len(model.stages)
+    1
     """
     options, descriptor = options or TrainOptions(), descriptor or DescriptorOptions()
     faces = sum(len(example.mesh.faces) for example in examples)

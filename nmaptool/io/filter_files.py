@@ -31,10 +31,20 @@ def read_filter_model(path: str | Path) -> FilterModel:
     path : str or Path
         .npz
 
+    Returns
+    -------
+    FilterModel
+
     Raises
     ------
     InputError
         If it cannot be read or is none. No code in it is ever run.
+
+    Examples
+    --------
+    >>> nm.write_filter_model(nm.shipped_filter(), "mine.npz")
+    >>> nm.read_filter_model("mine.npz").digest == nm.shipped_filter().digest
+    True
     """
     try:
         return filter_from_arrays(_read(Path(path)))
@@ -45,10 +55,26 @@ def read_filter_model(path: str | Path) -> FilterModel:
 def read_training(path: str | Path) -> TrainingState:
     """Read a training that was begun.
 
+    Parameters
+    ----------
+    path : str or Path
+        .npz, written by `nmaptool.write_training`.
+
+    Returns
+    -------
+    TrainingState
+        For ``state`` of `nmaptool.train`.
+
     Raises
     ------
     InputError
         If it cannot be read or is none.
+
+    Examples
+    --------
+    >>> nm.write_training(nm.TrainingState("0123456789ab"), "begun.npz")
+    >>> nm.read_training("begun.npz").fingerprint
+    '0123456789ab'
     """
     try:
         return replace(training_from_arrays(_read(Path(path))), name=str(path))

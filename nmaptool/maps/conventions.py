@@ -9,6 +9,7 @@ from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.grid import dilated
 from nmaptool.core.vectors import mean_abs_curl
 from nmaptool.maps.codec import apply_signs, format_swizzle, parse_swizzle, signs_of
+from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import Decoding, NormalMap
 
 # the wrong order or sign must have this many times the curl of the right one to be called wrong
@@ -122,14 +123,37 @@ def is_inverted(sign: float | None) -> bool:
     return sign is not None and sign < _INVERTED
 
 
-def diagnose(normal_map: NormalMap, code_step: float = 2 / 255) -> tuple[str, ...]:
-    """What speaks against the way a map was read, each with its remedy, for a warning before it is used.
+def diagnose(normal_map: NormalsLike, *, code_step: float = 2 / 255) -> tuple[str, ...]:
+    """Warn where a map looks inverted, turned or mirrored.
 
     Parameters
     ----------
-    normal_map : NormalMap
+    normal_map : NormalMap or (H, W, 3) float of any type
     code_step : float
+        Smallest step of a component in the file, such as 2/255 for 8 bits. Smaller curl is rounding.
+
+    Returns
+    -------
+    tuple of str
+        Warnings with the remedy; empty where nothing looks wrong.
+
+    Raises
+    ------
+    InputError
+        If a normal of an array has no direction.
+    UsageError
+        If the map is neither a NormalMap nor an array.
+
+    Examples
+    --------
+    The normals of a dome that was turned into a hollow:
+
+    >>> y, x = np.mgrid[1:-1:64j, -1:1:64j]
+    >>> normals = np.dstack([-x, -y, np.ones_like(x)])
+    >>> nm.diagnose(nm.NormalMap.from_array(normals, mask=np.hypot(x, y) < 0.8))
+    ('it looks inverted; for a raised motif try --swizzle=-r,-g,b, for an engraving --delta=-30',)
     """
+    normal_map = as_normal_map(normal_map)
     if normal_map.decoding.green_from == "file":  # it says itself how it is to be read
         return ()
     better = better_swizzle(normal_map, code_step)

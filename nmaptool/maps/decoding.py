@@ -15,6 +15,7 @@ from nmaptool.maps.conventions import SURE_CURL_RATIO, green_evidence
 from nmaptool.maps.coverage import Covered, cover
 from nmaptool.maps.two_channel import completed
 from nmaptool.options import ReadOptions
+from nmaptool.types.inputs import RasterLike, as_raster
 from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import RasterImage
 
@@ -71,14 +72,15 @@ def decode_image(image: RasterImage, options: ReadOptions | None = None) -> Deco
     return decoded
 
 
-def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) -> NormalMap:
+def decode_normal_map(image: RasterLike, options: ReadOptions | None = None) -> NormalMap:
     """Turn a raw picture into unit normals in eye space.
 
     Parameters
     ----------
-    image : RasterImage
+    image : RasterImage, or (H, W, 2 to 4) uint8, uint16 or float
         Channels R, G, B(, A), or two where it holds x and y or octahedral codes.
     options : ReadOptions, optional
+        Green, zero code, components, background; what is not said is found out.
 
     Returns
     -------
@@ -90,9 +92,15 @@ def decode_normal_map(image: RasterImage, options: ReadOptions | None = None) ->
     InputError
         If it has too few channels, or NaN or infinity where it is defined.
     UsageError
-        If the swizzle cannot be meant.
+        If the swizzle cannot be meant, or the picture is neither a RasterImage nor an array.
+
+    Examples
+    --------
+    >>> codes = np.full((2, 2, 3), (128, 128, 255), np.uint8)
+    >>> nm.decode_normal_map(codes, nm.ReadOptions(background_color="none")).normals[0, 0].tolist()
+    [0.0, 0.0, 1.0]
     """
-    return _decode(image, options or ReadOptions()).normal_map
+    return _decode(as_raster(image), options or ReadOptions()).normal_map
 
 
 def _decode(image: RasterImage, options: ReadOptions) -> Decoded:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
-from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.vectors import mean_abs_curl
 from nmaptool.maps import codec
@@ -17,43 +16,54 @@ from nmaptool.maps.channels import Channels, as_read, code_step, color_channels
 from nmaptool.maps.conventions import better_swizzle, outline_sign
 from nmaptool.maps.decoding import LENGTH_OFF, decode_image
 from nmaptool.maps.inspection_rules import RULES
-from nmaptool.maps.masks import check_mask, check_sizes
 from nmaptool.maps.zero_code import detect_zero_code, zero_and_scale
 from nmaptool.options import ReadOptions
+from nmaptool.types.inputs import MaskLike, RasterLike, as_raster
 from nmaptool.types.inspection import Finding, Inspection
 from nmaptool.types.picture import RasterImage
+from nmaptool.types.plain_arrays import as_mask, check_sizes
 
 _PARTIAL_ALPHA_PIXELS = 50
 
 
-def inspect_map(
-    image: RasterImage, options: ReadOptions | None = None, mask: Float32 | Mask | None = None
-) -> Inspection:
-    """Measure a raw picture as the normal map it is said to be.
+def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: MaskLike | None = None) -> Inspection:
+    """Measure a raw picture as a normal map and list what is wrong with it.
 
     Parameters
     ----------
-    image : RasterImage
+    image : RasterImage, or (H, W, 3 or 4) uint8, uint16 or float
+        Codes or floats as a file stores them, red, green and blue first, then alpha.
     options : ReadOptions, optional
-    mask : (H, W) float or bool, optional
+        How to read it: green, zero code, components, background.
+    mask : (H, W) bool or float in [0, 1], optional
         Where to look, instead of the recognised foreground.
 
     Returns
     -------
     Inspection
+        Measurements, what was recognised, and findings, each with a remedy.
 
     Raises
     ------
     InputError
-        As `nmaptool.decode_normal_map`, or if the mask has another size.
+        If `nmaptool.decode_normal_map` refuses the picture, or the mask has another size or selects nothing.
+    UsageError
+        If the picture is neither a RasterImage nor an array, or an option is not accepted.
+
+    Examples
+    --------
+    >>> flat = np.full((64, 64, 3), (128, 128, 255), np.uint8)
+    >>> [finding.code for finding in nm.inspect_map(flat).findings]
+    ['no-foreground']
     """
     options = options or ReadOptions()
+    image = as_raster(image)
     decoded = decode_image(image, options)
     normal_map = decoded.normal_map
     foreground = normal_map.foreground
-    chosen = check_mask(mask)
-    if chosen is not None:
-        check_sizes(normal_map, {"the mask": chosen.shape})
+    if mask is not None:
+        chosen = as_mask(mask)
+        check_sizes(normal_map.name, foreground.shape, {"the mask": chosen.shape})
         if not (chosen >= 0.5).any():
             raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
         foreground = foreground & (chosen >= 0.5)

@@ -19,24 +19,36 @@ _FACES_AT_ONCE = 100_000
 
 
 def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
-    """Drop what cannot be used and weld vertices at the same position.
+    """Drop unusable faces and vertices, and weld vertices that lie at the same position.
 
     Parameters
     ----------
     mesh : Mesh
+        It is not changed.
 
     Returns
     -------
     mesh : Mesh
-        Finite vertices, each used; no two at one position; no face without area or twice; neighbours wound alike.
+        Every vertex is finite and used, no two share a position; every face has an area and occurs once; neighbouring
+        faces are wound the same way.
     source_faces : (M,) int64
-        Which face of the given mesh each face is.
+        Index in the given mesh of each face.
     findings : MeshFindings
+        Counts of what was dropped, welded and turned.
 
     Raises
     ------
     InputError
         If nothing is left, or the mesh has no extent.
+
+    Examples
+    --------
+    Vertices 1 and 3 lie at one position, so the second face has no area:
+
+    >>> vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0]]
+    >>> mesh, source_faces, findings = nm.clean_mesh(nm.Mesh.from_arrays(vertices, [[0, 1, 2], [0, 3, 1]]))
+    >>> mesh.faces.tolist(), source_faces.tolist(), findings.welded_vertices, findings.degenerate_faces
+    ([[0, 1, 2]], [0], 1, 1)
     """
     if not len(mesh.faces):
         raise InputError(f"{mesh.name}: holds {len(mesh.vertices)} points and no faces; a surface is needed")

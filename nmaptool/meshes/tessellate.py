@@ -5,22 +5,38 @@ from __future__ import annotations
 import numpy as np
 
 from nmaptool.types.height import Height
+from nmaptool.types.inputs import as_height
 from nmaptool.types.mesh import Mesh
+from nmaptool.types.relief import Relief
 
 
-def surface_mesh(height: Height) -> Mesh:
-    """The surface of a height field: two triangles a pixel of its domain, so that its outline is the mask's.
+def surface_mesh(height: Height | Relief) -> Mesh:
+    """Triangulate a height field: two triangles for each pixel of its domain.
 
-    Each pixel is split along the diagonal whose continuation bends less, which keeps slanting ridges and valleys whole.
+    Each pixel is split along the diagonal along which the surface bends less, which preserves diagonal ridges and
+    valleys.
 
     Parameters
     ----------
-    height : Height
+    height : Height or Relief
 
     Returns
     -------
     Mesh
+        In mm: +x right, +y up, +z to the viewer, the lower left corner of the picture at (0, 0).
+
+    Raises
+    ------
+    UsageError
+        If it is something else, such as an array, which does not know the size of a pixel.
+
+    Examples
+    --------
+    >>> height = nm.Height(np.zeros((3, 4)), np.ones((2, 3), bool), nm.Frame(2, 3, pitch_mm=0.5))
+    >>> nm.surface_mesh(height)
+    <Mesh mesh: 12 vertices, 12 faces, 1 mm to a unit (assumed)>
     """
+    height = as_height(height)
     rows = height.frame.rows
     used = height.vertex_mask
     index = np.full(used.shape, -1, np.int32)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,35 +25,47 @@ _OFF_LENGTH = 1e-3
 
 def reconstruct(
     mesh: Mesh,
-    normals: NDArray[np.floating],
+    normals: NDArray[np.floating[Any]],
     options: ReconstructOptions | None = None,
     *,
     progress: Progress | None = None,
 ) -> Reconstruction:
-    """Move the vertices of a mesh so that its face normals come to given ones (gSfG: paper, Sec. 4.1, Eq. 2 and 3).
+    """Move the vertices of a mesh so that its face normals become the given ones (gSfG: paper, Sec. 4.1, Eq. 2 and 3).
 
     Parameters
     ----------
     mesh : Mesh
-        Clean, see `nmaptool.meshes.clean.clean_mesh`.
-    normals : (M, 3) float
-        Where each face should look: unit vectors.
+        Clean, see `nmaptool.clean_mesh`.
+    normals : (M, 3) float of any type
+        The normal that each face should have: unit vectors.
     options : ReconstructOptions, optional
+        Scheme, steps and closeness.
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
     Reconstruction
-        The faces as they were on moved vertices, in the same units; normals that are the mesh's own move nothing by
-        more than 1e-9 of its size.
+        The same faces on moved vertices, in the same units. The mesh's own normals move no vertex by more than 1e-9 of
+        the size of the mesh.
 
     Raises
     ------
     InputError
-        If the mesh is not clean, or the normals are not one finite unit vector a face, or most of them look inwards.
+        If the mesh is not clean, the normals are not one finite unit vector for each face, or most of them point
+        inwards.
     ConvergenceError
         If the system of scheme "poisson" cannot be solved.
+
+    Examples
+    --------
+    Its own normals leave a mesh as it is:
+
+    >>> import trimesh
+    >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
+    >>> rebuilt = nm.reconstruct(sphere, sphere.geometry.normals)
+    >>> bool(np.allclose(rebuilt.vertices, sphere.vertices))
+    True
     """
     options = options or ReconstructOptions()
     _check_mesh(mesh)

@@ -10,12 +10,13 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.grid import touching_vertices
-from nmaptool.maps.masks import check_mask, check_sizes, require_map
 from nmaptool.options import ReliefOptions
 from nmaptool.options.kinds import LARGEST_WEIGHT
 from nmaptool.reliefs.integrate import integrate
 from nmaptool.types.height import DEFAULT_LONGER_SIDE_MM, Height
+from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.plain_arrays import as_float32, as_mask, check_sizes, is_array
 
 # a mask that changes by less than this per px is a ramp to fade over, not a smoothed edge to cut at one half
 _RAMP_PER_PX = 0.2
@@ -38,10 +39,7 @@ def check_weights(maps: dict[str, Any]) -> dict[str, Float32 | None]:
         if values is None:
             checked[name] = None
             continue
-        try:
-            array = np.asarray(values, np.float32)
-        except (TypeError, ValueError):
-            raise UsageError(f"the {name} map must be an array of numbers, found {type(values).__name__}") from None
+        array = as_float32(values, f"the {name} map")
         bad = not np.isfinite(array).all() or np.abs(array).max() > LARGEST_WEIGHT
         if bad or (name != "delta" and array.min() < 0):
             sign = "" if name == "delta" else " and not negative"
@@ -85,26 +83,55 @@ def check_maps(
     UsageError
         If one is not what it should be, or there is a mu map without a detail map.
     """
-    require_map(original, "the original")
+    coverage = None if mask is None else as_mask(mask)
+    original = as_normal_map(original, "the original", coverage)
     others: dict[str, tuple[int, ...]] = {}
     if detail is not None:
-        require_map(detail, "the detail map")
+        detail = as_normal_map(detail, "the detail map", coverage)
         others[f"the detail map {detail.name}"] = detail.frame.shape
     elif mu_map is not None:
         raise UsageError("--mu-map: weighs the detail map; give one with --detail")
-    coverage = check_mask(mask)
     if coverage is not None:
         others["the mask"] = coverage.shape
+    if is_array(surface):
+        surface = as_normal_map(surface, "the curved background")
     if isinstance(surface, NormalMap | Height):
         others["the curved background"] = surface.frame.shape
     checked = check_weights({"mu": mu_map, "beta": beta_map, "delta": delta_map})
     others |= {f"the {name} map": values.shape for name, values in checked.items() if values is not None}
-    check_sizes(original, others)
+    check_sizes(original.name, original.frame.shape, others)
     return ReliefMaps(original, detail, coverage, surface, **checked)
 
 
-def pitch_of(original: NormalMap, options: ReliefOptions) -> tuple[float, str]:
-    """Millimetres per pixel of a relief, and whether that was ``given``, in the ``file`` or ``assumed``."""
+def pitch_of(original: NormalsLike, options: ReliefOptions | None = None) -> tuple[float, str]:
+    """Tell the size of a pixel of a relief, and where it comes from.
+
+    Parameters
+    ----------
+    original : NormalMap or (H, W, 3) float of any type
+    options : ReliefOptions, optional
+        Its width overrides the pitch of the map.
+
+    Returns
+    -------
+    pitch_mm : float
+        Millimetres per pixel.
+    pitch_from : str
+        ``given``, ``file``, or ``assumed`` for a longer side of 100 mm.
+
+    Raises
+    ------
+    InputError, UsageError
+        As `nmaptool.NormalMap.from_array`, where an array or something else is given.
+
+    Examples
+    --------
+    >>> flat = np.zeros((20, 50, 3))
+    >>> flat[..., 2] = 1
+    >>> nm.pitch_of(flat), nm.pitch_of(flat, nm.ReliefOptions(width=nm.length("10mm")))
+    ((2.0, 'assumed'), (0.2, 'given'))
+    """
+    original, options = as_normal_map(original, "the original"), options or ReliefOptions()
     frame = original.frame
     if options.width is not None:
         return options.width.to_mm(1.0, frame.longer_side) / frame.cols, "given"
@@ -183,7 +210,7 @@ def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> tupl
         raise UsageError("--background surface: needs the curved background, such as --surface background.png")
     if isinstance(surface, NormalMap):
         ground = surface.coverage >= 0.5
-        return _extended(integrate(surface, options.slope_cap, options.tolerance), ground), ground
+        return _extended(integrate(surface, slope_cap=options.slope_cap, tolerance=options.tolerance), ground), ground
     if not isinstance(surface, Height):
         raise UsageError(f"the curved background must be a NormalMap or a Height, found {type(surface).__name__}")
     if not surface.domain.all():

@@ -2,44 +2,45 @@
 
 from __future__ import annotations
 
-from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.progress import Progress
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs.session import ReliefSession
 from nmaptool.types.height import Height
-from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.inputs import FloatsLike, MaskLike, NormalsLike
 from nmaptool.types.relief import Relief
 
 
 def relief(
-    original: NormalMap,
-    detail: NormalMap | None = None,
-    *,
-    mask: Float32 | Mask | None = None,
-    surface: NormalMap | Height | None = None,
-    mu_map: Float32 | None = None,
-    beta_map: Float32 | None = None,
-    delta_map: Float32 | None = None,
+    original: NormalsLike,
+    detail: NormalsLike | None = None,
     options: ReliefOptions | None = None,
+    *,
+    mask: MaskLike | None = None,
+    surface: NormalsLike | Height | None = None,
+    mu_map: FloatsLike | None = None,
+    beta_map: FloatsLike | None = None,
+    delta_map: FloatsLike | None = None,
     progress: Progress | None = None,
 ) -> Relief:
-    """Solve a bas-relief: detail-preserving from O and D (Eq. 6), structure-preserving from B alone (Eq. 8).
+    """Solve for a bas-relief: detail-preserving from O and D (Eq. 6), or structure-preserving from B alone (Eq. 8).
 
     Parameters
     ----------
-    original : NormalMap
+    original : NormalMap or (H, W, 3) float of any type
         The original map O, or the base map B.
-    detail : NormalMap, optional
+    detail : NormalMap or (H, W, 3) float of any type, optional
         The detail map D, same size; flat where there is no detail.
-    mask : (H, W) float or bool, optional
-        Foreground where 0.5 or more. Default: what the map's file shows as motif.
-    surface : NormalMap or Height, optional
-        The curved background for ``background="surface"``.
-    mu_map, beta_map, delta_map : (H, W) float32, optional
-        Multiply mu, beta and delta per pixel; finite, mu and beta not negative.
     options : ReliefOptions, optional
+        Height, width, weights, background, solver.
+    mask : (H, W) bool or float in [0, 1], optional
+        Foreground where 0.5 or more. Where the mask is 0, an array of normals may hold anything. Default: the
+        foreground of the map.
+    surface : NormalMap, (H, W, 3) float or Height, optional
+        The curved background for ``background="surface"``.
+    mu_map, beta_map, delta_map : (H, W) float of any type, optional
+        Multiply mu, beta and delta per pixel; finite, mu and beta not negative.
     progress : callable, optional
-        Called with a word and a share in 0..1.
+        Called with the name of the stage and the share done, 0 to 1.
 
     Returns
     -------
@@ -51,9 +52,21 @@ def relief(
     InputError
         If sizes differ, nothing is foreground, a map holds bad values, or the exact height cannot be reached.
     UsageError
-        If options do not go together.
+        If options contradict each other, or a value is neither a map nor an array.
+    LimitError
+        If the solve needs more memory than ``options.memory_limit``.
     ConvergenceError
         If the solver does not reach its tolerance.
+
+    Examples
+    --------
+    The normals of a dome, whose relief is 3 mm high and 40 mm wide:
+
+    >>> y, x = np.mgrid[1:-1:32j, -1:1:32j]
+    >>> normals = np.dstack([x, y, np.ones_like(x)])
+    >>> options = nm.ReliefOptions(height=nm.length("3mm"), width=nm.length("40mm"))
+    >>> nm.relief(normals, options=options, mask=np.hypot(x, y) < 0.9)
+    <Relief 40 x 40 mm (32 x 32 px), 0 to 3 mm high, by multigrid in 7 iterations>
     """
     session = ReliefSession(
         original,
@@ -65,4 +78,4 @@ def relief(
         delta_map=delta_map,
         keep=0,
     )
-    return session.solve(options, progress)
+    return session.solve(options, progress=progress)

@@ -7,7 +7,6 @@ import itertools
 import threading
 import time
 
-from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import UsageError
 from nmaptool.core.progress import Progress
 from nmaptool.options import ReliefOptions
@@ -20,6 +19,7 @@ from nmaptool.reliefs.report import SolverFacts, facts_of, report_of
 from nmaptool.reliefs.targets import CappedSlopes, Weights, build_targets, capped_slopes, to_pixels
 from nmaptool.solver import QuadSystem, Solver, prepare
 from nmaptool.types.height import Height
+from nmaptool.types.inputs import FloatsLike, MaskLike, NormalsLike
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.relief import Relief
 
@@ -46,52 +46,44 @@ class _Case:
 
 
 class ReliefSession:
-    """Reliefs of the same maps with changing options: the engine of a live preview.
+    """Solve reliefs of the same maps with changing options, such as for a live preview.
 
-    What an option does not touch is not worked out again. A new delta, height, fit, width or looser tolerance needs
-    no solver iterations: heights are linear in delta, and their two parts are kept from the second delta on. A new mu,
-    beta, slope cap or energy is solved from the heights before it. Results are those of `nmaptool.relief` to the
-    tolerance asked for; each has arrays of its own, which no later solve changes.
+    Only what a changed option affects is computed again. A new delta, height, fit, width or looser tolerance needs no
+    solver iterations: heights are linear in delta, and their two parts are kept from the second delta on. A new mu,
+    beta, slope cap or energy starts from the previous heights. Results equal those of `nmaptool.relief` to the
+    tolerance; each has arrays of its own, which no later solve changes.
 
     Parameters
     ----------
-    original : NormalMap
-        The original map O, or the base map B.
-    detail : NormalMap, optional
-        The detail map D, same size; flat where there is no detail.
-    mask : (H, W) float or bool, optional
-        Foreground where 0.5 or more. Default: what the map's file shows as motif.
-    surface : NormalMap or Height, optional
-        The curved background for ``background="surface"``.
-    mu_map, beta_map, delta_map : (H, W) float32, optional
-        Multiply mu, beta and delta per pixel; finite, mu and beta not negative.
+    original, detail, mask, surface, mu_map, beta_map, delta_map
+        As for `nmaptool.relief`.
     keep : int
-        Settings of mu, beta, background and the like whose solver and heights are kept, the latest used: 2 let one go
-        back and forth between two. Each takes what a solve takes, and 32 bytes a pixel more. 0 keeps nothing.
+        How many settings of mu, beta, background and so on to keep with their solver and heights, latest used first: 2
+        allow to go back and forth between two. Each takes the memory of a solve and 32 bytes a pixel. 0 keeps nothing.
 
     Notes
     -----
-    Maps are neither copied nor changed, and must not be changed while the session lives. Solves may be asked for from
-    several threads; they are done one after the other. One that fails or is interrupted does the session no harm.
+    Maps are neither copied nor changed, and must not be changed while the session is in use. Several threads may call
+    `solve`; the solves run one after the other. A solve that fails or is interrupted leaves the session intact.
 
     Raises
     ------
     InputError
         If sizes differ or a map holds bad values.
     UsageError
-        If an input is not what it should be, there is a mu map without a detail map, or ``keep`` is negative.
+        If an input has the wrong type, there is a mu map without a detail map, or ``keep`` is negative.
     """
 
     def __init__(
         self,
-        original: NormalMap,
-        detail: NormalMap | None = None,
+        original: NormalsLike,
+        detail: NormalsLike | None = None,
         *,
-        mask: Float32 | Mask | None = None,
-        surface: NormalMap | Height | None = None,
-        mu_map: Float32 | None = None,
-        beta_map: Float32 | None = None,
-        delta_map: Float32 | None = None,
+        mask: MaskLike | None = None,
+        surface: NormalsLike | Height | None = None,
+        mu_map: FloatsLike | None = None,
+        beta_map: FloatsLike | None = None,
+        delta_map: FloatsLike | None = None,
         keep: int = 2,
     ) -> None:
         self._maps = given.check_maps(original, detail, mask, surface, mu_map, beta_map, delta_map)
@@ -102,14 +94,15 @@ class ReliefSession:
         self._lock = threading.Lock()
         self._solving: int | None = None  # the thread that does
 
-    def solve(self, options: ReliefOptions | None = None, progress: Progress | None = None) -> Relief:
-        """The relief with these options.
+    def solve(self, options: ReliefOptions | None = None, *, progress: Progress | None = None) -> Relief:
+        """Solve for the relief with these options.
 
         Parameters
         ----------
         options : ReliefOptions, optional
+            Height, width, weights, background, solver.
         progress : callable, optional
-            Called with a word and a share in 0..1; what it raises ends the solve.
+            Called with the name of the stage and the share done, 0 to 1; what it raises ends the solve.
 
         Returns
         -------
@@ -121,9 +114,19 @@ class ReliefSession:
         InputError
             If nothing is foreground or the exact height cannot be reached.
         UsageError
-            If options do not go together.
+            If options contradict each other.
+        LimitError
+            If the solve needs more memory than ``options.memory_limit``.
         ConvergenceError
             If the solver does not reach its tolerance.
+
+        Examples
+        --------
+        >>> session = nm.ReliefSession(np.dstack([np.full((8, 8), 0.5), np.zeros((8, 8)), np.ones((8, 8))]))
+        >>> for height in ("2mm", "3mm"):
+        ...     session.solve(nm.ReliefOptions(background="free", height=nm.length(height)))
+        <Relief 100 x 100 mm (8 x 8 px), 3.203 to 5.203 mm high, by dct in 1 iteration>
+        <Relief 100 x 100 mm (8 x 8 px), 4.804 to 7.804 mm high, by dct in 0 iterations>
         """
         options = options or ReliefOptions()
         if self._solving == threading.get_ident():

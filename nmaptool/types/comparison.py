@@ -11,10 +11,11 @@ from nmaptool.core.arrays import Float32, Float64
 from nmaptool.options import FilterOptions, ReconstructOptions
 from nmaptool.options.plain_values import filter_values, plain_values
 from nmaptool.types.mesh import Mesh
+from nmaptool.types.shown import OneLine
 
 
-@dataclass(frozen=True, eq=False)
-class Contender:
+@dataclass(frozen=True, eq=False, repr=False)
+class Contender(OneLine):
     """One scheme on the shared targets (paper, Fig. 13).
 
     Attributes
@@ -55,6 +56,9 @@ class Contender:
     volume_share: float | None
     seconds: float
 
+    def _line(self) -> str:
+        return f"{self.options.scheme}: {self.normal_mean_deg:.3g} deg from the targets, {self.rms_mm:.3g} mm rms moved"
+
 
 @dataclass(frozen=True)
 class CurvePoint:
@@ -83,7 +87,7 @@ class Verdict:
         Normal deviations of those.
     ratio_low, ratio_high : float or None
         gSfG's vertex deviation over Poisson's at those points that gSfG reaches.
-    words : str
+    summary : str
         The same in a sentence.
     """
 
@@ -97,8 +101,8 @@ class Verdict:
     summary: str
 
 
-@dataclass(frozen=True, eq=False)
-class RenderedView:
+@dataclass(frozen=True, eq=False, repr=False)
+class RenderedView(OneLine):
     """A picture of a contender, at twice the size it is shown in.
 
     Attributes
@@ -113,8 +117,8 @@ class RenderedView:
     shade: Float32
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(OneLine):
     """gSfG and Poisson on the same targets.
 
     Attributes
@@ -133,7 +137,7 @@ class Comparison:
     curves : mapping
         Name to points of a sweep.
     verdicts : tuple of Verdict
-    shots : mapping
+    rendered_views : mapping of str to RenderedView
         Pictures of the contenders.
     seconds : mapping of str to float
     """
@@ -176,3 +180,7 @@ class Comparison:
             "verdicts": [dataclasses.asdict(verdict) for verdict in self.verdicts],
             "seconds": dict(self.seconds),
         }
+
+    def _line(self) -> str:
+        names = ", ".join(self.contenders)
+        return f"{self.name}: {self.faces} faces, {names}; gSfG ahead: {', '.join(v.holds for v in self.verdicts)}"

@@ -9,11 +9,12 @@ from typing import Any
 
 from nmaptool.core.arrays import Float32
 from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.shown import OneLine, Pictured
 
 
-@dataclass(frozen=True, eq=False)
-class ComposeReport:
-    """What an edit of normal maps did.
+@dataclass(frozen=True, eq=False, repr=False)
+class ComposeReport(OneLine):
+    """How a normal map was edited.
 
     Attributes
     ----------
@@ -45,18 +46,21 @@ class ComposeReport:
         return dataclasses.asdict(self)
 
 
-@dataclass(frozen=True, eq=False)
-class Composition:
+@dataclass(frozen=True, eq=False, repr=False)
+class Composition(Pictured):
     """An edited normal map, and how it came about.
 
     Attributes
     ----------
     normal_map : NormalMap
     placed : (H, W) float32 in [0, 1]
-        Where layers lie above the lowest: the mask for a relief whose background keeps its own height.
+        Where layers lie above the lowest one: the mask for a relief whose background keeps its height.
     report : ComposeReport
     """
 
     normal_map: NormalMap
     placed: Float32
     report: ComposeReport
+
+    def _line(self) -> str:
+        return f"by {self.report.command}: {self.normal_map._line()}, mean curl {self.report.curl_after:.3g}"

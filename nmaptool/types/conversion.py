@@ -9,7 +9,7 @@ from typing import Any
 from nmaptool.types.composition import ComposeReport
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ConvertReport(ComposeReport):
     """What a conversion did, beside what every edit reports; ``curl_after`` is that of the codes as written.
 

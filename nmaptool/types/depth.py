@@ -10,10 +10,11 @@ from nmaptool.core.arrays import Float32
 from nmaptool.options import DepthOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.shown import OneLine, Pictured, counted
 
 
-@dataclass(frozen=True)
-class DepthReport:
+@dataclass(frozen=True, repr=False)
+class DepthReport(OneLine):
     """What was read off a depth or height picture, and from what.
 
     Attributes
@@ -85,8 +86,8 @@ class DepthReport:
         return out
 
 
-@dataclass(frozen=True, eq=False)
-class DepthResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class DepthResult(Pictured):
     """A depth or height picture as a normal map.
 
     Attributes
@@ -101,3 +102,6 @@ class DepthResult:
     normal_map: NormalMap
     jumps: Float32
     report: DepthReport
+
+    def _line(self) -> str:
+        return f"{self.normal_map._line()}, {counted(self.report.jumps, 'pixel')} beside a jump"

@@ -10,13 +10,14 @@ from nmaptool.core.arrays import Float64, Mask, read_only
 from nmaptool.core.errors import InputError
 from nmaptool.core.grid import corner_mean, touching_vertices
 from nmaptool.types.picture import Frame
+from nmaptool.types.shown import Pictured
 
 DEFAULT_LONGER_SIDE_MM = 100.0
 
 
-@dataclass(frozen=True, eq=False)
-class Height:
-    """A height field on the corners of the pixels, in millimetres.
+@dataclass(frozen=True, eq=False, repr=False)
+class Height(Pictured):
+    """Heights in millimetres at the corners of the pixels.
 
     Parameters
     ----------
@@ -25,7 +26,7 @@ class Height:
     domain : (H, W) bool
         Pixels (faces) that belong to the surface.
     frame : Frame
-        Size and pitch (known).
+        Size; the pitch must be known.
     """
 
     z_mm: Float64
@@ -71,3 +72,9 @@ class Height:
         centre = corner_mean(self.z_mm)
         centre[~self.domain] = np.nan
         return centre
+
+    def _line(self) -> str:
+        rows, cols = self.frame.shape
+        low, high = self.range_mm
+        size = f"{cols * self.pitch_mm:.4g} x {rows * self.pitch_mm:.4g} mm"
+        return f"{size} ({self.frame} px), {low:.4g} to {high:.4g} mm high"

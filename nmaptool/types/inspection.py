@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from nmaptool.types.normal_map import Decoding
+from nmaptool.types.shown import OneLine, counted
 
 
 @dataclass(frozen=True)
@@ -18,13 +19,13 @@ class Finding:
     remedy: str
 
 
-@dataclass(frozen=True)
-class Inspection:
+@dataclass(frozen=True, repr=False)
+class Inspection(OneLine):
     """Everything `inspect_map` measures; shares are of the foreground unless said otherwise.
 
     Attributes
     ----------
-    name, cols, rows, bits, channels, layer
+    name, cols, rows, bits, channels, layer, pitch_mm
         The file.
     decoding : Decoding
         Convention, zero code and background, each with its source; ``curl_ratio`` is how many times more curl the
@@ -78,3 +79,8 @@ class Inspection:
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON."""
         return dataclasses.asdict(self)
+
+    def _line(self) -> str:
+        codes = f" ({', '.join(finding.code for finding in self.findings)})" if self.findings else ""
+        found = counted(len(self.findings), "finding")
+        return f"{self.name}: {self.cols} x {self.rows} px, {self.bits} bits, {found}{codes}"

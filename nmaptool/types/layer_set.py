@@ -16,11 +16,12 @@ from nmaptool.types.mesh_findings import MeshFindings
 from nmaptool.types.mixture import Mixture
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
+from nmaptool.types.shown import OneLine, Pictured
 
 
-@dataclass(frozen=True, eq=False)
-class LayerReport:
-    """How layers were made.
+@dataclass(frozen=True, eq=False, repr=False)
+class LayerReport(OneLine):
+    """How the layers were made.
 
     Attributes
     ----------
@@ -83,9 +84,9 @@ class LayerReport:
         return out
 
 
-@dataclass(frozen=True, eq=False)
-class LayerSet:
-    """Three normal maps of one view, and what else the drawing knows.
+@dataclass(frozen=True, eq=False, repr=False)
+class LayerSet(Pictured):
+    """The original, base and detail normal maps of one view, with depth and face numbers where they were rendered.
 
     Parameters
     ----------
@@ -131,3 +132,9 @@ class LayerSet:
     def coverage(self) -> Float32:
         """(H, W) float32 in [0, 1]: where the layers are defined."""
         return self.original.coverage
+
+    def _line(self) -> str:
+        parts = [name for name in ("depth_mm", "faces") if getattr(self, name) is not None]
+        more = f", with {' and '.join(parts)}" if parts else ""
+        name = self.original.name.removesuffix(": original")
+        return f"{name}: {self.frame.with_pitch}, {self.report.detail_share:.0%} detail{more}"

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Any, TypeAlias
 
 from nmaptool.core.arrays import Float32, read_only
-from nmaptool.core.errors import InputError
+from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options import GroupOptions, LayerOptions
+from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.plain_arrays import as_float32
+from nmaptool.types.shown import OneLine, counted
 
 
-@dataclass(frozen=True, eq=False)
-class Layer:
+@dataclass(frozen=True, eq=False, repr=False)
+class Layer(OneLine):
     """A normal map with its place on a canvas.
 
     Parameters
     ----------
-    normal_map : NormalMap
+    normal_map : NormalMap or (h, w, 3) float of any type
     options : LayerOptions
-    mask : (h, w) float32 in [0, 1], optional
-        Of the map's own size: what shows of it.
+    mask : (h, w) bool or float in [0, 1], optional
+        Of the map's size: 1 shows the layer, 0 hides it.
     mask_name : str
         What to call the mask in messages, such as its file.
 
@@ -27,6 +32,8 @@ class Layer:
     ------
     InputError
         If the mask is of another size, leaves [0, 1], is not finite, or is black all over.
+    UsageError
+        If the map or the mask has a type that is not accepted.
     """
 
     normal_map: NormalMap
@@ -35,27 +42,32 @@ class Layer:
     mask_name: str = ""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "normal_map", as_normal_map(self.normal_map, "the layer"))
         if self.mask is not None:
+            object.__setattr__(self, "mask", read_only(as_float32(self.mask, f"the mask of {self.name}")))
             check_mask(self.mask, self.name, self.normal_map.frame.shape, self.mask_name)
-            object.__setattr__(self, "mask", read_only(self.mask))
 
     @property
     def name(self) -> str:
         """What to call it."""
         return self.options.name or self.normal_map.name
 
+    def _line(self) -> str:
+        masked = "" if self.mask is None else ", masked"
+        return f"{self.name}: {self.normal_map.frame.with_pitch}, mode {self.options.mode}{masked}"
 
-@dataclass(frozen=True, eq=False)
-class LayerGroup:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LayerGroup(OneLine):
     """Layers that are composed among themselves first.
 
     Parameters
     ----------
-    layers : tuple of Layer or LayerGroup
-        From the lowest to the topmost.
+    layers : sequence of Layer, LayerGroup, NormalMap or (h, w, 3) float
+        From the lowest to the topmost; a map alone is a layer with the default options.
     options : GroupOptions
-    mask : (H, W) float32 in [0, 1], optional
-        Of the canvas's size: what shows of the group.
+    mask : (H, W) bool or float in [0, 1], optional
+        Of the canvas's size: 1 shows the group, 0 hides it.
     mask_name : str
         What to call the mask in messages, such as its file.
     """
@@ -66,16 +78,36 @@ class LayerGroup:
     mask_name: str = ""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "layers", as_layers(self.layers, f"the layers of {self.name or 'a group'}"))
         if not self.layers:
             raise InputError(f"{self.name}: a group needs at least one layer")
         if self.mask is not None:
+            object.__setattr__(self, "mask", read_only(as_float32(self.mask, f"the mask of {self.name}")))
             check_mask(self.mask, self.name, self.mask.shape, self.mask_name)
-            object.__setattr__(self, "mask", read_only(self.mask))
 
     @property
     def name(self) -> str:
         """What to call it."""
         return self.options.name
+
+    def _line(self) -> str:
+        return f"{self.name}: {counted(len(self.layers), 'layer')}"
+
+
+LayerLike: TypeAlias = Layer | LayerGroup | NormalsLike
+
+
+def as_layers(values: Any, what: str = "the layers") -> tuple[Layer | LayerGroup, ...]:
+    """Layers and groups as they are, maps and arrays as layers with the default options.
+
+    Raises
+    ------
+    UsageError
+        If it is no list of them.
+    """
+    if isinstance(values, Layer | LayerGroup | NormalMap | str) or not isinstance(values, Iterable):
+        raise UsageError(f"{what} must be a list of Layer, found {type(values).__name__}")
+    return tuple(each if isinstance(each, Layer | LayerGroup) else Layer(each) for each in values)
 
 
 def check_mask(mask: Float32, name: str, shape: tuple[int, ...], mask_name: str = "") -> None:

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64, read_only
 from nmaptool.core.errors import InputError
+from nmaptool.types.mesh_arrays import MM_PER_UNIT, as_faces, as_vertices, require_trimesh, trimesh_unit
+from nmaptool.types.shown import OneLine, counted
 
 Faces = NDArray[np.int32]
 
 
-@dataclass(frozen=True, eq=False)
-class Mesh:
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh(OneLine):
     """Triangles.
 
     Parameters
@@ -81,9 +83,113 @@ class Mesh:
         """`mean_edge_length`, worked out once."""
         return mean_edge_length(self)
 
+    @classmethod
+    def from_arrays(
+        cls, vertices: Any, faces: Any, mm_per_unit: float = 1.0, *, unit_from: str = "given", name: str = "mesh"
+    ) -> Mesh:
+        """A mesh made of plain arrays or nested lists.
 
-@dataclass(frozen=True, eq=False)
-class FaceGeometry:
+        Parameters
+        ----------
+        vertices : (N, 3) int or float of any type
+            Positions in units of the mesh.
+        faces : (M, 3) int or float of any type
+            Whole numbers from 0 to N - 1: the vertices of each triangle, counter-clockwise seen from outside.
+        mm_per_unit : float
+            Millimetres to one unit of the vertices.
+        unit_from : str
+            ``given``, or ``assumed`` where nobody knows the unit: sizes that look odd are reported then.
+        name : str
+            What to call the mesh in messages.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InputError
+            If a shape does not fit, or a face names a vertex that is not there.
+        UsageError
+            If a value is no array of numbers.
+
+        Examples
+        --------
+        >>> nm.Mesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], mm_per_unit=10)
+        <Mesh mesh: 3 vertices, 1 face, 10 mm to a unit (given)>
+        """
+        positions = as_vertices(vertices, name)
+        return cls(positions, as_faces(faces, len(positions), name), float(mm_per_unit), unit_from, name)
+
+    @classmethod
+    def from_trimesh(cls, mesh: Any, mm_per_unit: float | None = None) -> Mesh:
+        """A mesh of the library trimesh.
+
+        Parameters
+        ----------
+        mesh : trimesh.Trimesh
+        mm_per_unit : float, optional
+            Millimetres to one unit of the vertices. Default: what ``mesh.units`` says, else 1, which is reported as
+            assumed.
+
+        Returns
+        -------
+        Mesh
+            Called by the file that trimesh read, if any.
+
+        Raises
+        ------
+        InputError
+            If ``mesh.units`` is a unit that trimesh does not know.
+        UsageError
+            If it is something else, such as a scene.
+
+        Examples
+        --------
+        >>> import trimesh
+        >>> nm.Mesh.from_trimesh(trimesh.creation.box())
+        <Mesh mesh: 8 vertices, 12 faces, 1 mm to a unit (assumed)>
+        """
+        require_trimesh(mesh)
+        found = trimesh_unit(mesh.units) if mm_per_unit is None else float(mm_per_unit)
+        unit_from = "assumed" if found is None else "given" if mm_per_unit is not None else "file"
+        name = str(mesh.metadata.get("file_name") or "mesh")
+        return cls.from_arrays(mesh.vertices, mesh.faces, found or 1.0, unit_from=unit_from, name=name)
+
+    def to_trimesh(self) -> Any:
+        """The mesh as one of the library trimesh, with the same vertices in the same order.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            Its ``units`` are set where the unit is known and has a name: mm, cm, m, in.
+
+        Raises
+        ------
+        ImportError
+            If trimesh is not installed.
+
+        Examples
+        --------
+        >>> mesh = nm.Mesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> mesh.to_trimesh().units
+        'mm'
+        """
+        import trimesh  # takes long to load
+
+        mesh = trimesh.Trimesh(self.vertices.copy(), self.faces.copy(), process=False)
+        names = [name for name, mm in MM_PER_UNIT.items() if mm == self.mm_per_unit]
+        if names and self.unit_from != "assumed":
+            mesh.units = names[0]
+        return mesh
+
+    def _line(self) -> str:
+        size = f"{counted(len(self.vertices), 'vertex')}, {counted(len(self.faces), 'face')}"
+        return f"{self.name}: {size}, {self.mm_per_unit:.6g} mm to a unit ({self.unit_from})"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FaceGeometry(OneLine):
     """What the filters need to know of each face.
 
     Attributes

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from nmaptool.core.arrays import Float64
+from nmaptool.types.shown import OneLine
 
 
 @dataclass(frozen=True)
@@ -27,8 +28,8 @@ class Gaussian:
         return np.asarray(peak * np.exp(-0.5 * ((x - self.mean) / self.sigma) ** 2))
 
 
-@dataclass(frozen=True, eq=False)
-class Mixture:
+@dataclass(frozen=True, eq=False, repr=False)
+class Mixture(OneLine):
     """Lengths of residuals, the two Gaussians that model them, and the threshold (paper, Sec. 3.1 and Fig. 5).
 
     Attributes
@@ -67,3 +68,6 @@ class Mixture:
             "high": dataclasses.asdict(self.high),
             "histogram": {"from": 0.0, "to": float(self.edges[-1]), "density": [round(float(d), 6) for d in coarse]},
         }
+
+    def _line(self) -> str:
+        return f"theta {self.theta:.4g} ({self.form}), means {self.low.mean:.4g} and {self.high.mean:.4g}"

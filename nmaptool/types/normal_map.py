@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from nmaptool.core.arrays import Float32, Mask, read_only
 from nmaptool.core.errors import InputError
 from nmaptool.core.parallel import for_each_band
 from nmaptool.types.picture import Frame
+from nmaptool.types.plain_arrays import as_mask, unit_normals
+from nmaptool.types.shown import Pictured
 
 UNIT_TOLERANCE = 1e-3
 
@@ -42,8 +45,8 @@ class Decoding:
     warnings: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class NormalMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class NormalMap(Pictured):
     """Unit normals in eye space and where they are defined.
 
     Parameters
@@ -100,6 +103,50 @@ class NormalMap:
             raise InputError(f"{self.name}: foreground must be bool of shape {shape}")
         for name in ("normals", "coverage", "foreground"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
+
+    @classmethod
+    def from_array(
+        cls, normals: Any, mask: Any = None, pitch_mm: float | None = None, name: str = "normals"
+    ) -> NormalMap:
+        """A normal map made of plain arrays.
+
+        Parameters
+        ----------
+        normals : (H, W, 3) float of any type
+            Vectors in eye space: x right, y up, z to the viewer, row 0 at the top. They are scaled to unit length;
+            float32 vectors that are unit length to rounding keep their bits.
+        mask : (H, W) bool or float in [0, 1], optional
+            Where there are normals: becomes the coverage. Outside it (0), vectors may be anything and become flat.
+        pitch_mm : float, optional
+            Millimetres per pixel.
+        name : str
+            What to call the map in messages.
+
+        Returns
+        -------
+        NormalMap
+
+        Raises
+        ------
+        InputError
+            If the array is not one of normals, the mask has another size or leaves [0, 1], or a vector inside the mask
+            has zero length or is not finite.
+        UsageError
+            If a value is no array of numbers.
+
+        Examples
+        --------
+        >>> normals = np.zeros((4, 6, 3))
+        >>> normals[:, :3] = 0, 3, 4
+        >>> nm.NormalMap.from_array(normals, mask=normals[..., 2] > 0, pitch_mm=0.5)
+        <NormalMap normals: 6 x 4 px, 0.5 mm per px, 50% covered>
+        """
+        unit, coverage = unit_normals(normals, None if mask is None else as_mask(mask, f"{name}: the mask"), name)
+        rows, cols = coverage.shape
+        return cls(unit, coverage, Frame(rows, cols, pitch_mm), name=name)
+
+    def _line(self) -> str:
+        return f"{self.name}: {self.frame.with_pitch}, {self.coverage.mean():.0%} covered"
 
 
 def _are_unit(normals: Float32) -> bool:

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.shown import OneLine
 
 _FURTHEST_PX = 30_000
 
 
-@dataclass(frozen=True, eq=False)
-class PackedMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class PackedMap(OneLine):
     """A normal map and how it lies in the workspace.
 
     Parameters
@@ -50,3 +51,7 @@ class PackedMap:
         if self.mask is not None and self.mask.shape != self.normal_map.frame.shape:
             rows, cols = self.mask.shape
             raise InputError(f"{shown}: its mask is {cols} x {rows}, the map is {self.normal_map.frame}")
+
+    def _line(self) -> str:
+        name = self.name or self.normal_map.name
+        return f"{name}: {self.normal_map.frame} px at {self.left}, {self.top}, mode {self.mode}"

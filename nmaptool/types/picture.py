@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError
+from nmaptool.types.shown import OneLine
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,12 @@ class Frame:
     def __str__(self) -> str:
         return f"{self.cols} x {self.rows}"
 
+    @property
+    def with_pitch(self) -> str:
+        """Size and pitch in words, such as "96 x 64 px, 0.5 mm per px"."""
+        pitch = "pitch unknown" if self.pitch_mm is None else f"{self.pitch_mm:.4g} mm per px"
+        return f"{self} px, {pitch}"
+
 
 @dataclass(frozen=True)
 class DepthFacts:
@@ -73,8 +80,8 @@ class DepthFacts:
     at: str = "centers"
 
 
-@dataclass(frozen=True, eq=False)
-class RasterImage:
+@dataclass(frozen=True, eq=False, repr=False)
+class RasterImage(OneLine):
     """A picture as its file stores it, before any meaning is given to its channels.
 
     Parameters
@@ -144,3 +151,7 @@ class RasterImage:
         share: Float32 = alpha.astype(np.float32)
         share /= np.float32(self.max_code)
         return share.clip(0, 1, out=share) if self.is_float else share
+
+    def _line(self) -> str:
+        kind = f"{self.bits}-bit {'float' if self.is_float else 'codes'}"
+        return f"{self.name}: {self.frame.with_pitch}, channels {', '.join(self.channels)}, {kind}"

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 
 from nmaptool.core.errors import InputError
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
+from nmaptool.types.shown import OneLine, counted
 
 # of groups in groups and recipes in recipes, and of layers in all: beyond it a recipe is a slip of the hand or a trap
 DEEPEST = 16
@@ -21,8 +22,8 @@ MOST_LAYERS = 1000
 READ_KEYS = tuple(f.name for f in fields(ReadOptions) if f.name != "max_megapixels")
 
 
-@dataclass(frozen=True)
-class RecipeLayer:
+@dataclass(frozen=True, repr=False)
+class RecipeLayer(OneLine):
     """A normal map file with its place on the canvas.
 
     Parameters
@@ -42,9 +43,9 @@ class RecipeLayer:
     Raises
     ------
     InputError
-        If ``file`` is empty or ``read`` has a key that is none.
+        If ``file`` is empty or ``read`` has an unknown key.
     UsageError
-        If a value in ``read`` is none that is accepted.
+        If a value in ``read`` is not accepted.
     """
 
     file: str
@@ -74,8 +75,11 @@ class RecipeLayer:
         if self.mask is not None:
             yield self.mask
 
+    def _line(self) -> str:
+        return f"{self.label}: {self.file}, mode {self.options.mode}{', hidden' if self.hidden else ''}"
 
-class _Group:
+
+class _Group(OneLine):
     """What a group and another recipe as a group share."""
 
     options: GroupOptions
@@ -87,7 +91,7 @@ class _Group:
         return self.origin or self.options.name
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RecipeGroup(_Group):
     """Layers that are composed among themselves first.
 
@@ -123,8 +127,12 @@ class RecipeGroup(_Group):
             if not layer.hidden:
                 yield from layer.files
 
+    def _line(self) -> str:
+        hidden = ", hidden" if self.hidden else ""
+        return f"{self.label}: {counted(len(self.layers), 'layer')}{hidden}"
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class RecipeLink(_Group):
     """Another recipe as a group; `nmaptool.read_recipe` puts its layers here.
 
@@ -157,12 +165,15 @@ class RecipeLink(_Group):
         if self.mask is not None:
             yield self.mask
 
+    def _line(self) -> str:
+        return f"{self.label}: {self.recipe}{', hidden' if self.hidden else ''}"
+
 
 Entry: TypeAlias = RecipeLayer | RecipeGroup | RecipeLink
 
 
-@dataclass(frozen=True)
-class Recipe:
+@dataclass(frozen=True, repr=False)
+class Recipe(OneLine):
     """Layers and the canvas that they are composed on.
 
     Parameters
@@ -177,7 +188,7 @@ class Recipe:
     sources : tuple of str
         The recipes it was read from.
     notes : tuple of str
-        What was left aside when it was read.
+        What was ignored when it was read.
 
     Raises
     ------
@@ -206,6 +217,10 @@ class Recipe:
     def hidden(self) -> tuple[str, ...]:
         """Labels of the layers that are left out."""
         return tuple(_hidden(self.layers))
+
+    def _line(self) -> str:
+        size = self.canvas.size or "that of the lowest layer"
+        return f"{self.name}: {counted(len(self.layers), 'layer')}, {counted(len(self.files), 'file')}, canvas {size}"
 
 
 def _hidden(layers: tuple[Entry, ...]) -> Iterator[str]:

@@ -15,10 +15,11 @@ from nmaptool.options.plain_values import filter_values
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.mesh_findings import MeshFindings
 from nmaptool.types.mixture import Mixture
+from nmaptool.types.shown import OneLine
 
 
-@dataclass(frozen=True)
-class ReconstructReport:
+@dataclass(frozen=True, repr=False)
+class ReconstructReport(OneLine):
     """How a mesh was rebuilt.
 
     Attributes
@@ -73,8 +74,8 @@ class ReconstructReport:
         return dataclasses.asdict(self)
 
 
-@dataclass(frozen=True, eq=False)
-class Reconstruction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reconstruction(OneLine):
     """A mesh rebuilt to a field of normals.
 
     Attributes
@@ -92,9 +93,12 @@ class Reconstruction:
         """(N, 3) float64 in units of the mesh."""
         return self.mesh.vertices
 
+    def _line(self) -> str:
+        return f"{self.mesh._line()}, moved by {self.report.moved_rms_mm:.3g} mm rms"
 
-@dataclass(frozen=True)
-class SmoothReport:
+
+@dataclass(frozen=True, repr=False)
+class SmoothReport(OneLine):
     """How a mesh was smoothed or exaggerated.
 
     Attributes
@@ -132,8 +136,8 @@ class SmoothReport:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class SmoothResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class SmoothResult(OneLine):
     """A mesh with less or more of its detail.
 
     Attributes
@@ -148,3 +152,7 @@ class SmoothResult:
     mesh: Mesh
     source_faces: NDArray[np.int64]
     report: SmoothReport
+
+    def _line(self) -> str:
+        moved = self.report.reconstruction.moved_rms_mm
+        return f"{self.mesh._line()}, detail gain {self.report.detail_gain:g}, moved by {moved:.3g} mm rms"

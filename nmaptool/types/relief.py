@@ -11,11 +11,12 @@ from nmaptool.core.arrays import Float64, Mask
 from nmaptool.options import ReliefOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.height import Height
+from nmaptool.types.shown import OneLine, Pictured, counted
 
 
-@dataclass(frozen=True, eq=False)
-class ReliefReport:
-    """What a relief run did.
+@dataclass(frozen=True, eq=False, repr=False)
+class ReliefReport(OneLine):
+    """How a relief was solved.
 
     Attributes
     ----------
@@ -32,7 +33,7 @@ class ReliefReport:
         The solve; the residual is relative, the largest over the islands. No iterations where a session knew the
         heights already.
     planned_bytes : int
-        Memory that the solver was reckoned to take, before it took any.
+        Memory that the solver was estimated to need.
     height_min_mm, height_max_mm, height_range_mm : float
         Over the vertices of the surface.
     relief_range_mm : float
@@ -85,17 +86,17 @@ class ReliefReport:
         return out
 
 
-@dataclass(frozen=True, eq=False)
-class Relief:
-    """A relief: heights, where they are, and how they came about.
+@dataclass(frozen=True, eq=False, repr=False)
+class Relief(Pictured):
+    """A relief: its heights, its foreground, and the report of the solve.
 
     Attributes
     ----------
     height : Height
         Heights in mm at vertices, the surface's pixels, the frame.
     foreground : (H, W) bool
-        The motif.
-    report : SolveReport
+        The pixels of the motif.
+    report : ReliefReport
     """
 
     height: Height
@@ -116,3 +117,7 @@ class Relief:
     def pitch_mm(self) -> float:
         """Millimetres per pixel."""
         return self.height.pitch_mm
+
+    def _line(self) -> str:
+        report = self.report
+        return f"{self.height._line()}, by {report.solver} in {counted(report.iterations, 'iteration')}"

@@ -8,11 +8,12 @@ from typing import Any
 from nmaptool.core.arrays import Float32
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
+from nmaptool.types.shown import OneLine, counted
 from nmaptool.types.workspace import WorkspaceFinding, WorkspaceGroup
 
 
-@dataclass(frozen=True, eq=False)
-class UnpackedLayer:
+@dataclass(frozen=True, eq=False, repr=False)
+class UnpackedLayer(OneLine):
     """A layer as a normal map of its own size.
 
     Parameters
@@ -46,9 +47,13 @@ class UnpackedLayer:
     findings: tuple[WorkspaceFinding, ...]
     repairs: tuple[str, ...]
 
+    def _line(self) -> str:
+        found = counted(len(self.findings), "finding")
+        return f"{self.name}: {self.normal_map.frame} px at {self.left}, {self.top}, mode {self.mode}, {found}"
 
-@dataclass(frozen=True, eq=False)
-class UnpackResult:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class UnpackResult(OneLine):
     """All layers of a workspace, and what an editor did to it.
 
     Parameters
@@ -65,8 +70,8 @@ class UnpackResult:
         Of the whole first, then those of the layers.
     ground : str
         What lies below the lowest layer: ``clear`` or ``flat``.
-    has_words : bool
-        Whether nmaptool's own words are still in the file; without them, moves and mirrorings cannot be told.
+    has_metadata : bool
+        Whether nmaptool's own metadata is still in the file; without it, moves and mirrorings cannot be recognised.
     """
 
     name: str
@@ -106,3 +111,7 @@ class UnpackResult:
             "layers": layers,
             "findings": [asdict(finding) for finding in self.findings],
         }
+
+    def _line(self) -> str:
+        layers, found = counted(len(self.layers), "layer"), counted(len(self.findings), "finding")
+        return f"{self.name}: {self.frame.with_pitch}, {self.bits} bits, {layers}, {found}"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError
 from nmaptool.types.picture import Frame
+from nmaptool.types.shown import OneLine, counted
 
 # what editors call painting one layer over another; every other mode computes with codes as if they were colours
 NORMAL_BLEND = "normal"
@@ -20,8 +21,8 @@ PASS_THROUGH = "pass through"
 MASK_SUFFIX = " [mask]"
 
 
-@dataclass(frozen=True, eq=False)
-class WorkspaceMask:
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkspaceMask(OneLine):
     """A grey picture that hides parts of a layer.
 
     Parameters
@@ -51,7 +52,7 @@ class WorkspaceMask:
 
 @dataclass(frozen=True, eq=False)
 class WorkspaceGroup:
-    """A folder of layers; two groups of one name are two.
+    """A folder of layers; groups of the same name are different groups.
 
     Parameters
     ----------
@@ -69,9 +70,9 @@ class WorkspaceGroup:
     blend_mode: str = NORMAL_BLEND
 
 
-@dataclass(frozen=True, eq=False)
-class WorkspaceLayer:
-    """One layer as an editor holds it.
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkspaceLayer(OneLine):
+    """One layer as an image editor stores it.
 
     Parameters
     ----------
@@ -89,7 +90,7 @@ class WorkspaceLayer:
     groups : tuple of WorkspaceGroup
         The groups it is in, outermost first.
     facts : mapping
-        What the file says of the layer in nmaptool's own words; empty where an editor dropped it.
+        nmaptool's metadata of the layer; empty where an editor dropped it.
     signed : bool
         Floats hold n itself, not (n + 1)/2.
     """
@@ -135,9 +136,13 @@ class WorkspaceLayer:
         """Whether it and all its groups are visible."""
         return self.visible and all(group.visible for group in self.groups)
 
+    def _line(self) -> str:
+        rows, cols = self.size
+        return f"{self.name}: {cols} x {rows} px at {self.left}, {self.top}, {'shown' if self.shown else 'hidden'}"
 
-@dataclass(frozen=True, eq=False)
-class Workspace:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Workspace(OneLine):
     """Layers on a canvas.
 
     Parameters
@@ -153,7 +158,7 @@ class Workspace:
     name : str
         What to call it in messages: a file name.
     metadata : mapping or None
-        nmaptool's own words about the whole; None where an editor dropped them.
+        nmaptool's metadata of the whole file; None where an editor dropped it.
     color_profile : str or None
         Colour profile that the file carries.
     skipped : tuple of (name, what)
@@ -172,6 +177,9 @@ class Workspace:
     def __post_init__(self) -> None:
         if not self.layers:
             raise InputError(f"{self.name}: holds no layer with pixels")
+
+    def _line(self) -> str:
+        return f"{self.name}: {self.frame.with_pitch}, {self.bits} bits, {counted(len(self.layers), 'layer')}"
 
 
 def largest_code(pixels: NDArray[Any]) -> int:

@@ -10,6 +10,7 @@ from nmaptool._version import __version__
 from nmaptool.core.errors import UsageError
 from nmaptool.maps import codec
 from nmaptool.options import PackOptions
+from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.packed_map import PackedMap
 from nmaptool.types.picture import Frame
@@ -26,7 +27,7 @@ from nmaptool.workspace.signature import sign
 
 
 def pack(
-    maps: Sequence[NormalMap | PackedMap],
+    maps: Sequence[PackedMap | NormalsLike],
     options: PackOptions | None = None,
     *,
     frame: Frame | None = None,
@@ -36,26 +37,34 @@ def pack(
 
     Parameters
     ----------
-    maps : sequence of NormalMap or PackedMap
+    maps : sequence of NormalMap, PackedMap or (h, w, 3) float
         Bottom to top.
     options : PackOptions, optional
-        ``bits`` None is 16.
+        Bits of the codes; None stands for 16.
     frame : Frame, optional
-        The canvas. Default: `common_frame`.
+        The canvas. Default: as large as the largest map.
     ground : str
         What lies below the lowest layer when they are composed again: ``clear`` or ``flat``.
 
     Returns
     -------
     Workspace
+        Layers of codes for `nmaptool.write_workspace`.
 
     Raises
     ------
     UsageError
-        If there is no map.
+        If there is no map, or a value is neither a map nor an array.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> nm.pack([flat, nm.PackedMap(nm.NormalMap.from_array(flat[:8, :8]), "patch", left=4)])
+    <Workspace workspace: 48 x 32 px, pitch unknown, 16 bits, 2 layers>
     """
     options = options or PackOptions()
-    placed = [one if isinstance(one, PackedMap) else PackedMap(one) for one in maps]
+    placed = [one if isinstance(one, PackedMap) else PackedMap(as_normal_map(one, "the layer")) for one in maps]
     if not placed:
         raise UsageError("a workspace needs at least one map")
     bits = 32 if options.half else options.bits or 16

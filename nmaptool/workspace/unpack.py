@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from nmaptool.core.errors import UsageError
 from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import Frame
 from nmaptool.types.unpacked import UnpackedLayer, UnpackResult
@@ -22,16 +23,33 @@ _RENAMED = 0.02
 
 
 def unpack(workspace: Workspace) -> UnpackResult:
-    """Take a workspace apart after an editor's hand.
+    """Take a workspace apart into a normal map for each layer, and find what an image editor changed.
 
     Parameters
     ----------
     workspace : Workspace
+        As `nmaptool.read_workspace` reads it, or `nmaptool.pack` makes it.
 
     Returns
     -------
-    Unpacked
+    UnpackResult
+        Maps, masks, places, findings and repairs.
+
+    Raises
+    ------
+    UsageError
+        If the value is not a Workspace, such as a path.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> nm.unpack(nm.pack([flat]))
+    <UnpackResult workspace: 48 x 32 px, pitch unknown, 16 bits, 1 layer, 0 findings>
     """
+    if not isinstance(workspace, Workspace):
+        found = type(workspace).__name__
+        raise UsageError(f"the workspace must be a Workspace, found {found}; read one with read_workspace")
     facts = _facts(workspace)
     matched, renamed = _matched(workspace.layers, facts)
     metadata = workspace.metadata or {}

@@ -15,6 +15,7 @@ from nmaptool.core.arrays import Float32, read_only
 from nmaptool.core.errors import InputError
 from nmaptool.filters.learned.network import Network
 from nmaptool.options import DescriptorOptions
+from nmaptool.types.shown import OneLine, counted
 
 
 def input_width(descriptor: DescriptorOptions) -> int:
@@ -22,8 +23,8 @@ def input_width(descriptor: DescriptorOptions) -> int:
     return 3 + 4 * descriptor.size
 
 
-@dataclass(frozen=True, eq=False)
-class Stage:
+@dataclass(frozen=True, eq=False, repr=False)
+class Stage(OneLine):
     """Networks for the kinds of neighbourhood of one stage.
 
     Parameters
@@ -55,17 +56,17 @@ class Stage:
         object.__setattr__(self, "centers", read_only(self.centers))
 
 
-@dataclass(frozen=True, eq=False)
-class FilterModel:
-    """A filter of face normals, learned (paper, Sec. 3.2: DRNF).
+@dataclass(frozen=True, eq=False, repr=False)
+class FilterModel(OneLine):
+    """A learned filter of face normals (paper, Sec. 3.2: DRNF).
 
     Parameters
     ----------
     descriptor : DescriptorOptions
-        What the networks look at.
+        Input of the networks.
     stages : tuple of Stage
         Applied one after the other.
-    account : mapping
+    metadata : mapping
         How it was made, plain values: meshes, seed, options, losses.
 
     Raises
@@ -97,21 +98,25 @@ class FilterModel:
                 seen.update(str(array.shape).encode() + np.ascontiguousarray(array).tobytes())
         return seen.hexdigest()[:12]
 
+    def _line(self) -> str:
+        networks = sum(len(stage.networks) for stage in self.stages)
+        return f"{self.digest}: {counted(len(self.stages), 'stage')}, {counted(networks, 'network')}"
 
-@dataclass(frozen=True, eq=False)
-class TrainingState:
-    """What is finished of a training that is not: enough to go on from, to the same result.
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TrainingState(OneLine):
+    """The state of an unfinished training, from which it continues to the same result.
 
     Parameters
     ----------
     fingerprint : str
-        Of the examples and options; a training goes on from a state of its own only.
+        Identifies the examples and options; a training continues only from a state of its own.
     stages : tuple of Stage
-        That are finished.
+        Finished stages.
     centers : (K, D) float32 or None
-        Of the stage at hand; None where none of its networks is finished.
+        Of the current stage; None if none of its networks is finished.
     networks : tuple of Network
-        Of the stage at hand, those that are finished.
+        Finished networks of the current stage.
     losses : tuple of float
         Of all finished networks.
     name : str
@@ -124,3 +129,6 @@ class TrainingState:
     networks: tuple[Network, ...] = ()
     losses: tuple[float, ...] = ()
     name: str = "the state"
+
+    def _line(self) -> str:
+        return f"{self.name}: {counted(len(self.stages), 'stage')} and {counted(len(self.networks), 'network')} done"

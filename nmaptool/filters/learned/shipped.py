@@ -16,7 +16,23 @@ NAME = "filter.npz"
 
 @functools.cache
 def shipped_filter() -> FilterModel:
-    """The learned filter that is used where no other is given."""
+    """Load the learned filter that comes with the package; it is used where no other is given.
+
+    Returns
+    -------
+    FilterModel
+        The same object at every call.
+
+    Raises
+    ------
+    InputError
+        If the package's file is damaged.
+
+    Examples
+    --------
+    >>> len(nm.shipped_filter().stages)
+    3
+    """
     data = files("nmaptool.filters.learned").joinpath(NAME).read_bytes()
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         return filter_from_arrays(dict(arrays))

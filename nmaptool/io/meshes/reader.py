@@ -62,6 +62,11 @@ def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX
         If it holds more than ``max_faces``, or does not fit in memory.
     UsageError
         If ``unit`` or ``max_faces`` cannot be meant.
+
+    Examples
+    --------
+    >>> nm.read_mesh("samples/rings.ply", unit="mm")
+    <Mesh samples/rings.ply: 12096 vertices, 24192 faces, 1 mm to a unit (given)>
     """
     if unit is not None and unit not in _MM:
         raise UsageError(f"--unit {unit!r}: use one of {', '.join(_MM)}")

@@ -47,6 +47,12 @@ def write_comparison(
         If an ending is not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
+    >>> nm.write_comparison(nm.compare(sphere, nm.CompareOptions(renderer="numpy")), report="comparison.json")
     """
     values = {"version": __version__, **comparison.to_dict()} if metadata is None else metadata
     comparison_outputs(figure, report=report, overwrite=overwrite).write(comparison, values)

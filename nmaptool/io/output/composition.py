@@ -73,6 +73,11 @@ def write_composition(
         If an ending is not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> base, detail = (nm.read_normal_map(f"samples/medal_{name}.png") for name in ("base", "detail"))
+    >>> nm.write_composition(nm.blend(base, detail), "medal.png", report="medal.json")
     """
     pictures = {"curl": curl, "placed": placed}
     outputs = map_outputs(output, options, pictures=pictures, report=report, overwrite=overwrite)

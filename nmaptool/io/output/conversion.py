@@ -65,6 +65,11 @@ def convert(
         As `nmaptool.read_normal_map`.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> nm.convert("samples/medal_base.png", "base.exr").normal_map
+    <NormalMap samples/medal_base.png: 248 x 248 px, pitch unknown, 72% covered>
     """
     reading, writing = reading or ReadOptions(), writing or WriteOptions()
     outputs = map_outputs(output, writing, pictures={"curl": curl}, report=report, overwrite=overwrite)

@@ -102,6 +102,10 @@ def write_filter_model(model: FilterModel, output: Destination, *, overwrite: bo
         If the ending is another.
     OutputError
         If it cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> nm.write_filter_model(nm.shipped_filter(), "mine.npz", overwrite=True)
     """
     filter_outputs(output, overwrite=overwrite).write(model)
 
@@ -109,10 +113,21 @@ def write_filter_model(model: FilterModel, output: Destination, *, overwrite: bo
 def write_training(state: TrainingState, output: Destination) -> None:
     """Keep a training that was begun, in place of what the file held before.
 
+    Parameters
+    ----------
+    state : TrainingState
+        As ``keep`` of `nmaptool.train` is given it.
+    output : str, Path or OutputStream
+        .npz
+
     Raises
     ------
     OutputError
         If it cannot be written.
+
+    Examples
+    --------
+    >>> nm.write_training(nm.TrainingState("0123456789ab"), "begun.npz")
     """
     plan: Outputs[TrainingState] = Outputs([Target(place_of(output), "a training", (), _write_state)], overwrite=True)
     plan.write(state, final=False)

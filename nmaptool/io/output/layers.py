@@ -141,6 +141,14 @@ def write_layers(
         If face numbers are too large for a picture.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> layers = nm.split(flat)
+    >>> len(nm.write_layers(layers, "layers", format="png"))
+    5
     """
     sets = [layer_sets] if isinstance(layer_sets, LayerSet) else list(layer_sets)
     outputs = layer_outputs(

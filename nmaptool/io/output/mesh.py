@@ -54,5 +54,12 @@ def write_mesh(
         If an ending is not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> mesh = nm.Mesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    >>> nm.write_mesh(mesh, "triangle.ply", "triangle.obj")
+    >>> nm.read_mesh("triangle.ply")
+    <Mesh triangle.ply: 3 vertices, 1 face, 1 mm to a unit (assumed)>
     """
     mesh_outputs(outputs, report=report, overwrite=overwrite).write(mesh, mesh_metadata(mesh, metadata))

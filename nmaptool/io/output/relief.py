@@ -85,6 +85,13 @@ def write_relief(
         If an ending is not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> relief = nm.relief(np.dstack([np.full((8, 8), 0.5), np.zeros((8, 8)), np.ones((8, 8))]))
+    >>> nm.write_relief(relief, "relief.stl", "heights.npy", preview="relief.png")
+    >>> nm.read_mesh("relief.stl")
+    <Mesh relief.stl: 384 vertices, 128 faces, 1 mm to a unit (assumed)>
     """
     plan = relief_outputs(outputs, preview=preview, report=report, overwrite=overwrite, at=at)
     plan.write(relief, relief.report.to_dict() if metadata is None else metadata)

@@ -99,6 +99,14 @@ def write_unpacked(
         If a format or ending is not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> written = nm.write_unpacked(nm.unpack(nm.pack([flat])), "unpacked", format="png")
+    >>> sorted(path.suffix for path in written)
+    ['.png', '.toml']
     """
     outputs = unpacked_outputs(folder, unpacked, format=format, report=report, overwrite=overwrite)
     outputs.write(unpacked, unpacked.to_dict() if metadata is None else metadata)

@@ -62,6 +62,12 @@ def write_workspace(workspace: Workspace, output: Destination, *, overwrite: boo
         If the ending is not offered, or does not hold the workspace's bits.
     OutputError
         If it cannot be written, or exists.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> nm.write_workspace(nm.pack([flat]), "flat.ora")
     """
     check_workspace_target(place_of(output), workspace.bits, workspace.half)
     workspace_outputs(output, overwrite=overwrite).write(workspace)
@@ -75,7 +81,7 @@ def _write(workspace: Workspace, path: Path) -> None:
     full = OutputError(f"{path}: cannot be written (is the disk full?)")
     try:
         _write_own(workspace, path)
-        back = read_workspace(path, _NO_LIMIT)
+        back = read_workspace(path, max_megapixels=_NO_LIMIT)
     except (InputError, LimitError):
         raise full from None
     except (struct.error, OverflowError):

@@ -111,7 +111,7 @@ def _codes(samples: Samples, height: Height) -> NDArray[Any]:
     return grey_codes(share if samples.alpha is None else np.where(samples.alpha > 0, share, 0), 16)
 
 
-def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels: float = 270.0) -> Height:
+def read_height(path: str | Path, *, pitch_mm: float | None = None, max_megapixels: float = 270.0) -> Height:
     """Read heights in mm at pixel centres or corners, as `write_height` writes them.
 
     Parameters
@@ -124,6 +124,10 @@ def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels:
         Size of a pixel where the file does not say it.
     max_megapixels : float
 
+    Returns
+    -------
+    Height
+
     Raises
     ------
     InputError
@@ -131,6 +135,12 @@ def read_height(path: str | Path, pitch_mm: float | None = None, max_megapixels:
         everywhere.
     LimitError
         If it is larger than ``max_megapixels``.
+
+    Examples
+    --------
+    >>> np.save("plane.npy", np.ones((4, 6)))
+    >>> nm.read_height("plane.npy", pitch_mm=0.5)
+    <Height 3 x 2 mm (6 x 4 px), 1 to 1 mm high>
     """
     path = Path(path)
     if path.suffix.lower() == ".npy":
@@ -154,14 +164,24 @@ def read_surface(
     pitch_mm : float
         Size of a pixel where a file of heights does not say it.
 
+    Returns
+    -------
+    NormalMap or Height
+
     Raises
     ------
     InputError, LimitError
         As `read_height` and `nmaptool.read_normal_map`.
+
+    Examples
+    --------
+    >>> leaf = nm.read_normal_map("samples/leaf_on_roll.png")
+    >>> nm.read_surface("samples/roll.png", like=leaf, pitch_mm=0.5)
+    <NormalMap samples/roll.png: 224 x 224 px, pitch unknown, 100% covered>
     """
     options = options or ReadOptions()
     if Path(path).suffix.lower() == ".npy":
-        return read_height(path, pitch_mm, options.max_megapixels)
+        return read_height(path, pitch_mm=pitch_mm, max_megapixels=options.max_megapixels)
     image = read_raster(path, options)
     see_through = image.alpha is not None and not alpha_is_data(image)
     options = replace(options, background_color="alpha" if see_through else "none")

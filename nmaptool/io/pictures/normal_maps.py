@@ -43,10 +43,20 @@ def read_raster(path: str | Path, options: ReadOptions | None = None) -> RasterI
     options : ReadOptions, optional
         ``layer`` and ``max_megapixels`` are used.
 
+    Returns
+    -------
+    RasterImage
+        Codes or floats as stored.
+
     Raises
     ------
     InputError, LimitError
         As `nmaptool.io.pictures.reader.read_image`.
+
+    Examples
+    --------
+    >>> nm.read_raster("samples/leaf_mask.png")
+    <RasterImage samples/leaf_mask.png: 224 x 224 px, pitch unknown, channels Y, 8-bit codes>
     """
     options = options or ReadOptions()
     file, layer = split_layer(str(path))
@@ -78,6 +88,11 @@ def read_normal_map(
         If the file cannot be read or is no normal map.
     LimitError
         If it is larger than ``options.max_megapixels``.
+
+    Examples
+    --------
+    >>> nm.read_normal_map("samples/medal_original.png")
+    <NormalMap samples/medal_original.png: 248 x 248 px, pitch unknown, 72% covered>
     """
     options = options or ReadOptions()
     image = read_raster(path, options)
@@ -91,11 +106,18 @@ def options_like(image: RasterImage, options: ReadOptions, like: NormalMap | Non
     return replace(options, green="down" if like.decoding.green == "down" else "up")
 
 
-def read_grey(path: str | Path, max_megapixels: float = 270.0) -> Float32:
+def read_grey(path: str | Path, *, max_megapixels: float = 270.0) -> Float32:
     """Read a grey control picture: a mask, or a map of weights.
 
     Integer codes become 0..1; floats stay as they are. A picture with colours all equal counts as grey. Where alpha
     is the only thing that varies, alpha is meant.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``FILE`` or ``FILE.exr:layer``.
+    max_megapixels : float
+        Refuse a larger picture.
 
     Returns
     -------
@@ -105,6 +127,12 @@ def read_grey(path: str | Path, max_megapixels: float = 270.0) -> Float32:
     ------
     InputError
         If it cannot be read, is coloured, or holds NaN or infinite values.
+
+    Examples
+    --------
+    >>> mask = nm.read_grey("samples/leaf_mask.png")
+    >>> mask.dtype, float(mask.min()), float(mask.max())
+    (dtype('float32'), 0.0, 1.0)
     """
     image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
     colors = [i for i, name in enumerate(image.channels) if name != "A"] or [0]  # alpha alone is a mask, too

@@ -33,7 +33,7 @@ def read_recipe(
     Parameters
     ----------
     path : str or Path
-        TOML, or a map that was composed by a recipe, which is in its metadata.
+        TOML, or a map that was composed by a recipe: the recipe is in its metadata.
     folder : str or Path, optional
         What its files are relative to. Default: the folder that it is in.
     name : str, optional
@@ -49,15 +49,23 @@ def read_recipe(
     Raises
     ------
     InputError
-        If a recipe cannot be read, holds what is no recipe, or recipes hold each other.
+        If a recipe cannot be read or is not valid, or recipes include each other in a circle.
     LimitError
-        If one is larger than 1 MB or in a map larger than ``max_megapixels``, or they lie more than 16 deep in each
-        other, or hold more than 1000 layers in all.
+        If a recipe is larger than 1 MB or in a map larger than ``max_megapixels``, or recipes are nested more than 16
+        deep or hold more than 1000 layers in all.
+
+    Examples
+    --------
+    >>> recipe = nm.read_recipe("samples/scene.toml")
+    >>> recipe.files[0]
+    'medal_base.png'
     """
     path = Path(path)
     name = str(path) if name is None else name
     folder = path.parent if folder is None else Path(folder)
-    recipe = parse_recipe(_values(path, name, max_megapixels), name, "" if folder == Path() else str(folder))
+    recipe = parse_recipe(
+        _values(path, name, max_megapixels), name=name, folder="" if folder == Path() else str(folder)
+    )
     return _Linking(folder, max_megapixels).linked(recipe, _Chain(((identity(path), name),)))
 
 
@@ -128,7 +136,7 @@ class _Linking:
                 values = _values(path, str(path), self.max_megapixels)
             except (InputError, LimitError) as error:
                 raise type(error)(f"{link.origin}: {error}") from None
-            self.parsed[own] = parse_recipe(values, str(path))
+            self.parsed[own] = parse_recipe(values, name=str(path))
         inner = self.parsed[own]
         self.sources.append(named)
         if inner.canvas != CanvasOptions():

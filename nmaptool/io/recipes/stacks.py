@@ -16,21 +16,22 @@ from nmaptool.options import CanvasOptions, ReadOptions
 from nmaptool.types.layers import Layer, LayerGroup
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.recipe import READ_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
+from nmaptool.types.shown import OneLine, counted
 
 _T = TypeVar("_T")
 
 
-@dataclass(frozen=True, eq=False)
-class Stack:
-    """What a recipe stands for: ``nm.compose(stack.layers, stack.canvas)``.
+@dataclass(frozen=True, eq=False, repr=False)
+class Stack(OneLine):
+    """The layers and canvas of a recipe, for ``nm.compose(stack.layers, stack.canvas)``.
 
     Attributes
     ----------
     layers : tuple of Layer or LayerGroup
-        Without those that are hidden.
+        Those that are not hidden.
     canvas : CanvasOptions
     recipe : Recipe
-        With the options of reading that were given beside it, so that it alone gives the same layers again.
+        Including the reading options that were given, so that it gives the same layers again by itself.
     maps : tuple of NormalMap
         Every map once.
     outside : tuple of str
@@ -43,6 +44,10 @@ class Stack:
     maps: tuple[NormalMap, ...]
     outside: tuple[str, ...]
 
+    def _line(self) -> str:
+        layers, maps = counted(len(self.layers), "layer"), counted(len(self.maps), "map")
+        return f"{self.recipe.name}: {layers} from {maps}"
+
 
 def read_stack(
     recipe: Recipe | str | Path, reading: ReadOptions | None = None, *, folder: str | Path | None = None
@@ -52,15 +57,16 @@ def read_stack(
     Parameters
     ----------
     recipe : Recipe, str or Path
-        Or its file, as `nmaptool.read_recipe` reads it.
+        A recipe, or the file of one for `nmaptool.read_recipe`.
     reading : ReadOptions, optional
-        For all maps; what a layer says of itself goes before. ``max_megapixels`` holds for all pictures together.
+        For all maps; options of a single layer override them. ``max_megapixels`` limits all pictures together.
     folder : str or Path, optional
         What files are relative to. Default: the recipe's own folder.
 
     Returns
     -------
     Stack
+        Layers and canvas for `nmaptool.compose`.
 
     Raises
     ------
@@ -69,6 +75,12 @@ def read_stack(
         which layer of which recipe wants it.
     LimitError
         If the pictures are larger than ``reading.max_megapixels`` together.
+
+    Examples
+    --------
+    >>> stack = nm.read_stack("samples/scene.toml")
+    >>> nm.compose(stack.layers, stack.canvas).normal_map.frame.shape
+    (340, 640)
     """
     reading = reading or ReadOptions()
     if not isinstance(recipe, Recipe):
@@ -150,7 +162,7 @@ class _Pictures:
         file, layer = split_layer(source)
         key = (identity(file), layer)
         if key not in self.masks:
-            self.masks[key] = self._within(lambda: read_grey(source, self._left()))
+            self.masks[key] = self._within(lambda: read_grey(source, max_megapixels=self._left()))
             self._take(self.masks[key].size)
         return self.masks[key]
 

@@ -34,7 +34,7 @@ def _kind(path: Path) -> str:
     raise InputError(f"{path}: is no workspace that can be read here; accepted are {_ACCEPTED}")
 
 
-def read_workspace(path: str | Path, max_megapixels: float = 270.0) -> Workspace:
+def read_workspace(path: str | Path, *, max_megapixels: float = 270.0) -> Workspace:
     """Read the layers of a file that an image editor wrote, or `write_workspace`.
 
     Parameters
@@ -44,12 +44,24 @@ def read_workspace(path: str | Path, max_megapixels: float = 270.0) -> Workspace
     max_megapixels : float
         Of the canvas, and of all layers together; refused before any memory is taken.
 
+    Returns
+    -------
+    Workspace
+
     Raises
     ------
     InputError
         If it cannot be read, or holds no layer of pixels.
     LimitError
         If it is larger than ``max_megapixels``.
+
+    Examples
+    --------
+    >>> flat = np.zeros((32, 48, 3))
+    >>> flat[..., 2] = 1
+    >>> nm.write_workspace(nm.pack([flat]), "flat.psd")
+    >>> nm.read_workspace("flat.psd")
+    <Workspace flat.psd: 48 x 32 px, pitch unknown, 16 bits, 1 layer>
     """
     path = Path(path)
     kind = _kind(path)

@@ -1,0 +1,133 @@
+"""Values say what they are in one line, and show themselves in a notebook."""
+
+import dataclasses
+import io
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+import nmaptool as nm
+from nmaptool.figures.notebook import picture_of
+
+
+@pytest.fixture(scope="module")
+def values():
+    """One of each value that has a line of its own, made small."""
+    y, x = np.mgrid[1:-1:32j, -1:1:32j]
+    normal_map = nm.NormalMap.from_array(np.dstack([x, y, np.ones_like(x)]), np.hypot(x, y) < 0.9, 0.5, "dome")
+    sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=3))
+    small = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
+    relief = nm.relief(normal_map)
+    composition = nm.blend(normal_map, normal_map)
+    depth = nm.depth_to_normals(x * x + y)
+    layers = nm.bake(small, nm.BakeOptions(size="48x32", renderer="numpy"))
+    smoothed = nm.smooth(small)
+    comparison = nm.compare(small, nm.CompareOptions(renderer="numpy"))
+    workspace = nm.pack([nm.PackedMap(normal_map, mask=np.ones((32, 32), np.float32))])
+    unpacked = nm.unpack(workspace)
+    states, quick = [], nm.TrainOptions(stages=1, clusters=1, hidden=2, steps=1)
+    example = nm.training_example(sphere)
+    model = nm.train([example], quick, descriptor=nm.DescriptorOptions((3.0,), (0.5,), 1), keep=states.append)
+    leaf = {"file": "leaf.png", "mask": "mask.png"}
+    recipe = nm.parse_recipe({"layer": [leaf, {"layer": [leaf]}, {"recipe": "other.toml"}]})
+    found = [
+        normal_map,
+        nm.RasterImage(np.zeros((4, 6, 3), np.uint8), ("R", "G", "B")),
+        nm.inspect_map(np.full((64, 64, 3), (128, 128, 255), np.uint8)),
+        nm.Layer(normal_map),
+        nm.LayerGroup([normal_map]),
+        nm.PackedMap(normal_map),
+        small,
+        nm.decompose_normals(small),
+        nm.reconstruct(small, small.geometry.normals),
+        model,
+        states[-1],
+        example,
+        recipe,
+        *recipe.layers,
+    ]
+    results = [relief, composition, depth, layers, smoothed]
+    found += [*results, *(result.report for result in results), relief.height, layers.report.mixture]
+    found += [comparison, *comparison.contenders.values(), *comparison.rendered_views.values(), workspace, unpacked]
+    found += [*workspace.layers, workspace.layers[0].mask, *unpacked.layers, smoothed.report.reconstruction]
+    return {type(value).__name__: value for value in found if value is not None}
+
+
+def test_every_value_is_one_short_line_without_numbers_of_arrays(values):
+    for name, value in values.items():
+        line = repr(value)
+        assert line == str(value)
+        assert line.startswith(f"<{name} ")
+        assert line.endswith(">")
+        assert "\n" not in line
+        assert "array(" not in line
+        assert len(line) < (1000 if name.endswith("Report") else 200), line
+
+
+def test_no_public_value_prints_its_arrays(values):
+    for name in nm.__all__:
+        kind = getattr(nm, name)
+        fields = dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ()
+        if any("Float" in str(field.type) or "NDArray" in str(field.type) for field in fields):
+            assert name in values, name
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("NormalMap", "<NormalMap dome: 32 x 32 px, 0.5 mm per px, 60% covered>"),
+        ("RasterImage", "<RasterImage image: 6 x 4 px, pitch unknown, channels R, G, B, 8-bit codes>"),
+        ("Inspection", "<Inspection picture: 64 x 64 px, 8 bits, 1 finding (no-foreground)>"),
+        ("Mesh", "<Mesh mesh: 42 vertices, 80 faces, 1 mm to a unit (assumed)>"),
+        ("LayerGroup", "<LayerGroup group: 1 layer>"),
+        ("Workspace", "<Workspace workspace: 32 x 32 px, 0.5 mm per px, 16 bits, 1 layer>"),
+        ("Recipe", "<Recipe recipe: 3 layers, 2 files, canvas that of the lowest layer>"),
+        ("RecipeLink", "<RecipeLink recipe: layer 3 (other.toml): other.toml>"),
+    ],
+)
+def test_what_the_line_says(name, line, values):
+    assert repr(values[name]) == line
+
+
+def test_reports_give_sizes_for_arrays_and_counts_for_lists(values):
+    line = repr(values["ReliefReport"])
+    assert "solver='multigrid'" in line
+    assert "history=7 entries" in line
+    assert "deviation_mm" not in repr(values["Contender"])
+    assert repr(values["RenderedView"]).startswith("<RenderedView deviation_mm=float32 (")
+
+
+def test_a_name_with_line_breaks_stays_in_the_line():
+    flat = np.zeros((2, 2, 3))
+    flat[..., 2] = 1
+    assert repr(nm.NormalMap.from_array(flat, name="a\nb")).startswith("<NormalMap a b: 2 x 2 px")
+
+
+@pytest.mark.parametrize("name", ["NormalMap", "Height", "Relief", "LayerSet", "Composition", "DepthResult"])
+def test_a_notebook_shows_a_small_picture(name, values):
+    image = Image.open(io.BytesIO(values[name]._repr_png_()))
+    assert image.format == "PNG"
+    assert 256 <= max(image.size) <= 512
+    assert len(np.unique(np.asarray(image))) > 10
+
+
+def test_the_picture_of_a_map_is_its_codes(values):
+    picture = picture_of(values["NormalMap"])
+    codes = ((values["NormalMap"].normals + 1) * 127.5 + 0.5).astype(np.uint8)
+    np.testing.assert_array_equal(picture[8::16, 8::16], codes)
+
+
+@pytest.mark.parametrize("shape", [(3000, 5000), (1, 5000), (5000, 2), (1, 1)])
+def test_pictures_of_any_size_are_small(shape):
+    z_mm = np.zeros((shape[0] + 1, shape[1] + 1))
+    picture = picture_of(nm.Height(z_mm, np.ones(shape, bool), nm.Frame(*shape, pitch_mm=1.0)))
+    assert max(picture.shape[:2]) == 512
+    assert picture.dtype == np.uint8
+
+
+def test_what_has_no_picture_says_so():
+    with pytest.raises(nm.UsageError, match="int has no picture"):
+        picture_of(3)
+    assert not hasattr(nm.Frame(1, 1), "_repr_png_")
