@@ -70,7 +70,7 @@ def write_composition(
     Raises
     ------
     UsageError
-        If an ending is not offered.
+        If an ending, or the bits for it, are not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
     """

@@ -51,7 +51,7 @@ def write_mesh(
     Raises
     ------
     UsageError
-        If an ending is not offered.
+        If a mesh is not written with an ending, or the report is not named .json.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
     """

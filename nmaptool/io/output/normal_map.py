@@ -9,12 +9,12 @@ from pathlib import Path
 
 from nmaptool.core.errors import UsageError
 from nmaptool.io.output.map_pictures import curl_image
-from nmaptool.io.output.targets import Destination, Place, check_ending, place_of
+from nmaptool.io.output.targets import Destination, Place, place_of
 from nmaptool.io.output.transaction import Outputs, Target
 from nmaptool.io.pictures.normal_maps import normal_picture
 from nmaptool.io.pictures.writer import Picture, write_pictures
 from nmaptool.options import Bits, WriteOptions
-from nmaptool.options.formats import NORMAL_MAP_FORMATS
+from nmaptool.options.formats import NORMAL_MAP_FORMATS, check_ending
 from nmaptool.types.normal_map import NormalMap
 
 

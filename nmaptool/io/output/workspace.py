@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, LimitError, OutputError, UsageError
-from nmaptool.io.output.targets import Destination, Place, check_ending, place_of
+from nmaptool.io.output.targets import Destination, Place, place_of
 from nmaptool.io.output.transaction import Outputs, Target
 from nmaptool.io.workspaces.files import read_workspace
-from nmaptool.options.formats import WORKSPACE_FORMATS
+from nmaptool.options.formats import WORKSPACE_FORMATS, check_ending
 from nmaptool.types.workspace import Workspace, WorkspaceMask
 
 _NO_LIMIT = 1e7  # megapixels

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
-from nmaptool.core.errors import InputError, OutputError, UsageError, reason_of
+from nmaptool.core.errors import InputError, OutputError, reason_of
 from nmaptool.core.grid import corner_mean
 from nmaptool.io.pictures.normal_maps import options_like, read_raster
 from nmaptool.io.pictures.png import check_size
@@ -19,7 +19,7 @@ from nmaptool.io.pictures.writer import write_image
 from nmaptool.maps.background import alpha_is_data
 from nmaptool.maps.decoding import decode_normal_map
 from nmaptool.options import ReadOptions
-from nmaptool.options.formats import HEIGHT_FORMATS
+from nmaptool.options.formats import HEIGHT_FORMATS, check_ending
 from nmaptool.types.height import Height
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame, RasterImage
@@ -57,9 +57,8 @@ def write_height(height: Height, path: Path, attributes: Mapping[str, str]) -> N
     OutputError
         If it cannot be written.
     """
+    check_ending(path, HEIGHT_FORMATS, "heights")
     kind = path.suffix.lower()
-    if kind not in HEIGHT_FORMATS:
-        raise UsageError(f"{path}: heights are written as {', '.join(HEIGHT_FORMATS)}")
     write = HEIGHT_FORMATS[kind].write or _WRITERS[kind]
     write(height, path, {**height_attributes(height), **attributes})
 
