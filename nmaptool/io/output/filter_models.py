@@ -85,13 +85,13 @@ def filter_outputs(
     )
 
 
-def write_filter_model(model: FilterModel, output: Destination, *, overwrite: bool = False) -> None:
+def write_filter_model(model: FilterModel, path: Destination, *, overwrite: bool = False) -> None:
     """Write a learned filter; the same filter always gives the same bytes.
 
     Parameters
     ----------
     model : FilterModel
-    output : str, Path or OutputStream
+    path : str, Path or OutputStream
         .npz
     overwrite : bool
         Replace a file that exists.
@@ -103,10 +103,10 @@ def write_filter_model(model: FilterModel, output: Destination, *, overwrite: bo
     OutputError
         If it cannot be written, or exists and ``overwrite`` is False.
     """
-    filter_outputs(output, overwrite=overwrite).write(model)
+    filter_outputs(path, overwrite=overwrite).write(model)
 
 
-def write_training(state: TrainingState, output: Destination) -> None:
+def write_training(state: TrainingState, path: Destination) -> None:
     """Keep a training that was begun, in place of what the file held before.
 
     Raises
@@ -114,7 +114,7 @@ def write_training(state: TrainingState, output: Destination) -> None:
     OutputError
         If it cannot be written.
     """
-    plan: Outputs[TrainingState] = Outputs([Target(place_of(output), "a training", (), _write_state)], overwrite=True)
+    plan: Outputs[TrainingState] = Outputs([Target(place_of(path), "a training", (), _write_state)], overwrite=True)
     plan.write(state, final=False)
 
 

@@ -82,7 +82,7 @@ def map_outputs(
 
 def write_normal_map(
     normal_map: NormalMap,
-    output: Destination,
+    path: Destination,
     options: WriteOptions | None = None,
     *,
     attributes: Mapping[str, str] | None = None,
@@ -93,7 +93,7 @@ def write_normal_map(
     Parameters
     ----------
     normal_map : NormalMap
-    output : str, Path or OutputStream
+    path : str, Path or OutputStream
         ``.png``, ``.tif`` (integer codes) or ``.exr`` (signed floats).
     options : WriteOptions, optional
     attributes : mapping, optional
@@ -108,7 +108,7 @@ def write_normal_map(
     OutputError
         If it cannot be written, or exists.
     """
-    map_outputs(output, options, overwrite=overwrite).write(WrittenMap(normal_map, attributes or {}))
+    map_outputs(path, options, overwrite=overwrite).write(WrittenMap(normal_map, attributes or {}))
 
 
 def _write_map(planned: WriteOptions, written: WrittenMap, path: Path) -> None:
