@@ -1,16 +1,18 @@
 """What can be written, by ending: one table for each kind of thing.
 
 Help texts, error messages and writers derive from these tables, so a format is added by one entry, at run time too:
-``NORMAL_MAP_FORMATS[".xyz"] = MapFormat("My format", ("8",), write)``. An entry without a writer is written by
+``NORMAL_MAP_FORMATS[".xyz"] = MapFormat("my format", write, bits=("8",))``. An entry without a writer is written by
 `nmaptool.io`. Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
 from __future__ import annotations
 
 from collections import ChainMap
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
 
+from nmaptool.core.errors import UsageError
 from nmaptool.options.write import Bits
 
 
@@ -32,49 +34,39 @@ class FileFormat:
 
 
 @dataclass(frozen=True)
-class MapFormat:
-    """A kind of file that normal maps are written as.
+class MapFormat(FileFormat):
+    """A kind of file that normal maps are written as: ``write(normal_map, path, options, attributes)``.
+
+    Its arguments are a `nmaptool.NormalMap`, a path, a `nmaptool.WriteOptions` and a mapping of metadata from str to
+    str. By default OpenImageIO writes the file, and it is read back.
 
     Parameters
     ----------
-    description : str
-        What such a file holds, in one line.
     bits : tuple of str
         What ``WriteOptions.bits`` may ask for, the default first: "8", "16", "half", "float".
-    write : callable, optional
-        ``write(normal_map, path, options, attributes)``: a `nmaptool.NormalMap`, a `nmaptool.WriteOptions` and a
-        mapping of metadata from str to str. Default: OpenImageIO writes the file and it is read back.
     """
 
-    description: str
-    bits: tuple[Bits, ...]
-    write: Callable[..., object] | None = None
+    bits: tuple[Bits, ...] = field(kw_only=True)
 
 
 @dataclass(frozen=True)
-class WorkspaceFormat:
-    """A kind of layered file that workspaces are written as.
+class WorkspaceFormat(FileFormat):
+    """A kind of layered file that workspaces are written as: ``write(workspace, path)``.
 
     Parameters
     ----------
-    description : str
-        What writes and reads such files.
     bits : tuple of int
         Bits of a channel that it holds; 32 for floats.
-    write : callable, optional
-        ``write(workspace, path)``. Default: the format is one of nmaptool's own.
     """
 
-    description: str
-    bits: tuple[int, ...]
-    write: Callable[..., object] | None = None
+    bits: tuple[int, ...] = field(kw_only=True)
 
 
 NORMAL_MAP_FORMATS: dict[str, MapFormat] = {
-    ".png": MapFormat("codes of 16 or 8 bits", ("16", "8")),
-    ".exr": MapFormat("signed floats, 32 or 16 bits (half)", ("float", "half")),
-    ".tif": MapFormat("codes of 16 or 8 bits, or signed floats", ("16", "8", "float")),
-    ".tiff": MapFormat("the same as .tif", ("16", "8", "float")),
+    ".png": MapFormat("codes of 16 or 8 bits", bits=("16", "8")),
+    ".exr": MapFormat("signed floats, 32 or 16 bits (half)", bits=("float", "half")),
+    ".tif": MapFormat("codes of 16 or 8 bits, or signed floats", bits=("16", "8", "float")),
+    ".tiff": MapFormat("the same as .tif", bits=("16", "8", "float")),
 }
 HEIGHT_FORMATS: dict[str, FileFormat] = {
     ".exr": FileFormat("heights in mm, 32-bit floats"),
@@ -92,12 +84,33 @@ MESH_FORMATS: dict[str, FileFormat] = {
 # a relief is written as heights or as a mesh: a view of both tables, heights first
 RELIEF_FORMATS: Mapping[str, FileFormat] = ChainMap(MESH_FORMATS, HEIGHT_FORMATS)
 WORKSPACE_FORMATS: dict[str, WorkspaceFormat] = {
-    ".psd": WorkspaceFormat("Photoshop and most editors", (8, 16)),
-    ".psb": WorkspaceFormat("Photoshop, for very large pictures", (8, 16)),
-    ".ora": WorkspaceFormat("OpenRaster: Krita, GIMP, MyPaint", (8, 16)),
-    ".tif": WorkspaceFormat("a page for each layer", (8, 16)),
-    ".tiff": WorkspaceFormat("the same as .tif", (8, 16)),
-    ".exr": WorkspaceFormat("a part for each layer, floats", (32,)),
+    ".psd": WorkspaceFormat("Photoshop and most editors", bits=(8, 16)),
+    ".psb": WorkspaceFormat("Photoshop, for very large pictures", bits=(8, 16)),
+    ".ora": WorkspaceFormat("OpenRaster: Krita, GIMP, MyPaint", bits=(8, 16)),
+    ".tif": WorkspaceFormat("a page for each layer", bits=(8, 16)),
+    ".tiff": WorkspaceFormat("the same as .tif", bits=(8, 16)),
+    ".exr": WorkspaceFormat("a part for each layer, floats", bits=(32,)),
 }
 # files of a folder of layers, named without the dot as --format has them; whether they hold floats
 LAYER_FORMATS: dict[str, bool] = {"exr": True, "png": False}
+
+
+class _HasEnding(Protocol):
+    """A path, or what stands for a file."""
+
+    @property
+    def suffix(self) -> str: ...
+
+
+def check_ending(place: _HasEnding, endings: Collection[str], what: str) -> None:
+    """Refuse an ending that ``what``, such as "a preview" or "normal maps", is not written with.
+
+    Raises
+    ------
+    UsageError
+    """
+    if place.suffix.lower() in endings:
+        return
+    found = f"ends in {place.suffix}; " if place.suffix else "has no ending; "
+    verb = "is" if what.startswith(("a ", "an ", "the ")) else "are"
+    raise UsageError(f"{place}: {found if len(endings) > 1 else ''}{what} {verb} written as {', '.join(endings)}")

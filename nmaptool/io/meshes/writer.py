@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from nmaptool.core.arrays import Float64
-from nmaptool.core.errors import OutputError, UsageError, reason_of
-from nmaptool.options.formats import MESH_FORMATS
+from nmaptool.core.errors import OutputError, reason_of
+from nmaptool.options.formats import MESH_FORMATS, check_ending
 from nmaptool.types.mesh import Mesh
 
 
@@ -28,10 +28,8 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
     OutputError
         If it cannot be written.
     """
-    kind = path.suffix.lower()
-    if kind not in MESH_FORMATS:
-        raise UsageError(f"{path}: meshes are written as {', '.join(MESH_FORMATS)}")
-    (MESH_FORMATS[kind].write or _write_triangles)(mesh, path)
+    check_ending(path, MESH_FORMATS, "meshes")
+    (MESH_FORMATS[path.suffix.lower()].write or _write_triangles)(mesh, path)
 
 
 def _write_triangles(mesh: Mesh, path: Path) -> None:

@@ -44,7 +44,7 @@ def write_comparison(
     Raises
     ------
     UsageError
-        If an ending is not offered.
+        If the figure is not named .png, or the report not .json.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
 

@@ -42,9 +42,9 @@ def write_composition(
     curl: Destination | None = None,
     placed: Destination | None = None,
     report: Destination | None = None,
-    overwrite: bool = False,
     metadata: Metadata | None = None,
     recipe: str | None = None,
+    overwrite: bool = False,
 ) -> None:
     """Write a composition: all files appear, or none.
 
@@ -60,17 +60,17 @@ def write_composition(
         Where layers lie above the lowest, .png: the mask for a relief of them.
     report : str, Path or OutputStream, optional
         JSON account of the run.
-    overwrite : bool
-        Replace files that exist.
     metadata : mapping, optional
         What to put in the report. Default: ``composition.report.to_dict()``.
     recipe : str, optional
         How the map came about, for its metadata. Default: command, options and layers as JSON.
+    overwrite : bool
+        Replace files that exist.
 
     Raises
     ------
     UsageError
-        If an ending is not offered.
+        If an ending, or the bits for it, are not offered.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
 

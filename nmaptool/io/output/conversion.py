@@ -23,7 +23,7 @@ _RENEWED = ("version", "kind", "green", "zero_code", "encoding", "pitch_mm", "re
 
 def convert(
     path_in: str | Path,
-    output: Destination,
+    path_out: Destination,
     reading: ReadOptions | None = None,
     writing: WriteOptions | None = None,
     *,
@@ -41,7 +41,7 @@ def convert(
     ----------
     path_in : str or Path
         ``FILE`` or ``FILE.exr:layer``.
-    output : str, Path or OutputStream
+    path_out : str, Path or OutputStream
         .png, .exr or .tif.
     reading : ReadOptions, optional
     writing : WriteOptions, optional
@@ -72,13 +72,13 @@ def convert(
     <NormalMap samples/medal_base.png: 248 x 248 px, pitch unknown, 72% covered>
     """
     reading, writing = reading or ReadOptions(), writing or WriteOptions()
-    outputs = map_outputs(output, writing, pictures={"curl": curl}, report=report, overwrite=overwrite)
+    outputs = map_outputs(path_out, writing, pictures={"curl": curl}, report=report, overwrite=overwrite)
     outputs.check()
     source = split_layer(str(path_in))[0]
     if any(path.exists() and source.exists() and path.samefile(source) for path in outputs.paths):
         raise UsageError(f"{path_in}: is also an output; give another name for the output")
     image = read_raster(path_in, reading)
-    result, settled = convert_image(image, bits_of(place_of(output), writing), reading, writing)
+    result, settled = convert_image(image, bits_of(place_of(path_out), writing), reading, writing)
     metadata = {"input": str(path_in), **result.report.to_dict(), "outputs": outputs.names}
     outputs.write(converted_map(image, result, settled), metadata)
     return result

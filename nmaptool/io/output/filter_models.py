@@ -85,13 +85,13 @@ def filter_outputs(
     )
 
 
-def write_filter_model(model: FilterModel, output: Destination, *, overwrite: bool = False) -> None:
+def write_filter_model(model: FilterModel, path: Destination, *, overwrite: bool = False) -> None:
     """Write a learned filter; the same filter always gives the same bytes.
 
     Parameters
     ----------
     model : FilterModel
-    output : str, Path or OutputStream
+    path : str, Path or OutputStream
         .npz
     overwrite : bool
         Replace a file that exists.
@@ -107,10 +107,10 @@ def write_filter_model(model: FilterModel, output: Destination, *, overwrite: bo
     --------
     >>> nm.write_filter_model(nm.shipped_filter(), "mine.npz", overwrite=True)
     """
-    filter_outputs(output, overwrite=overwrite).write(model)
+    filter_outputs(path, overwrite=overwrite).write(model)
 
 
-def write_training(state: TrainingState, output: Destination) -> None:
+def write_training(state: TrainingState, path: Destination) -> None:
     """Keep a training that was begun, in place of what the file held before.
 
     Parameters
@@ -129,7 +129,7 @@ def write_training(state: TrainingState, output: Destination) -> None:
     --------
     >>> nm.write_training(nm.TrainingState("0123456789ab"), "begun.npz")
     """
-    plan: Outputs[TrainingState] = Outputs([Target(place_of(output), "a training", (), _write_state)], overwrite=True)
+    plan: Outputs[TrainingState] = Outputs([Target(place_of(path), "a training", (), _write_state)], overwrite=True)
     plan.write(state, final=False)
 
 

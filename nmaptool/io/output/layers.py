@@ -25,15 +25,15 @@ _Sets = Sequence[LayerSet]
 
 def layer_outputs(
     output: Destination,
+    views: Sequence[str] = ("",),
     *,
     format: str = "exr",
+    overwrite: bool = False,
+    report: Destination | None = None,
     depth: bool = False,
     faces: bool = False,
     plot: Destination | None = None,
-    report: Destination | None = None,
     curl: Destination | None = None,
-    views: Sequence[str] = ("",),
-    overwrite: bool = False,
 ) -> Outputs[_Sets]:
     """The plan of `write_layers`; several ``views`` get a folder each, or a prefix each in a multi-part EXR."""
     place = place_of(output)

@@ -30,8 +30,8 @@ def write_mesh(
     mesh: Mesh,
     *outputs: Destination,
     report: Destination | None = None,
-    overwrite: bool = False,
     metadata: Metadata | None = None,
+    overwrite: bool = False,
 ) -> None:
     """Write a mesh to any number of files: all of them appear, or none.
 
@@ -43,15 +43,15 @@ def write_mesh(
         known they are taken as mm, so its numbers stay as they are but in .glb. Vertices and faces keep their order.
     report : str, Path or OutputStream, optional
         JSON account of the run.
-    overwrite : bool
-        Replace files that exist.
     metadata : mapping, optional
         What to put in the report beside the numbers of vertices and faces.
+    overwrite : bool
+        Replace files that exist.
 
     Raises
     ------
     UsageError
-        If an ending is not offered.
+        If a mesh is not written with an ending, or the report is not named .json.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
 

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from nmaptool.core.errors import UsageError
 from nmaptool.io.output.map_pictures import curl_image
-from nmaptool.io.output.targets import Destination, Place, check_ending, place_of
+from nmaptool.io.output.targets import Destination, Place, place_of
 from nmaptool.io.output.transaction import Outputs, Target
 from nmaptool.io.pictures.normal_maps import normal_picture
 from nmaptool.io.pictures.writer import Picture, write_pictures
 from nmaptool.options import Bits, WriteOptions
-from nmaptool.options.formats import NORMAL_MAP_FORMATS
+from nmaptool.options.formats import NORMAL_MAP_FORMATS, check_ending
 from nmaptool.types.normal_map import NormalMap
 
 
@@ -82,7 +82,7 @@ def map_outputs(
 
 def write_normal_map(
     normal_map: NormalMap,
-    output: Destination,
+    path: Destination,
     options: WriteOptions | None = None,
     *,
     attributes: Mapping[str, str] | None = None,
@@ -93,7 +93,7 @@ def write_normal_map(
     Parameters
     ----------
     normal_map : NormalMap
-    output : str, Path or OutputStream
+    path : str, Path or OutputStream
         ``.png``, ``.tif`` (integer codes) or ``.exr`` (signed floats).
     options : WriteOptions, optional
     attributes : mapping, optional
@@ -116,7 +116,7 @@ def write_normal_map(
     >>> nm.read_normal_map("flat.png", nm.ReadOptions(background_color="none"))
     <NormalMap flat.png: 48 x 32 px, 0.5 mm per px, 100% covered>
     """
-    map_outputs(output, options, overwrite=overwrite).write(WrittenMap(normal_map, attributes or {}))
+    map_outputs(path, options, overwrite=overwrite).write(WrittenMap(normal_map, attributes or {}))
 
 
 def _write_map(planned: WriteOptions, written: WrittenMap, path: Path) -> None:

@@ -82,7 +82,7 @@ def write_relief(
     Raises
     ------
     UsageError
-        If an ending is not offered.
+        If a relief is not written with an ending, or the preview is not named .png.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
 

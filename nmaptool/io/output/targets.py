@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, TypeAlias, overload
@@ -68,20 +68,6 @@ def place_of(destination: None) -> None: ...
 def place_of(destination: Destination | None) -> Place | None:
     """What a caller named as a file or a stream."""
     return destination if destination is None or isinstance(destination, OutputStream) else Path(destination)
-
-
-def check_ending(place: Place, endings: Collection[str], what: str) -> None:
-    """Refuse an ending that ``what``, such as "a preview" or "normal maps", is not written with.
-
-    Raises
-    ------
-    UsageError
-    """
-    if place.suffix.lower() in endings:
-        return
-    found = f"ends in {place.suffix}; " if place.suffix else "has no ending; "
-    verb = "is" if what.startswith(("a ", "an ", "the ")) else "are"
-    raise UsageError(f"{place}: {found if len(endings) > 1 else ''}{what} {verb} written as {', '.join(endings)}")
 
 
 def check_place(place: Place, overwrite: bool) -> None:

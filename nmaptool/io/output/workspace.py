@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, LimitError, OutputError, UsageError
-from nmaptool.io.output.targets import Destination, Place, check_ending, place_of
+from nmaptool.io.output.targets import Destination, Place, place_of
 from nmaptool.io.output.transaction import Outputs, Target
 from nmaptool.io.workspaces.files import read_workspace
-from nmaptool.options.formats import WORKSPACE_FORMATS
+from nmaptool.options.formats import WORKSPACE_FORMATS, check_ending
 from nmaptool.types.workspace import Workspace, WorkspaceMask
 
 _NO_LIMIT = 1e7  # megapixels
@@ -45,13 +45,13 @@ def workspace_outputs(output: Destination, *, overwrite: bool = False) -> Output
     return Outputs([Target(place_of(output), "a workspace", WORKSPACE_FORMATS, _write)], overwrite=overwrite)
 
 
-def write_workspace(workspace: Workspace, output: Destination, *, overwrite: bool = False) -> None:
+def write_workspace(workspace: Workspace, path: Destination, *, overwrite: bool = False) -> None:
     """Write a workspace and read it back before it gets its name.
 
     Parameters
     ----------
     workspace : Workspace
-    output : str, Path or OutputStream
+    path : str, Path or OutputStream
         ``.psd``, ``.psb``, ``.ora``, ``.tif`` (8 or 16 bits) or ``.exr`` (floats).
     overwrite : bool
         Replace a file that exists.
@@ -69,8 +69,8 @@ def write_workspace(workspace: Workspace, output: Destination, *, overwrite: boo
     >>> flat[..., 2] = 1
     >>> nm.write_workspace(nm.pack([flat]), "flat.ora")
     """
-    check_workspace_target(place_of(output), workspace.bits, workspace.half)
-    workspace_outputs(output, overwrite=overwrite).write(workspace)
+    check_workspace_target(place_of(path), workspace.bits, workspace.half)
+    workspace_outputs(path, overwrite=overwrite).write(workspace)
 
 
 def _write(workspace: Workspace, path: Path) -> None:

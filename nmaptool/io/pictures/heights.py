@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
-from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.errors import InputError
 from nmaptool.io.pictures.height_arrays import read_height_array, write_centers, write_corners
 from nmaptool.io.pictures.height_samples import (
     Samples,
@@ -28,7 +28,7 @@ from nmaptool.maps.codec import encode_grey, grey_codes
 from nmaptool.maps.decoding import decode_normal_map
 from nmaptool.options import HeightsAt, ReadOptions
 from nmaptool.options.fields import choice_of
-from nmaptool.options.formats import HEIGHT_FORMATS
+from nmaptool.options.formats import HEIGHT_FORMATS, check_ending
 from nmaptool.types.height import Height
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import DepthFacts, RasterImage
@@ -78,9 +78,8 @@ def write_height(height: Height, path: Path, attributes: Mapping[str, str], *, a
         If it cannot be written.
     """
     _PLACE.read("at", at)
+    check_ending(path, HEIGHT_FORMATS, "heights")
     kind = path.suffix.lower()
-    if kind not in HEIGHT_FORMATS:
-        raise UsageError(f"{path}: heights are written as {', '.join(HEIGHT_FORMATS)}")
     everything = {**height_attributes(height, at), **attributes}
     added = HEIGHT_FORMATS[kind].write
     if added is not None:

@@ -1,0 +1,194 @@
+"""Open streams instead of files: the same bytes, all of them or none."""
+
+import io
+import json
+import re
+import tempfile
+
+import numpy as np
+import pytest
+from compose_cases import as_map, bump_map, random_normals
+from learned_cases import small_filter
+from workspace_cases import random_workspace
+
+import nmaptool as nm
+from nmaptool.core.errors import OutputError, UsageError
+
+
+@pytest.fixture
+def temporary(tmp_path, monkeypatch):
+    """Where temporary files go; nothing may stay there."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    yield folder
+    assert list(folder.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def relief():
+    return nm.relief(bump_map(20, 30), options=nm.ReliefOptions(width=nm.length("30mm")))
+
+
+WRITERS = {
+    "map.exr": lambda place: nm.write_normal_map(bump_map(8, 9), place),
+    "map.png": lambda place: nm.write_normal_map(bump_map(8, 9), place, nm.WriteOptions(bits="8")),
+    "mesh.obj": lambda place: nm.write_mesh(nm.Mesh(np.eye(3), np.array([[0, 1, 2]], np.int32)), place),
+    "work.psd": lambda place: nm.write_workspace(random_workspace(), place),
+    "work.ora": lambda place: nm.write_workspace(random_workspace(), place),
+    "filter.npz": lambda place: nm.write_filter_model(small_filter(), place),
+    "training.npz": lambda place: nm.write_training(nm.TrainingState("a"), place),
+    "layers.exr": lambda place: nm.write_layers(nm.split(bump_map(20, 30)), place),
+    "blend.tif": lambda place: nm.write_composition(nm.blend(bump_map(8, 9), bump_map(8, 9)), place),
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_stream_gets_what_a_file_gets(name, tmp_path, temporary):
+    WRITERS[name](tmp_path / name)
+    stream = io.BytesIO(b"before ")
+    stream.seek(0, 2)
+    WRITERS[name](nm.OutputStream(stream, name[name.index(".") :]))
+    assert not stream.closed
+    # pictures hold the time of writing
+    found, expected = (
+        re.sub(rb"\d{4}:\d\d:\d\d \d\d:\d\d:\d\d", b"now", data)
+        for data in (stream.getvalue(), (tmp_path / name).read_bytes())
+    )
+    assert found == b"before " + expected
+
+
+def test_a_relief_goes_to_streams_and_files_at_once(relief, tmp_path, temporary):
+    streams = [nm.OutputStream(io.BytesIO(), ending) for ending in (".stl", ".npy", ".png", ".json")]
+    *surfaces, preview, report = streams
+    nm.write_relief(relief, *surfaces, tmp_path / "a.stl", preview=preview, report=report)
+    stl, npy, png, facts = (each.stream.getvalue() for each in streams)
+    assert stl == (tmp_path / "a.stl").read_bytes()
+    assert np.load(io.BytesIO(npy)).shape == (20, 30)
+    assert png.startswith(b"\x89PNG")
+    assert json.loads(facts)["options"]["width"] == "30mm"
+
+
+def test_a_conversion_goes_to_a_stream(tmp_path, temporary):
+    nm.write_normal_map(bump_map(8, 9), tmp_path / "a.exr")
+    stream, report = io.BytesIO(), io.BytesIO()
+    to = nm.OutputStream(stream, ".png", "the response")
+    nm.convert(tmp_path / "a.exr", to, report=nm.OutputStream(report, ".json"))
+    (tmp_path / "b.png").write_bytes(stream.getvalue())
+    assert nm.read_normal_map(tmp_path / "b.png").frame == nm.Frame(8, 9)
+    assert json.loads(report.getvalue())["outputs"] == ["the response", "stream"]
+
+
+def test_nothing_goes_to_a_stream_when_a_later_target_fails(relief, tmp_path, temporary, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("nmaptool.io.output.relief.preview_picture", full)
+    stream = io.BytesIO()
+    with pytest.raises(OutputError, match=r"p\.png: cannot be written \(No space left on device\)"):
+        nm.write_relief(relief, nm.OutputStream(stream, ".stl"), tmp_path / "a.exr", preview=tmp_path / "p.png")
+    assert stream.getvalue() == b""
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["temporary"]
+
+
+def test_nothing_goes_to_a_stream_when_a_file_cannot_be_renamed(relief, tmp_path, temporary, monkeypatch):
+    written = nm.surface_mesh
+
+    def late(height):
+        (tmp_path / "a.npy").write_text("another program's")
+        return written(height)
+
+    monkeypatch.setattr("nmaptool.io.output.relief.surface_mesh", late)
+    stream = io.BytesIO()
+    with pytest.raises(OutputError, match=r"a\.npy: exists already"):
+        nm.write_relief(relief, nm.OutputStream(stream, ".stl"), tmp_path / "a.npy")
+    assert stream.getvalue() == b""
+    assert (tmp_path / "a.npy").read_text() == "another program's"
+
+
+class Failing(io.RawIOBase):
+    """A stream that takes little, and fails when it is flushed."""
+
+    def __init__(self, error=None):
+        super().__init__()
+        self.taken, self.error = b"", error
+
+    def writable(self):
+        return True
+
+    def write(self, data):
+        self.taken += bytes(data[:100])
+        return min(len(data), 100)
+
+    def flush(self):
+        error, self.error = self.error, None  # once: closing flushes, too
+        if error is not None:
+            raise error
+
+
+@pytest.mark.parametrize(
+    ("error", "expected", "message"),
+    [
+        (OSError(28, "No space left on device"), OutputError, r"the page: cannot be written \(No space left"),
+        (BrokenPipeError(32, "Broken pipe"), BrokenPipeError, "Broken pipe"),
+        (KeyboardInterrupt("now"), KeyboardInterrupt, "now"),
+    ],
+    ids=["full", "closed", "interrupted"],
+)
+def test_a_stream_that_fails_takes_the_files_back(tmp_path, temporary, error, expected, message):
+    mesh = nm.Mesh(np.eye(3), np.array([[0, 1, 2]], np.int32))
+    (tmp_path / "old.stl").write_text("precious")
+    with pytest.raises(expected, match=message):
+        nm.write_mesh(
+            mesh,
+            tmp_path / "new.ply",
+            tmp_path / "old.stl",
+            nm.OutputStream(Failing(error), ".glb", "the page"),
+            overwrite=True,
+        )
+    assert not (tmp_path / "new.ply").exists()
+    assert (tmp_path / "old.stl").read_text() == "precious"
+
+
+def test_a_stream_that_takes_little_at_a_time_gets_everything(tmp_path, temporary):
+    normal_map, stream = as_map(random_normals(20)), Failing()
+    nm.write_normal_map(normal_map, tmp_path / "a.png")
+    nm.write_normal_map(normal_map, nm.OutputStream(stream, ".png"))
+    assert stream.taken == (tmp_path / "a.png").read_bytes()
+
+
+def test_streams_that_cannot_be_written(tmp_path):
+    closed = io.BytesIO()
+    closed.close()
+    read_only = io.BufferedReader(io.BytesIO())
+    for error, message, stream in (
+        (UsageError, "^stream: is a stream for text; give a binary one$", io.StringIO()),
+        (OutputError, "^stream: is not open for writing$", closed),
+        (OutputError, "^stream: is not open for writing$", read_only),
+    ):
+        with pytest.raises(error, match=message):
+            nm.write_normal_map(bump_map(8, 9), nm.OutputStream(stream, ".png"))
+    shared = io.BytesIO()
+    with pytest.raises(UsageError, match=r"^again: is named twice as an output$"):
+        first, again = nm.OutputStream(shared, ".png"), nm.OutputStream(shared, ".png", "again")
+        nm.write_composition(nm.blend(bump_map(8, 9), bump_map(8, 9)), first, curl=again)
+    with pytest.raises(UsageError, match=r"^stream: ends in \.jpg; normal maps are written as \.png, \.exr"):
+        nm.write_normal_map(bump_map(8, 9), nm.OutputStream(shared, ".jpg"))
+    with pytest.raises(UsageError, match=r"^stream: layers are written into a folder"):
+        nm.write_layers(nm.split(bump_map(20, 30)), nm.OutputStream(shared, ".png"))
+    with pytest.raises(UsageError, match=r"^page: the ending 'png' must begin with a dot, such as \.png$"):
+        nm.OutputStream(shared, "png", "page")
+    assert shared.getvalue() == b""
+
+
+def test_standard_output_stays_empty_when_a_picture_fails(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    nm.write_normal_map(bump_map(8, 9), "a.exr")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("nmaptool.io.output.map_pictures.curl_picture", full)
+    done = run("compose", "transform", "a.exr", "-o", "-", "--curl", "c.png")
+    assert (done.code, done.out) == (5, "")
+    assert "c.png: cannot be written (No space left on device)" in done.err
