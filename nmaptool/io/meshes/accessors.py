@@ -49,16 +49,7 @@ def whole_number(value: Any) -> int:
 
 @dataclass(frozen=True)
 class Accessors:
-    """The accessors of a glTF.
-
-    Attributes
-    ----------
-    file : MeshFile
-    tree : dict
-        The JSON of the glTF.
-    buffers : list of bytes
-        Each with all the bytes that its entry in the JSON announces.
-    """
+    """The accessors of a glTF, by its JSON ``tree`` and its ``buffers``, which hold all the bytes that it announces."""
 
     file: MeshFile
     tree: dict[str, Any]
