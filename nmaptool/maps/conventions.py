@@ -1,4 +1,4 @@
-"""Which way a map's channels point, told from the map itself: its curl, and the normals along its outline."""
+"""Which way a map's channels point, judged by its curl and by the normals along its outline."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def is_inverted(sign: float | None) -> bool:
 
 
 def diagnose(normal_map: NormalMap, code_step: float = 2 / 255) -> tuple[str, ...]:
-    """What speaks against the way a map was read, each with its remedy, for a warning before it is used.
+    """Signs that a map was read with the wrong channels, each with its remedy, for a warning before it is used.
 
     Parameters
     ----------

@@ -21,6 +21,7 @@ from nmaptool.maps.masks import check_mask, check_sizes
 from nmaptool.maps.zero_code import detect_zero_code, zero_and_scale
 from nmaptool.options import ReadOptions
 from nmaptool.types.inspection import Finding, Inspection
+from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import RasterImage
 
 _PARTIAL_ALPHA_PIXELS = 50
@@ -50,13 +51,7 @@ def inspect_map(
     options = options or ReadOptions()
     decoded = decode_image(image, options)
     normal_map = decoded.normal_map
-    foreground = normal_map.foreground
-    chosen = check_mask(mask)
-    if chosen is not None:
-        check_sizes(normal_map, {"the mask": chosen.shape})
-        if not (chosen >= 0.5).any():
-            raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
-        foreground = foreground & (chosen >= 0.5)
+    foreground = _foreground(normal_map, mask)
     # the repaired rim is counted apart: its short vectors are no fault of the surface
     core = ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=2, border_value=1)
     core = core if core.any() else foreground
@@ -86,6 +81,17 @@ def inspect_map(
         color_chunks=image.color_chunks,
     )
     return dataclasses.replace(facts, findings=tuple(_findings(facts)))
+
+
+def _foreground(normal_map: NormalMap, mask: Float32 | Mask | None) -> Mask:
+    """(H, W) bool: the map's foreground, narrowed by the mask."""
+    chosen = check_mask(mask)
+    if chosen is None:
+        return normal_map.foreground
+    check_sizes(normal_map, {"the mask": chosen.shape})
+    if not (chosen >= 0.5).any():
+        raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
+    return normal_map.foreground & (chosen >= 0.5)
 
 
 def _mean(values: Any) -> float:
