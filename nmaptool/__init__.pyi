@@ -55,6 +55,8 @@ from .io.recipes.stacks import Stack as Stack
 from .io.recipes.stacks import read_stack as read_stack
 from .io.workspaces.files import read_workspace as read_workspace
 from .maps.conventions import diagnose as diagnose
+from .maps.decoding import Decoded as Decoded
+from .maps.decoding import decode_image as decode_image
 from .maps.decoding import decode_normal_map as decode_normal_map
 from .maps.inspect import inspect_map as inspect_map
 from .meshes.clean import clean_mesh as clean_mesh

@@ -67,10 +67,8 @@ def find_channels(image: RasterImage, options: ReadOptions) -> Channels:
 
     Raises
     ------
-    InputError
-        If it has too few channels, or NaN or infinity where it is defined.
-    UsageError
-        If the swizzle cannot be meant.
+    InputError, UsageError
+        As `nmaptool.decode_normal_map`.
     """
     swizzle = codec.parse_swizzle("r,g,b" if options.swizzle is None else options.swizzle)
     order = _order(swizzle)

@@ -1,4 +1,4 @@
-"""Which way a map's channels point, told from the map itself: its curl, and the normals along its outline."""
+"""Which way a map's channels point, judged by its curl and by the normals along its outline."""
 
 from __future__ import annotations
 

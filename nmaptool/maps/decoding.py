@@ -52,9 +52,8 @@ def decode_image(image: RasterImage, options: ReadOptions | None = None) -> Deco
 
     Parameters
     ----------
-    image : RasterImage
-        Channels R, G, B(, A), or two where it holds x and y or octahedral codes.
-    options : ReadOptions, optional
+    image, options
+        As for `decode_normal_map`.
 
     Returns
     -------

@@ -8,12 +8,12 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.grid import dilated
 
-# every rim has this width at least; wider ones are followed inwards while vectors stay short
+# a rim is looked for within this width, and followed inwards up to the other while lengths are off
 _RIM_PX = 2
 _WIDEST_RIM_PX = 6
 _LENGTH_TOLERANCE = 0.03
-# a rim vector of unit length is still a mixture where it lies this near the line from the normal inside it to the
-# background, and this far along it
+# a rim vector of unit length is a mixture, too, where it lies near the line from the normal inside it to the background
+# (off it by less than this share of its way) and has gone at least this share of that line
 _MIXTURE_OFF_LINE = 0.35
 _MIXTURE_ALONG = 0.08
 
@@ -26,11 +26,12 @@ def repair_rim(
     is_normal: bool = False,
     mixed: Float32 | None = None,
 ) -> tuple[Float32, Float32, int]:
-    """Give the anti-aliased rim of a motif the normals just inside it, and its coverage by un-mixing.
+    """Give the anti-aliased rim of a motif the normals just inside it, and compute its coverage.
 
-    A rim pixel stores c n + (1 - c) b, with n a unit normal and b the background's vector: its length is off, or it
-    lies on the way from the normals inside to b. It is within 2 px of the background, or joins such pixels within
-    6 px by its length. n is taken from the nearest sound pixel, which leaves c to be read off.
+    A rim pixel stores c n + (1 - c) b, with n a unit normal, b the background's vector and c its coverage. It is found
+    by its length, or because it lies on the line from the normals inside to b; within 2 px of the background, or up to
+    6 px where it is connected to such pixels and its length is off. n is taken from the nearest pixel that is no
+    mixture; c follows from n and b.
 
     Parameters
     ----------
@@ -61,14 +62,7 @@ def repair_rim(
         return vectors, coverage, 0
     length = np.sqrt(np.einsum("ijk,ijk->ij", vectors, vectors))
     sound = ~outside & (np.abs(length - 1) <= _LENGTH_TOLERANCE)
-    begun = near & ~sound
-    wide = begun
-    if begun.any():
-        zone = dilated(outside, _WIDEST_RIM_PX) & ~outside
-        count, patches = cv2.connectedComponents((zone & ~sound).view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
-        joined = np.zeros(count, bool)
-        joined[patches[begun]] = True
-        wide = joined[patches]
+    wide = _off_length_rim(near & ~sound, outside, sound)
     if background is not None and not is_normal and (sound & ~near).any():
         at = near & sound
         inner = _nearest(mixed, sound & ~near, at)
@@ -86,8 +80,19 @@ def repair_rim(
     return fixed, coverage, int(rim.sum())
 
 
+def _off_length_rim(start: Mask, outside: Mask, sound: Mask) -> Mask:
+    """(H, W) bool: ``start`` and the pixels of wrong length that are connected to it, up to the widest rim."""
+    if not start.any():
+        return start
+    off_length = dilated(outside, _WIDEST_RIM_PX) & ~outside & ~sound
+    count, patches = cv2.connectedComponents(off_length.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+    connected = np.zeros(count, bool)
+    connected[patches[start]] = True
+    return np.asarray(connected[patches])
+
+
 def _nearest(vectors: Float32, sound: Mask, at: Mask) -> Float32:
-    """(N, 3) the vector of the sound pixel nearest to each of the N pixels of ``at``."""
+    """(N, 3) vectors: for each of the N pixels of ``at``, that of the nearest pixel of ``sound``."""
     from scipy import ndimage  # takes long to load
 
     rows, cols = ndimage.distance_transform_edt(~sound, return_distances=False, return_indices=True)

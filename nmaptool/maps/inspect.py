@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
+from nmaptool.core.arrays import Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.vectors import mean_abs_curl
 from nmaptool.maps import codec
@@ -20,6 +21,7 @@ from nmaptool.maps.zero_code import detect_zero_code, zero_and_scale
 from nmaptool.options import ReadOptions
 from nmaptool.types.inputs import MaskLike, RasterLike, as_raster
 from nmaptool.types.inspection import Finding, Inspection
+from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.plain_arrays import as_mask, check_sizes
 
@@ -60,13 +62,7 @@ def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: 
     image = as_raster(image)
     decoded = decode_image(image, options)
     normal_map = decoded.normal_map
-    foreground = normal_map.foreground
-    if mask is not None:
-        chosen = as_mask(mask)
-        check_sizes(normal_map.name, foreground.shape, {"the mask": chosen.shape})
-        if not (chosen >= 0.5).any():
-            raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
-        foreground = foreground & (chosen >= 0.5)
+    foreground = _foreground(normal_map, mask)
     # the repaired rim is counted apart: its short vectors are no fault of the surface
     core = ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=2, border_value=1)
     core = core if core.any() else foreground
@@ -96,6 +92,17 @@ def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: 
         color_chunks=image.color_chunks,
     )
     return dataclasses.replace(facts, findings=tuple(_findings(facts)))
+
+
+def _foreground(normal_map: NormalMap, mask: MaskLike | None) -> Mask:
+    """(H, W) bool: the map's foreground, narrowed by the mask."""
+    if mask is None:
+        return normal_map.foreground
+    chosen = as_mask(mask)
+    check_sizes(normal_map.name, normal_map.frame.shape, {"the mask": chosen.shape})
+    if not (chosen >= 0.5).any():
+        raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
+    return normal_map.foreground & (chosen >= 0.5)
 
 
 def _mean(values: Any) -> float:

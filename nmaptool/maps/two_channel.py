@@ -1,4 +1,4 @@
-"""Maps that hold two numbers a pixel, x and y alone or octahedral codes, and the vectors that are made of them."""
+"""Maps of two numbers a pixel, x and y or octahedral codes, and the vectors made from them."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.types.picture import RasterImage
 
-# x and y this long are of no normal: white and black backgrounds are
-_LONGEST = 1.1
-# octahedral codes near the corners (1, 1) and (-1, -1) face straight away: white and black backgrounds again
+# no normal has x and y longer than this together; white and black backgrounds do
+_LONGEST_XY = 1.1
+# octahedral codes beyond this in both numbers face straight away from the viewer: white and black backgrounds again
 _CORNER = 0.9
-# grey is told from flat by the stored blue, within so many steps of an 8-bit code
+# a pixel is grey, not flat, where all three numbers are within so many 8-bit steps of the middle
 _GREY_STEPS = 8.0
-# blue is not z where the length of so many vectors is off by more than rounding
+# blue is not z where more than this share of the vectors are not of unit length
 _BLUE_OFF_SHARE = 0.02
 _SAMPLE = 4096
 
@@ -101,12 +101,12 @@ def find_components(image: RasterImage, wanted: str, order: tuple[int, ...]) -> 
         return "xy", "found"
     if image.attributes.get("kind") == "normal":  # our own files hold all three
         return "xyz", "file"
-    if {"R", "G", "B"} <= set(image.channels) and _blue_is_idle(image, order):
+    if {"R", "G", "B"} <= set(image.channels) and _blue_is_not_z(image, order):
         return "xy", "found"
     return "xyz", "assumed"
 
 
-def _blue_is_idle(image: RasterImage, order: tuple[int, ...]) -> bool:
+def _blue_is_not_z(image: RasterImage, order: tuple[int, ...]) -> bool:
     """Whether blue is constant and cannot be z, while red and green vary."""
     at = [image.channels.index("RGB"[channel]) for channel in order]
     flat = image.pixels.reshape(-1, len(image.channels))
@@ -178,10 +178,10 @@ def pair_of_channels(image: RasterImage, order: tuple[int, ...]) -> NDArray[Any]
 
 
 def as_three_channels(image: RasterImage, components: str, order: tuple[int, ...], encoding: str) -> RasterImage:
-    """The picture with the blue that a map of all three components would have, so that it is read like one.
+    """The picture with the blue channel that a map of all three components would have, so that it is read like one.
 
-    Where two codes are of no normal, blue repeats them, so that white stays white and black black. Where a stored blue
-    that varies says so, grey stays grey.
+    Where the two codes belong to no normal, blue is their mean, so that a white background stays white and a black one
+    black. A grey background stays grey where the picture's own blue varies and is grey there, too.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def as_three_channels(image: RasterImage, components: str, order: tuple[int, ...
         if components == "octahedral":
             nothing = (codes > _CORNER).all(axis=-1) | (codes < -_CORNER).all(axis=-1)
         else:
-            nothing = np.hypot(codes[..., 0], codes[..., 1]) > _LONGEST
+            nothing = np.hypot(codes[..., 0], codes[..., 1]) > _LONGEST_XY
         blue = np.where(nothing, codes.mean(axis=-1), blue)
     stored = blue if signed else (blue + 1) / 2
     if not image.is_float:

@@ -57,6 +57,11 @@ class Frame:
         return f"{self} px, {pitch}"
 
 
+def largest_code(pixels: NDArray[Any]) -> int:
+    """The stored number of white: 255 or 65535; 1 for floats."""
+    return 1 if pixels.dtype == np.float32 else int(np.iinfo(pixels.dtype).max)
+
+
 @dataclass(frozen=True)
 class DepthFacts:
     """What a depth or height file says about its values.
@@ -140,7 +145,7 @@ class RasterImage(OneLine):
     @property
     def max_code(self) -> int:
         """Largest integer code (255 or 65535); 1 for floating point."""
-        return 1 if self.is_float else int(np.iinfo(self.pixels.dtype).max)
+        return largest_code(self.pixels)
 
     @property
     def alpha(self) -> Float32 | None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError
-from nmaptool.types.picture import Frame
+from nmaptool.types.picture import Frame, largest_code
 from nmaptool.types.shown import OneLine, counted
 
 # what editors call painting one layer over another; every other mode computes with codes as if they were colours
@@ -182,11 +182,6 @@ class Workspace(OneLine):
         return f"{self.name}: {self.frame.with_pitch}, {self.bits} bits, {counted(len(self.layers), 'layer')}"
 
 
-def largest_code(pixels: NDArray[Any]) -> int:
-    """Code of white: 255 or 65535; 1 for floats."""
-    return 1 if pixels.dtype == np.float32 else int(np.iinfo(pixels.dtype).max)
-
-
 def overlap(
     left: int, top: int, size: tuple[int, int], frame: Frame
 ) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
@@ -215,35 +210,6 @@ def mask_over(layer: WorkspaceLayer) -> Float32:
     shown = np.nan_to_num(mask.values[own].astype(np.float32), posinf=1.0, neginf=0.0)
     out[there] = (shown / np.float32(largest_code(mask.values))).clip(0, 1)
     return out
-
-
-def flattened(workspace: Workspace) -> Float32:
-    """Every visible layer painted over those below, as an editor shows it: a preview, not a blend of vectors.
-
-    Returns
-    -------
-    (H, W, 4) float32
-        Codes as shares of the largest (0 to 1) and alpha, unassociated; flat where nothing is.
-    """
-    frame = workspace.frame
-    color = np.zeros((*frame.shape, 3), np.float32)
-    alpha = np.zeros(frame.shape, np.float32)
-    for layer in workspace.layers:
-        if not layer.shown:
-            continue
-        there, own = overlap(layer.left, layer.top, layer.size, frame)
-        opacity = layer.opacity * float(np.prod([group.opacity for group in layer.groups]))
-        over = (layer.alpha * mask_over(layer))[own] * np.float32(opacity)
-        codes = layer.pixels[own][..., :3].astype(np.float32) / np.float32(layer.max_code)
-        if layer.signed:
-            codes = (codes + 1) / 2
-        under = alpha[there] * (1 - over)
-        total = over + under
-        share = np.divide(over, total, out=np.zeros_like(over), where=total > 0)[..., None]
-        color[there] = color[there] * (1 - share) + codes * share
-        alpha[there] = total
-    color[alpha <= 0] = (0.5, 0.5, 1)
-    return np.dstack([color, alpha])
 
 
 def unique_names(names: list[str], taken: tuple[str, ...] = ()) -> list[str]:

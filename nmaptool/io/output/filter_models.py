@@ -117,7 +117,7 @@ def write_training(state: TrainingState, path: Destination) -> None:
     ----------
     state : TrainingState
         As ``keep`` of `nmaptool.train` is given it.
-    output : str, Path or OutputStream
+    path : str, Path or OutputStream
         .npz
 
     Raises

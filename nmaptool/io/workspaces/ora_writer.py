@@ -15,7 +15,8 @@ from nmaptool.core.errors import OutputError
 from nmaptool.io.interruption import UNFINISHED
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.io.workspaces import metadata as metadata
-from nmaptool.types.workspace import MASK_SUFFIX, PASS_THROUGH, Workspace, WorkspaceGroup, WorkspaceLayer, flattened
+from nmaptool.types.workspace import MASK_SUFFIX, PASS_THROUGH, Workspace, WorkspaceGroup, WorkspaceLayer
+from nmaptool.workspace.flatten import flattened
 
 MIMETYPE = "image/openraster"
 METADATA_FILE = "nmaptool.json"

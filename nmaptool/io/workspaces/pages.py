@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from nmaptool._version import __version__
 from nmaptool.io.workspaces import metadata as metadata
-from nmaptool.types.picture import RasterImage
-from nmaptool.types.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask, largest_code
+from nmaptool.types.picture import RasterImage, largest_code
+from nmaptool.types.workspace import MASK_SUFFIX, Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
 
 FURTHEST = 300_000
 

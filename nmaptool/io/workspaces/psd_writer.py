@@ -29,7 +29,8 @@ from psd_tools.psd.tagged_blocks import TaggedBlocks
 
 from nmaptool.io.workspaces import metadata as workspace_words
 from nmaptool.types.picture import Frame
-from nmaptool.types.workspace import Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask, flattened
+from nmaptool.types.workspace import Workspace, WorkspaceGroup, WorkspaceLayer, WorkspaceMask
+from nmaptool.workspace.flatten import flattened
 
 _LARGEST_PSD_SIDE = 30_000
 _LARGEST_PSD_BYTES = 1_500_000_000  # the format's lengths end at 2 GB
