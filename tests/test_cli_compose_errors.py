@@ -138,9 +138,7 @@ BAD_INPUTS = {
         ("base.exr detail.exr:fine", r"detail\.exr: has no layer 'fine'; it holds: "),
         ("base.exr detail.exr --layer fine", r"base\.exr: has no layer 'fine'"),
     ],
-    (LIMIT, "blend"): [
-        ("huge.png detail.exr", r"huge\.png: 90000 x 90000 is 8100 megapixels"),
-    ],
+    (LIMIT, "blend"): [("huge.png detail.exr", r"huge\.png: 90000 x 90000 is 8100 megapixels")],
     (INPUT, BLEND): [
         ("--mask missing.png", r"missing\.png: no such file"),
         ("--mask color.png", r"color\.png: is a colour picture; a mask .* must be grey"),
@@ -163,12 +161,8 @@ BAD_INPUTS = {
         ("--at=-9px,-9px --anchor right", r"motif\.exr: lies fully off the canvas"),
         ("--scale 0.001", r"motif\.exr: covers nothing where it lies; .*scale"),
     ],
-    (LIMIT, PASTE): [
-        ("--max-megapixels 0.001", r"base\.exr: 40 x 30 is 0\.0012 megapixels, more than the limit"),
-    ],
-    (INPUT, "transform"): [
-        ("missing.exr", r"missing\.exr: no such file"),
-    ],
+    (LIMIT, PASTE): [("--max-megapixels 0.001", r"base\.exr: 40 x 30 is 0\.0012 megapixels, more than the limit")],
+    (INPUT, "transform"): [("missing.exr", r"missing\.exr: no such file")],
     (INPUT, TRANSFORM): [
         ("--crop 0,0,50px,9px", r"base\.exr: --crop 0,0,50px,9px is 50 x 9 px at 0,0, .*40 x 30 px"),
         ("--crop -1px,0,9px,9px", r"base\.exr: --crop .* is 9 x 9 px at -1,0, .*; make .* --pad"),
