@@ -47,7 +47,7 @@ class Decoded:
     channels: Channels
 
 
-def decode_image(image: RasterImage, options: ReadOptions | None = None) -> Decoded:
+def decode_image(image: RasterLike, options: ReadOptions | None = None) -> Decoded:
     """Turn a raw picture into a normal map, and keep the vectors as they were stored.
 
     Parameters
@@ -65,7 +65,7 @@ def decode_image(image: RasterImage, options: ReadOptions | None = None) -> Deco
     InputError, UsageError
         As `decode_normal_map`.
     """
-    decoded = _decode(image, options or ReadOptions())
+    decoded = _decode(as_raster(image), options or ReadOptions())
     signs = signs_of(decoded.channels.swizzle, decoded.normal_map.decoding.green)
     apply_signs(decoded.stored, signs, out=decoded.stored)
     return decoded
