@@ -40,7 +40,7 @@ def bake(run: Run, mesh: str, /) -> None:
     Parameters
     ----------
     mesh:
-        OBJ, PLY, STL, OFF, GLB or glTF.
+        {meshes}.
     """
     options, drawn = run[BakeOptions], run[DrawnOutputs]
     outputs = run[LayerOutputs].plan(views=options.views, depth=drawn.depth, faces=drawn.faces)

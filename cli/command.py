@@ -9,9 +9,13 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
+import re
 from collections.abc import Callable, Iterator
 from typing import Any, get_type_hints
 
+from nmaptool.core.text import listed
+from nmaptool.io.meshes.headers import NAMES
+from nmaptool.io.pictures.formats import format_names
 from nmaptool.options.fields import Options, kind_of
 from nmaptool.options.kinds import Count, Kind, flag_of
 from nmaptool_cli.flags import flags_of
@@ -57,6 +61,12 @@ class Command:
             yield from flags_of(options)
 
     @property
+    def help(self) -> str:
+        """The function's docstring, with the formats that can be read as they are now."""
+        named = {"pictures": format_names(), "meshes": listed(NAMES.values())}
+        return re.sub(r"{(pictures|meshes)}", lambda found: named[found[1]], self.function.__doc__ or "")
+
+    @property
     def kinds(self) -> dict[str, Kind]:
         """What each flag takes."""
         found = {} if self.per_input is None else self.per_input.kinds()
@@ -97,9 +107,10 @@ def command(*classes: type[Options], per_input: PerInput | None = None) -> Calla
 
 
 def command_of(call: Any) -> Command:
-    """The command behind a function, with its parameters as they are now: names may have been added to tables."""
+    """The command behind a function, whose help and flags become those of the tables as they are now."""
     made: Command = call.command
     parameters = list(made.parameters())
     call.__signature__ = inspect.Signature(parameters)
+    call.__doc__ = made.help
     call.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return made

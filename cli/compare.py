@@ -53,7 +53,7 @@ def compare(run: Run, mesh: str, /) -> None:
     Parameters
     ----------
     mesh:
-        OBJ, PLY, STL, OFF, GLB or glTF.
+        {meshes}.
     """
     outputs = run[FigureOutputs].plan(run.options.json)
     begin_mesh(run, outputs, mesh)

@@ -55,7 +55,7 @@ def smooth(run: Run, mesh: str, /) -> None:
     Parameters
     ----------
     mesh:
-        OBJ, PLY, STL, OFF, GLB or glTF.
+        {meshes}.
     """
     outputs = run[MeshOutputs].plan(run.options.json)
     begin_mesh(run, outputs, mesh)

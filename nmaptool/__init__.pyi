@@ -61,7 +61,9 @@ from .maps.decoding import decode_normal_map as decode_normal_map
 from .maps.inspect import inspect_map as inspect_map
 from .meshes.clean import clean_mesh as clean_mesh
 from .meshes.tessellate import surface_mesh as surface_mesh
+from .options import BLEND_MODES as BLEND_MODES
 from .options import BakeOptions as BakeOptions
+from .options import BlendMode as BlendMode
 from .options import BlendOptions as BlendOptions
 from .options import CanvasOptions as CanvasOptions
 from .options import CompareOptions as CompareOptions

@@ -26,7 +26,7 @@ def convert(run: Run, map: str, out: Path | None = None, /) -> None:
     Parameters
     ----------
     map:
-        Normal map: PNG, EXR, TIFF, JPEG or BMP; FILE.exr:layer names a layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
     out:
         What is written, .png, .exr or .tif; the same as -o.
     """

@@ -52,7 +52,9 @@ def decode_image(image: RasterLike, options: ReadOptions | None = None) -> Decod
 
     Parameters
     ----------
-    image, options
+    image : RasterImage, or (H, W, 2 to 4) uint8, uint16 or float
+        As for `decode_normal_map`.
+    options : ReadOptions, optional
         As for `decode_normal_map`.
 
     Returns
@@ -64,6 +66,14 @@ def decode_image(image: RasterLike, options: ReadOptions | None = None) -> Decod
     ------
     InputError, UsageError
         As `decode_normal_map`.
+
+    Examples
+    --------
+    >>> codes = np.full((2, 2, 3), (128, 128, 200), np.uint8)
+    >>> decoded = nm.decode_image(codes, nm.ReadOptions(background_color="none"))
+    >>> short, unit = decoded.stored[0, 0], decoded.normal_map.normals[0, 0]
+    >>> f"{np.linalg.norm(short):.2f} {np.linalg.norm(unit):.2f}"
+    '0.57 1.00'
     """
     decoded = _decode(as_raster(image), options or ReadOptions())
     signs = signs_of(decoded.channels.swizzle, decoded.normal_map.decoding.green)

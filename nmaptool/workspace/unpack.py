@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from nmaptool.core.errors import UsageError
+from nmaptool.options.blend_modes import layer_meanings
 from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import Frame
 from nmaptool.types.unpacked import UnpackedLayer, UnpackResult
@@ -17,7 +18,6 @@ from nmaptool.types.workspace import NORMAL_BLEND, PASS_THROUGH, Workspace, Work
 from nmaptool.workspace.repair import repair_layer, signature_of
 from nmaptool.workspace.signature import signature_from
 
-_MODES = ("over", "rnm", "pd", "whiteout", "udn", "linear", "overlay")
 _PASSING = (NORMAL_BLEND, PASS_THROUGH)
 _RENAMED = 0.02
 
@@ -129,7 +129,7 @@ def _unpacked(layer: WorkspaceLayer, frame: Frame, packed_bits: int | None) -> U
         decoding=Decoding(green_from="file", background="alpha", background_from="file"),
     )
     mode, strength = layer.facts.get("mode", "over"), layer.facts.get("strength", 1.0)
-    mode = mode if mode in _MODES else "over"
+    mode = mode if mode in layer_meanings() else "over"
     if layer.blend_mode not in _PASSING and mode == "over":
         mode = "rnm"  # whoever blends a detail in wants it on top of what is below
     known = isinstance(strength, int | float) and not isinstance(strength, bool) and 0 <= strength <= 1000

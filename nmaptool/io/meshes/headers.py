@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nmaptool.core.errors import InputError, LimitError
+from nmaptool.core.text import listed
 from nmaptool.io.opening import read_head
 
 NAMES = {"obj": "OBJ", "ply": "PLY", "stl": "STL", "off": "OFF", "glb": "GLB", "gltf": "glTF"}
-ACCEPTED = "OBJ, PLY, STL, OFF, GLB and glTF"
 STL_HEADER, STL_FACE = 84, 50
 _HEAD = 1 << 16
 _CONTROL = re.compile(rb"[\0-\x08\x0e-\x19\x1c-\x1f]")  # not the mark that old programs end a text with
@@ -165,10 +165,11 @@ def identify_mesh_file(path: Path) -> MeshFile:
         raise InputError(f"{path}: holds {NAMES[kind]} data but is not named so; rename it to {right}")
     if _WEB_PAGE.match(head):
         raise InputError(f"{path}: holds a web page instead of a mesh; download the mesh itself")
+    accepted = listed(NAMES.values(), "and")
     if ending not in NAMES:
-        raise InputError(f"{path}: is not a mesh that can be read here; accepted are {ACCEPTED}: export it as one")
+        raise InputError(f"{path}: is not a mesh that can be read here; accepted are {accepted}: export it as one")
     if kind is None and head.startswith(b"PK\x03\x04"):
         raise InputError(f"{path}: is a ZIP archive; unpack it and give the mesh in it")
     if kind is None and not _is_possible(ending, head, size):
-        raise InputError(f"{path}: holds no {NAMES[ending]} data; accepted are {ACCEPTED}: export it again")
+        raise InputError(f"{path}: holds no {NAMES[ending]} data; accepted are {accepted}: export it again")
     return MeshFile(path, ending, head, size)

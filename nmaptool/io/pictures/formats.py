@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nmaptool.core.errors import InputError
+from nmaptool.core.text import listed
 from nmaptool.io.opening import read_head
 
 
@@ -38,6 +39,11 @@ READ_FORMATS = (PNG, EXR, TIFF, JPEG, BMP)
 _TELLING_BYTES = 3
 
 
+def format_names() -> str:
+    """The formats as a sentence lists them: ``PNG, EXR, TIFF, JPEG or BMP``."""
+    return listed(one.name for one in READ_FORMATS)
+
+
 def is_picture(head: bytes) -> bool:
     """Whether a file's first bytes are those of a picture that is read here."""
     return any(head.startswith(magic) for one in READ_FORMATS for magic in one.magic if len(magic) >= _TELLING_BYTES)
@@ -58,6 +64,4 @@ def find_format(path: Path) -> PictureFormat:
                 right = path.with_suffix(one.endings[0]).name
                 raise InputError(f"{path}: holds {one.name} data but is not named so; rename it to {right}")
             return one
-    *names, last = (one.name for one in READ_FORMATS)
-    accepted = f"{', '.join(names)} or {last}"
-    raise InputError(f"{path}: is not a picture that can be read here; accepted are {accepted}")
+    raise InputError(f"{path}: is not a picture that can be read here; accepted are {format_names()}")

@@ -1,0 +1,50 @@
+"""The lists in README.md that come from tables in the code: python docs/readme_tables.py writes them anew."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from nmaptool.options import BLEND_MODES
+from nmaptool.options.formats import NORMAL_MAP_FORMATS, RELIEF_FORMATS, WORKSPACE_FORMATS
+
+README = Path(__file__).parents[1] / "README.md"
+_LIST = re.compile(r"(<!-- list: ([a-z ]+) -->\n)(.*?)(<!-- end of list -->)", re.DOTALL)
+
+
+def lists() -> dict[str, str]:
+    """The lines of each list, as the tables are now."""
+    formats = {
+        "normal maps": NORMAL_MAP_FORMATS.items(),
+        "reliefs": RELIEF_FORMATS.items(),
+        "workspaces": WORKSPACE_FORMATS.items(),
+    }
+    written = {name: _rows("file", ((e, f.description) for e, f in table)) for name, table in formats.items()}
+    modes = ((name, mode.meaning) for name, mode in BLEND_MODES.items())
+    return {"blend modes": _rows("mode", modes), **written}
+
+
+def _rows(head: str, entries: Iterator[tuple[str, str]]) -> str:
+    rows = [f"| {head} | what it {'does' if head == 'mode' else 'holds'} |", "|---|---|"]
+    return "\n".join([*rows, *(f"| `{name}` | {text} |" for name, text in entries)]) + "\n"
+
+
+def filled(text: str) -> str:
+    """A page with its lists as the tables are now.
+
+    Raises
+    ------
+    KeyError
+        If the page has a list of another name.
+    """
+    now = lists()
+    return _LIST.sub(lambda found: f"{found[1]}{now[found[2]]}{found[4]}", text)
+
+
+def stale(text: str) -> list[str]:
+    """The lists that a page lacks, or that differ from the tables."""
+    shown = {name: rows for _, name, rows, _ in _LIST.findall(text)}
+    return [name for name, rows in lists().items() if shown.get(name) != rows]
+
+
+if __name__ == "__main__":
+    README.write_text(filled(README.read_text(encoding="utf-8")), encoding="utf-8")
