@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from nmaptool.core.errors import UsageError
+from nmaptool.options import SolverName
+from nmaptool.options.fields import choice_of
 from nmaptool.solver.islands import Islands
 from nmaptool.solver.memory import kind_of, plan
 from nmaptool.solver.method import DirectMethod, Method
@@ -16,7 +18,6 @@ __all__ = ["DirectMethod", "Method", "Solution", "Solver", "choose", "prepare"]
 # multigrid takes its time by the picture, amg by the unknowns: with fewer than this share of them it is the quicker
 # (bench.crossover)
 _SPARSE = 0.05
-_NAMES = ("auto", "dct", "multigrid", "amg")
 
 
 def choose(system: QuadSystem, wanted: str) -> str:
@@ -27,8 +28,7 @@ def choose(system: QuadSystem, wanted: str) -> str:
     UsageError
         If the method is unknown, or is "dct" for a system that is not a full rectangle with one weight.
     """
-    if wanted not in _NAMES:
-        raise UsageError(f"--solver {wanted!r}: use one of {', '.join(_NAMES)}")
+    choice_of(SolverName).read("solver", wanted)
     if wanted == "auto":
         if system.is_uniform:
             return "dct"
@@ -46,7 +46,8 @@ def prepare(
     Parameters
     ----------
     system : QuadSystem
-    method : {"auto", "dct", "multigrid", "amg"}
+    method : str
+        A `nmaptool.options.SolverName`.
     memory_limit_bytes : int, optional
         Most memory to take. Default: what is free on the machine.
     like : Solver, optional

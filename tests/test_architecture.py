@@ -1,0 +1,68 @@
+"""docs/architecture.md says what the code is: floors of the import contract, files that are there, small functions."""
+
+import ast
+import re
+import statistics
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+ROOMS = sorted(path.parent.name for path in (ROOT / "nmaptool").glob("*/__init__.py"))
+
+
+def layers():
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    (house,) = (contract for contract in contracts if contract.get("containers") == ["nmaptool"])
+    assert house["exhaustive"] is True
+    return [[room.strip() for room in floor.split("|")] for floor in house["layers"]]
+
+
+def test_the_drawing_is_the_import_contract():
+    drawn = re.findall(r"^    (\w+(?: \| \w+)*)  ?", PAGE.split("-----\n")[1].split("\n\n")[0], re.MULTILINE)
+    assert [[room.strip() for room in floor.split("|")] for floor in drawn] == layers()
+    assert sorted(room for floor in layers() for room in floor) == ROOMS
+
+
+def test_nothing_lies_between_the_rooms():
+    loose = sorted(path.name for path in (ROOT / "nmaptool").iterdir() if path.is_file())
+    assert loose == ["__init__.py", "__init__.pyi", "_version.py", "py.typed"]
+
+
+def test_the_way_from_a_mesh_to_an_stl_names_files_and_functions_that_are_there():
+    steps = re.findall(r"^ {6,}([\w/]+\.py) +([\w., ]+?)? +->|^ {6,}([\w/]+\.py) +([\w.]+)$", PAGE, re.MULTILINE)
+    assert len(steps) >= 12
+    for file, names, other_file, other in steps:
+        text = (ROOT / "nmaptool" / (file or other_file)).read_text(encoding="utf-8")
+        for name in (names or other).replace("rolling guidance", "rolling_guidance").split(", "):
+            assert re.search(rf"\b{name.split('.')[-1]}\b", text), (file or other_file, name)
+
+
+KINDS = ("map format", "blend mode", "background kind", "solver", "relief format")
+MORE = ("relief option", "filter", "command", "figure", "error")
+
+
+@pytest.mark.parametrize("kind", [*KINDS, *MORE])
+def test_the_table_says_which_files_to_touch(kind):
+    row = re.search(rf"^\| {kind}(?: \(\w+\))? \| ([^|]*) \|", PAGE, re.MULTILINE)
+    assert row is not None
+    files = [name for name in re.findall(r"`((?:nmaptool|cli)/[\w/.]+|README\.md)`", row[1]) if "NAME" not in name]
+    assert files
+    assert all((ROOT / name).exists() for name in files), files
+
+
+def bodies(path):
+    """Lines of each function's body, its docstring left out."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef):
+            body = node.body[1:] if ast.get_docstring(node) is not None else node.body
+            yield body[-1].end_lineno - body[0].lineno + 1 if body else 0
+
+
+def test_files_and_functions_are_small_on_the_whole():
+    files = [path for room in ("nmaptool", "cli") for path in (ROOT / room).rglob("*.py")]
+    assert statistics.median(len(path.read_text(encoding="utf-8").splitlines()) for path in files) <= 150
+    sizes = sorted(size for path in files for size in bodies(path))
+    assert sizes[len(sizes) * 9 // 10] <= 20
