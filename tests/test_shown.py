@@ -36,6 +36,7 @@ def values():
         normal_map,
         nm.RasterImage(np.zeros((4, 6, 3), np.uint8), ("R", "G", "B")),
         nm.inspect_map(np.full((64, 64, 3), (128, 128, 255), np.uint8)),
+        nm.decode_image(np.full((64, 64, 3), (128, 128, 255), np.uint8)),
         nm.Layer(normal_map),
         nm.LayerGroup([normal_map]),
         nm.PackedMap(normal_map),
@@ -79,6 +80,7 @@ def test_no_public_value_prints_its_arrays(values):
     [
         ("NormalMap", "<NormalMap dome: 32 x 32 px, 0.5 mm per px, 60% covered>"),
         ("RasterImage", "<RasterImage image: 6 x 4 px, pitch unknown, channels R, G, B, 8-bit codes>"),
+        ("Decoded", "<Decoded picture: 64 x 64 px, pitch unknown, background flat>"),
         ("Inspection", "<Inspection picture: 64 x 64 px, 8 bits, 1 finding (no-foreground)>"),
         ("Mesh", "<Mesh mesh: 42 vertices, 80 faces, 1 mm to a unit (assumed)>"),
         ("LayerGroup", "<LayerGroup group: 1 layer>"),

@@ -18,6 +18,7 @@ from nmaptool.options import ReadOptions
 from nmaptool.types.inputs import RasterLike, as_raster
 from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import RasterImage
+from nmaptool.types.shown import OneLine
 
 LENGTH_OFF = 0.1
 # where so many vectors are not of unit length, the picture is something else
@@ -25,8 +26,8 @@ NOT_NORMALS_SHARE = 0.5
 _SAMPLE = 100_000
 
 
-@dataclass(frozen=True, eq=False)
-class Decoded:
+@dataclass(frozen=True, eq=False, repr=False)
+class Decoded(OneLine):
     """A picture read as a normal map, with what was found on the way.
 
     Attributes
@@ -45,6 +46,9 @@ class Decoded:
     background: Background
     normal_map: NormalMap
     channels: Channels
+
+    def _line(self) -> str:
+        return f"{self.normal_map.name}: {self.normal_map.frame.with_pitch}, background {self.background.kind}"
 
 
 def decode_image(image: RasterLike, options: ReadOptions | None = None) -> Decoded:
