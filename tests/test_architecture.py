@@ -26,6 +26,16 @@ def test_the_drawing_is_the_import_contract():
     assert sorted(room for floor in layers() for room in floor) == ROOMS
 
 
+def test_every_package_is_built():
+    built = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    found = [".".join(path.parent.relative_to(ROOT).parts) for path in (ROOT / "nmaptool").rglob("__init__.py")]
+    found += [
+        ".".join(("nmaptool_cli", *p.parent.relative_to(ROOT / "cli").parts))
+        for p in (ROOT / "cli").rglob("__init__.py")
+    ]
+    assert sorted(built) == sorted(found)
+
+
 def test_nothing_lies_between_the_rooms():
     loose = sorted(path.name for path in (ROOT / "nmaptool").iterdir() if path.is_file())
     assert loose == ["__init__.py", "__init__.pyi", "_version.py", "py.typed"]

@@ -56,6 +56,27 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
 
 
+def test_the_command_line_leaves_the_options_classes_as_they_are():
+    code = """
+import dataclasses, importlib, pkgutil
+import nmaptool.options as options
+from nmaptool.core.units import Length
+
+def state():
+    kinds = [kind for kind in vars(options).values() if isinstance(kind, type)] + [Length]
+    return [(kind.__name__, dict(vars(kind)), dict(vars(kind).get("__annotations__", {}))) for kind in kinds]
+
+before = state()
+import nmaptool_cli
+for module in pkgutil.walk_packages(nmaptool_cli.__path__, "nmaptool_cli."):
+    importlib.import_module(module.name)
+from nmaptool_cli.main import main
+main(["relief", "--help"])
+assert state() == before
+"""
+    loaded_by(code)
+
+
 COMPOSE = ("blend", "convert", "depth", "pack", "paste", "split", "stack", "transform", "unpack")
 COMMANDS = ("bake", "compare", "compose", *(f"compose {name}" for name in COMPOSE), "inspect", "relief", "smooth")
 
