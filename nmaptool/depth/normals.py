@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError
-from nmaptool.core.progress import Progress
+from nmaptool.core.progress import Progress, Stages
 from nmaptool.depth.fit import fit_surface
 from nmaptool.depth.ground import find_ground
 from nmaptool.depth.jumps import Surfaces, join_all, part_surfaces
@@ -45,22 +42,6 @@ _LEAST_LINE, _NOISY_LINE = 5, 12
 _LOSSY_NOISE = 1.25
 # slopes that are less wrong than this need no fit
 _FINE_SLOPE = 0.012
-
-
-@dataclass
-class _Stages:
-    """Times by stage, and who wants to know how far the work is."""
-
-    progress: Progress | None
-    seconds: dict[str, float] = field(default_factory=dict)
-
-    @contextmanager
-    def stage(self, name: str, share: float) -> Iterator[None]:
-        if self.progress is not None:
-            self.progress(name, share)
-        start = time.perf_counter()
-        yield
-        self.seconds[name] = round(time.perf_counter() - start, 4)
 
 
 def depth_to_normals(
@@ -110,7 +91,7 @@ def depth_to_normals(
     [0.5, -0.0]
     """
     options = options or DepthOptions()
-    stages = _Stages(progress)
+    stages = Stages(progress)
     with stages.stage("reading", 0.0):
         source = _read(as_raster(image), options, None if mask is None else as_mask(mask))
         heights, known, scale = source.heights, source.grey.known, source.scale
@@ -155,7 +136,7 @@ def depth_to_normals(
         background=word,
         background_share=float(1 - normal_map.foreground.mean()),
         curl=turn,
-        seconds=stages.seconds,
+        seconds=stages.seconds(),
         warnings=normal_map.decoding.warnings,
     )
     return DepthResult(normal_map, jumps, report)
