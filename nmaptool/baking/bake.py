@@ -43,6 +43,9 @@ def bake(
 ) -> LayerSet:
     """Render the original, base and detail normal maps of a mesh (paper, Sec. 3 and 4.2.1).
 
+    The face normals of the cleaned mesh are split as by `decompose_normals`; one drawing of the mesh then says which
+    face each pixel sees, and every layer takes its normals from there.
+
     Parameters
     ----------
     mesh : Mesh
@@ -54,7 +57,7 @@ def bake(
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage, "filtering" up to 0.7, then "drawing", and the share done, 0 to 1.
 
     Returns
     -------

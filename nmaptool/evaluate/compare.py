@@ -60,7 +60,7 @@ def compare(
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage and the share done, 0 to 1; most of it is "sweeping".
 
     Returns
     -------

@@ -29,6 +29,9 @@ def decompose_normals(
 ) -> Decomposition:
     """Split the face normals of a mesh into base and detail (GRNF: paper, Sec. 3.1; DRNF: Sec. 3.2).
 
+    The base normals are those of the forms, the detail is what is left of the original normals beside them: `smooth`
+    rebuilds a mesh to a mixture of both, `bake` renders them.
+
     Parameters
     ----------
     mesh : Mesh
@@ -38,7 +41,7 @@ def decompose_normals(
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage, such as "filtering", and the share done, 0 to 1.
 
     Returns
     -------

@@ -56,15 +56,7 @@ class PreparedMesh:
 
 
 def prepare_mesh(mesh: Mesh, filter: FilterOptions | None = None, model: FilterModel | None = None) -> PreparedMesh:
-    """Clean a mesh and settle its filter.
-
-    Raises
-    ------
-    InputError
-        If no face of the mesh is usable.
-    UsageError
-        If a model is given, but the filter is not ``learned``.
-    """
+    """Clean a mesh and settle its filter; raises as `nmaptool.decompose_normals` does."""
     chosen = filter or FilterOptions()
     model = model_of(chosen, model)
     return PreparedMesh(*clean_mesh(mesh), chosen, model)

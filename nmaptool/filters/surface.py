@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64
-from nmaptool.filters.cells import Labels, Reach, face_neighbors, patches, reach
+from nmaptool.filters.cells import ConnectedFaces, Labels, Reach, face_neighbors
 from nmaptool.filters.principal import principal_axes
 from nmaptool.filters.rolling import Gather, weighted_normals
 from nmaptool.types.mesh import Mesh, sum_by
@@ -54,10 +54,8 @@ class Neighborhood:
 
     Parameters
     ----------
-    mesh : Mesh
-        Clean and welded.
-    sigma_s : float
-        In units of the mesh.
+    mesh, sigma_s
+        As for `GatherMaker`.
     """
 
     def __init__(self, mesh: Mesh, sigma_s: float) -> None:
@@ -67,10 +65,10 @@ class Neighborhood:
         step = _ROUNDING * float(np.ptp(geometry.centroids, axis=0).max()) or 1.0
         own = geometry.centroids @ self._axes.T
         own = np.round((own - (own.min(axis=0) + own.max(axis=0)) / 2) / step) * step
-        neighbors = face_neighbors(mesh.faces)
-        around = reach(own, neighbors, RADIUS * sigma_s)
+        connected = ConnectedFaces(own, face_neighbors(mesh.faces))
+        around = connected.reach(RADIUS * sigma_s)
         self._around = around
-        self._cells = _cells(patches(own, neighbors, _PATCH * sigma_s), around.patch)
+        self._cells = _cells(connected.patches(_PATCH * sigma_s), around.patch)
         self._where = own / sigma_s
         self._areas = geometry.areas
 

@@ -32,6 +32,9 @@ def smooth(
 ) -> SmoothResult:
     """Smooth or exaggerate a mesh: rebuild it to the normals unit(N_B + gain N_D) (paper, Sec. 3 and 4.1).
 
+    The mesh is cleaned as by `clean_mesh`, `decompose_normals` splits its face normals into base and detail, and
+    `reconstruct` moves its vertices until the faces have the mixed normals.
+
     Parameters
     ----------
     mesh : Mesh
@@ -45,7 +48,7 @@ def smooth(
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage, "filtering" up to 0.5 and "rebuilding" from there, and the share done, 0 to 1.
 
     Returns
     -------
@@ -54,10 +57,8 @@ def smooth(
 
     Raises
     ------
-    InputError
-        If no face of the mesh is usable.
-    UsageError
-        If a model is given, but the filter is not ``learned``.
+    InputError, UsageError
+        As `decompose_normals`.
     ConvergenceError
         If the system of scheme "poisson" cannot be solved.
 
