@@ -10,7 +10,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.options import CompareOptions, FilterOptions, MeshReadOptions, ReconstructOptions
 from nmaptool.options.fields import option
 from nmaptool_cli.command import command
-from nmaptool_cli.inputs import LearnedFilter, begin_mesh, mesh_header, read_mesh
+from nmaptool_cli.inputs import LearnedFilter, begin_mesh, mesh_header, rebuild_mesh
 from nmaptool_cli.outputs import ReportOutputs
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import refuse_stream
@@ -60,11 +60,7 @@ def compare(run: Run, mesh: str, /) -> None:
     import nmaptool as nm
     from nmaptool_cli.wording.meshes import describe_comparison, describe_curves
 
-    with run.work() as (files, progress):
-        model = run[LearnedFilter].read()
-        source = read_mesh(run, files["mesh"])
-        options, rebuilding = run[CompareOptions], run[ReconstructOptions]
-        comparison = nm.compare(source, options, run[FilterOptions], rebuilding, model=model, progress=progress)
+    source, comparison = rebuild_mesh(run, nm.compare, run[CompareOptions])
     run.say(*describe_comparison(comparison))
     run.detail(*describe_curves(comparison))
     run.finish(outputs, comparison, mesh_header(run, source) | comparison.to_dict())

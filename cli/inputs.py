@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from nmaptool.options import MeshReadOptions, ReadOptions
+from nmaptool.options import FilterOptions, MeshReadOptions, ReadOptions, ReconstructOptions
 from nmaptool.options.fields import Options, option
 from nmaptool_cli.streams import display_name, refuse_stream
 
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     import nmaptool as nm
     from nmaptool.io.output.transaction import Outputs
     from nmaptool_cli.run import Run
+
+_Result = TypeVar("_Result")
 
 ONLY_FILES = "a mesh is read from a file, whose ending tells what it is"
 
@@ -60,6 +63,15 @@ def mesh_header(run: Run, source: nm.Mesh) -> dict[str, Any]:
     """What the report of a rebuilt mesh begins with."""
     reading = asdict(run[MeshReadOptions])
     return run.header(reading=reading, mm_per_unit=source.mm_per_unit, unit_from=source.unit_from)
+
+
+def rebuild_mesh(run: Run, rebuild: Callable[..., _Result], options: Options) -> tuple[nm.Mesh, _Result]:
+    """A mesh as it was read, and what ``rebuild`` (`nmaptool.smooth`, `nmaptool.compare`) makes of it."""
+    with run.work() as (files, progress):
+        model = run[LearnedFilter].read()
+        source = read_mesh(run, files["mesh"])
+        result = rebuild(source, options, run[FilterOptions], run[ReconstructOptions], model=model, progress=progress)
+    return source, result
 
 
 def read_map(run: Run, file: str, like: nm.NormalMap | None = None, *, own_layer: bool = True) -> nm.NormalMap:

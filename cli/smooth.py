@@ -10,7 +10,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.options import FilterOptions, MeshReadOptions, ReconstructOptions, SmoothOptions
 from nmaptool.options.fields import option
 from nmaptool_cli.command import command
-from nmaptool_cli.inputs import LearnedFilter, begin_mesh, mesh_header, read_mesh
+from nmaptool_cli.inputs import LearnedFilter, begin_mesh, mesh_header, rebuild_mesh
 from nmaptool_cli.outputs import ReportOutputs
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import refuse_stream
@@ -63,11 +63,7 @@ def smooth(run: Run, mesh: str, /) -> None:
     from nmaptool.io.output.mesh import mesh_metadata
     from nmaptool_cli.wording.meshes import describe_smoothing
 
-    with run.work() as (files, progress):
-        model = run[LearnedFilter].read()
-        source = read_mesh(run, files["mesh"])
-        options, rebuilding = run[SmoothOptions], run[ReconstructOptions]
-        result = nm.smooth(source, options, run[FilterOptions], rebuilding, model=model, progress=progress)
+    source, result = rebuild_mesh(run, nm.smooth, run[SmoothOptions])
     describe_smoothing(run, source, result)
     metadata = mesh_metadata(result.mesh, mesh_header(run, source) | result.report.to_dict())
     meshes = run[MeshOutputs].output

@@ -223,7 +223,7 @@ def test_no_renderer_in_truth(place, tree, fails):
 
 
 PLACES = [
-    "nmaptool.baking.bake.decompose_clean",
+    "nmaptool.filters.prepared.decompose_clean",
     "nmaptool.baking.bake.draw_face_buffer",
     "nmaptool.io.output.layers.contact_sheet",
     "nmaptool.io.output.layers.mixture_plot",

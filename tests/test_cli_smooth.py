@@ -141,12 +141,12 @@ def test_a_full_disk_leaves_nothing(refused, place, monkeypatch):
     refused(OUTPUT, pattern, "smooth", "plate.obj", "-o", "m.stl", "-q")
 
 
-@pytest.mark.parametrize("where", ["decompose_clean", "reconstruct"])
+@pytest.mark.parametrize("where", ["filters.prepared.decompose_clean", "reconstruction.smooth.reconstruct"])
 def test_ctrl_c_leaves_nothing(refused, place, monkeypatch, where):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(f"nmaptool.reconstruction.smooth.{where}", interrupted)
+    monkeypatch.setattr(f"nmaptool.{where}", interrupted)
     refused(130, "interrupted; nothing was written", "smooth", "plate.obj", "-o", "m.stl", "-q")
 
 

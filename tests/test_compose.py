@@ -249,26 +249,3 @@ def test_blend_wants_one_size_or_stretches(ground, sticker):
     assert np.array_equal(masked.normals[30:], ground.normals[30:])
     with pytest.raises(nm.InputError, match="the mask of ground is 80 x 59, expected 80 x 60"):
         nm.blend(ground, ground, mask=mask[1:])
-
-
-@pytest.mark.parametrize(
-    ("how", "message"),
-    [
-        ({"mode": "screen"}, "--mode 'screen': use one of over, rnm, pd"),
-        ({"anchor": "middle"}, "--anchor 'middle': use one of center, top-left"),
-        ({"at": "5px"}, "--at '5px': expected 2 distances with commas, such as 30%,12mm"),
-        ({"at": "5,6"}, "--at distance '5': expected a number with a unit"),
-        ({"strength": 1.5}, '--strength 1.5: must lie between 0 and 1 where the mode is "over"'),
-        ({"strength": -1}, "--strength -1: must be zero or more"),
-        ({"feather": "x"}, "--feather distance 'x': expected a number with a unit"),
-        ({"scale": "big"}, "--scale 'big': expected a factor, two with a comma, or a width such as 30mm"),
-        ({"feather": "-2px"}, "--feather -2px: must be zero or more, such as 6px"),
-        ({"scale": 0}, "--scale 0: expected one or two factors"),
-        ({"rotate": 1e9}, "--rotate 1e\\+09: must lie between"),
-        ({"clip": "maybe"}, "--clip 'maybe': use one of auto, yes, no"),
-        ({"at": "1e9px,0"}, "--at distance 1000000000px: must be a number of at most 1e\\+06"),
-    ],
-)
-def test_layer_options_that_cannot_be_meant(how, message):
-    with pytest.raises(nm.UsageError, match=message):
-        nm.LayerOptions(**how)

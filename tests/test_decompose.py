@@ -37,7 +37,7 @@ def test_ring_is_the_papers_sum():
     mesh = uneven(7)
     geometry = face_geometry(mesh)
     sigma_s, sigma_r = 2.5 * mean_edge_length(mesh), 0.4
-    gather = gather_ring(mesh, geometry, sigma_s, sigma_r)
+    gather = gather_ring(mesh, sigma_s, sigma_r)
     guide = None
     for _ in range(3):
         exact = np.array(
@@ -73,7 +73,7 @@ def test_surface_is_close_to_the_exact_sum(mesh, sigma):
     """The stated error of the approximation: 0.6 degrees on average, 1.5 for 95 of 100 faces, after every pass."""
     geometry = face_geometry(mesh)
     sigma_s, sigma_r = sigma * mean_edge_length(mesh), 0.5
-    gather = gather_surface(mesh, geometry, sigma_s, sigma_r)
+    gather = gather_surface(mesh, sigma_s, sigma_r)
     picked = np.random.default_rng(0).choice(len(mesh.faces), 60, replace=False)
     around = {f: reached(mesh, geometry.centroids, f, RADIUS * sigma_s) for f in picked}
     guide = None

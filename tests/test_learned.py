@@ -140,7 +140,7 @@ def test_descriptors_are_filtered_normals():
     found = Describer(mesh, DESCRIPTOR)()
     led = Describer(mesh, DESCRIPTOR)(found[:, 0, :3].astype(float))
     for place, (size, likeness) in enumerate((s, r) for s in DESCRIPTOR.sigma_s for r in DESCRIPTOR.sigma_r):
-        gather = gather_surface(mesh, mesh.geometry, size * mesh.mean_edge, likeness)
+        gather = gather_surface(mesh, size * mesh.mean_edge, likeness)
         exact = rolling_guidance(normals, gather, 2)
         assert angles(found[:, place, :3], exact).mean() < 0.5
         sums = gather(found[:, 0, :3].astype(float))

@@ -170,35 +170,6 @@ def test_what_does_not_fit_is_an_input_error(noise, how, message):
         moved(noise, **how)
 
 
-@pytest.mark.parametrize(
-    ("how", "message"),
-    [
-        ({"crop": "1,2"}, "--crop '1,2': expected 4 distances with commas, such as 10%,10%,80%,50%"),
-        ({"crop": "a,0,1px,1px"}, "--crop distance 'a': expected a number with a unit"),
-        ({"crop": "0,0,0,5px"}, "--crop 0,0,0,5px: width and height must be greater than zero"),
-        ({"pad": "-3px"}, "--pad -3px: must be zero or more; cut with --crop"),
-        ({"pad": "1px,2px"}, "expected 1 or 4 distances"),
-        ({"affine": "1,2,3"}, "--affine '1,2,3': expected four numbers"),
-        ({"affine": "1,2,2,4"}, "--affine 1,2,2,4: is singular"),
-        ({"affine": "0,0,0,0"}, "is singular"),
-        ({"affine": "nan,0,0,1"}, "must be numbers of at most 1e\\+06"),
-        ({"scale": "0"}, "--scale 0: expected one or two factors between 0.001 and 1000"),
-        ({"scale": "1,2,3"}, "--scale 1,2,3: expected one or two factors"),
-        ({"scale": "x,2"}, "--scale 'x,2': expected a factor, two with a comma, or a width"),
-        ({"resize": "10"}, "--resize '10': expected columns x rows"),
-        ({"resize": "9x9", "scale": 2}, "--resize and --scale both say how large"),
-        ({"rotate": float("nan")}, "--rotate nan: must lie between"),
-        ({"ground": "stone"}, "--ground 'stone': use one of auto, clear, flat"),
-        ({"vectors_only": True, "pad": "1px"}, "--vectors-only leaves the pixels where they are"),
-        ({"width": "3px"}, "--width 3px: .* give it in mm"),
-        ({"height_factor": 1e9}, "--height-factor 1e\\+09: must lie between"),
-    ],
-)
-def test_options_that_cannot_be_meant(how, message):
-    with pytest.raises(nm.UsageError, match=message):
-        nm.TransformOptions(**how)
-
-
 def test_millimetres_need_a_pitch_and_results_a_limit():
     with pytest.raises(nm.UsageError, match="3mm: the size of a pixel is not known; say --width 100mm"):
         moved(bump_map(), crop="3mm,0,3mm,3mm")

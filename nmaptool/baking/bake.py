@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-import time
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float32, Float64
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.core.progress import Progress
+from nmaptool.core.progress import Progress, Stages, part
 from nmaptool.core.units import Length
 from nmaptool.core.vectors import mean_abs_curls, mean_angle_deg
-from nmaptool.filters.decompose import decompose_clean, long_edges, model_of, sigma_s_of
 from nmaptool.filters.learned.model import FilterModel
+from nmaptool.filters.prepared import PreparedMesh, prepare_mesh
 from nmaptool.filters.rolling import Decomposition
 from nmaptool.maps.detail import encode_detail
-from nmaptool.meshes.clean import clean_mesh
 from nmaptool.options import BakeOptions, FilterOptions
 from nmaptool.options.plain_values import filter_values, plain_values
 from nmaptool.reconstruction.reconstruct import reconstruct
@@ -31,7 +26,6 @@ from nmaptool.render.face_buffer import FaceBuffer, draw_face_buffer
 from nmaptool.render.rendering import rendering
 from nmaptool.types.layer_set import LayerReport, LayerSet
 from nmaptool.types.mesh import Mesh
-from nmaptool.types.mesh_findings import MeshFindings
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
 
@@ -49,6 +43,9 @@ def bake(
 ) -> LayerSet:
     """Render the original, base and detail normal maps of a mesh (paper, Sec. 3 and 4.2.1).
 
+    The face normals of the cleaned mesh are split as by `decompose_normals`; one drawing of the mesh then says which
+    face each pixel sees, and every layer takes its normals from there.
+
     Parameters
     ----------
     mesh : Mesh
@@ -60,7 +57,7 @@ def bake(
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage, "filtering" up to 0.7, then "drawing", and the share done, 0 to 1.
 
     Returns
     -------
@@ -129,72 +126,55 @@ def bake_views(
     ['front', 'left']
     """
     options = options or BakeOptions()
-    notify = progress or (lambda word, share: None)
-    asked = filter or FilterOptions()
-    work = _Work(options, asked, model_of(asked, model))
-    with work.timed("clean"):
-        clean, source_faces, findings = clean_mesh(mesh)
-        cameras = [frame_camera(clean, options, *direction) for direction in options.directions]
-        clean = _sized(clean, cameras, work)
+    stages = Stages(progress)
+    with stages.stage("clean"):
+        prepared = prepare_mesh(mesh, filter, model)
+        cameras = [frame_camera(prepared.mesh, options, *direction) for direction in options.directions]
+        prepared = _sized(prepared, cameras, options.width)
     made = []
     # the renderer first: where nothing can be drawn, nobody waits for the filter
     with rendering(options.renderer) as renderer:
         draw, platform = renderer
-        with work.timed("filter"):
-            split = decompose_clean(clean, work.filter, lambda word, share: notify(word, 0.1 + 0.6 * share), work.model)
-            shown, split = _updated(clean, split) if options.geometry == "updated" else (clean, split)
+        with stages.stage("filter"):
+            split = prepared.decompose(part(progress, 0.1, 0.7))
+            shown = prepared.mesh
+            if options.geometry == "updated":
+                shown, split = _updated(shown, split)
             fields = _fields(shown, split, options)
         for number, (view, camera) in enumerate(zip(options.views, cameras, strict=True)):
-            notify("drawing", 0.7 + 0.3 * number / len(cameras))
-            with work.timed("draw"):
+            stages.tell("drawing", 0.7 + 0.3 * number / len(cameras))
+            with stages.stage("draw"):
                 face_buffer = draw_face_buffer(shown, camera, draw, options.supersample)
-            with work.timed("layers"):
-                drawn = _Drawn(clean, source_faces, findings, view, face_buffer, platform)
-                made.append(_layer_set(work, drawn, split, fields))
-    seconds = {key: round(value, 4) for key, value in work.seconds.items()}
+            with stages.stage("layers"):
+                drawn = _Drawn(prepared, options, view, face_buffer, platform)
+                made.append(_layer_set(drawn, split, fields))
+    seconds = stages.seconds()
     return tuple(dataclasses.replace(s, report=dataclasses.replace(s.report, seconds=seconds)) for s in made)
-
-
-@dataclass
-class _Work:
-    """What is asked for, and the time it takes."""
-
-    options: BakeOptions
-    filter: FilterOptions
-    model: FilterModel | None
-    seconds: dict[str, float] = field(default_factory=dict)
-
-    @contextlib.contextmanager
-    def timed(self, stage: str) -> Iterator[None]:
-        start = time.perf_counter()
-        yield
-        self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
 
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """A drawing of a clean mesh, and what it came from."""
+    """A drawing of a mesh, and what it came from."""
 
-    mesh: Mesh
-    source_faces: NDArray[np.int64]
-    findings: MeshFindings
+    prepared: PreparedMesh
+    options: BakeOptions
     view: str
     face_buffer: FaceBuffer
     platform: str
 
 
-def _sized(mesh: Mesh, cameras: list[Camera], work: _Work) -> Mesh:
+def _sized(prepared: PreparedMesh, cameras: list[Camera], width: Length | None) -> PreparedMesh:
     """The mesh in the millimetres that the picture's width gives it, so that lengths in mm mean those."""
-    width = work.options.width
     if width is None:
-        return mesh
+        return prepared
     sizes = [width.to_mm(1.0, 1) / camera.cols / camera.unit_per_px for camera in cameras]
-    sigma_s = work.filter.sigma_s
+    sigma_s = prepared.filter.sigma_s
     if isinstance(sigma_s, Length) and sigma_s.is_absolute and not np.allclose(sizes, sizes[0], rtol=1e-6):
         raise UsageError(
             f"--sigma-s {sigma_s}: these views have different scales at --width {width}; give it in %, or one view"
         )
-    return dataclasses.replace(mesh, mm_per_unit=sizes[0], unit_from="given")
+    sized = dataclasses.replace(prepared.mesh, mm_per_unit=sizes[0], unit_from="given")
+    return dataclasses.replace(prepared, mesh=sized)
 
 
 def _updated(mesh: Mesh, split: Decomposition) -> tuple[Mesh, Decomposition]:
@@ -211,18 +191,18 @@ def _fields(mesh: Mesh, split: Decomposition, options: BakeOptions) -> tuple[Flo
     return corner_normals(mesh, split.normals, options.crease), corner_normals(mesh, split.base, options.crease)
 
 
-def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[Float64, Float64]) -> LayerSet:
-    options, face_buffer, camera = work.options, drawn.face_buffer, drawn.face_buffer.camera
+def _layer_set(drawn: _Drawn, split: Decomposition, fields: tuple[Float64, Float64]) -> LayerSet:
+    options, face_buffer, camera = drawn.options, drawn.face_buffer, drawn.face_buffer.camera
+    prepared, mesh = drawn.prepared, drawn.prepared.mesh
     original, coverage = face_buffer.normal_layer(fields[0])
     if not coverage.any():
         raise InputError(
-            f"{drawn.mesh.name}: nothing of it is seen in the {drawn.view} view; choose another --view, --pitch or "
-            "--target"
+            f"{mesh.name}: nothing of it is seen in the {drawn.view} view; choose another --view, --pitch or --target"
         )
     base, _ = face_buffer.normal_layer(fields[1])
     seen = coverage > 0
     detail = encode_detail(original, base, options.detail_encoding)
-    pitch_mm, pitch_from = camera.unit_per_px * drawn.mesh.mm_per_unit, drawn.mesh.unit_from
+    pitch_mm, pitch_from = camera.unit_per_px * mesh.mm_per_unit, mesh.unit_from
     if options.pitch is not None:
         pitch_from = "given"
     if options.width is not None:
@@ -230,27 +210,27 @@ def _layer_set(work: _Work, drawn: _Drawn, split: Decomposition, fields: tuple[F
     frame = Frame(camera.rows, camera.cols, pitch_mm)
     pixel_faces = face_buffer.pixel_faces()
     report = LayerReport(
-        options=plain_values(options) | filter_values(work.filter),
+        options=plain_values(options) | filter_values(prepared.filter),
         mixture=split.mixture,
-        detail_share=_share(split, drawn.mesh),
+        detail_share=_share(split, mesh),
         detail_angle_deg=mean_angle_deg(original[seen], base[seen]),
         view=drawn.view,
         pitch_from=pitch_from,
-        findings=drawn.findings,
-        faces=len(drawn.mesh.faces),
-        mean_edge=drawn.mesh.mean_edge,
-        sigma_s_px=0.0 if work.model else sigma_s_of(drawn.mesh, work.filter) / camera.unit_per_px,
-        model=work.model.digest if work.model else "",
+        findings=prepared.findings,
+        faces=len(mesh.faces),
+        mean_edge=mesh.mean_edge,
+        sigma_s_px=prepared.sigma_s / camera.unit_per_px,
+        model=prepared.model.digest if prepared.model else "",
         renderer=drawn.platform,
         camera=_camera_metadata(camera),
         curl=mean_abs_curls({"original": original, "base": base, "detail": detail}, seen),
-        warnings=_warnings(drawn, work, coverage),
+        warnings=_warnings(drawn, coverage),
     )
     maps = {
-        name: NormalMap(normals, coverage, frame, name=f"{drawn.mesh.name}: {name}")
+        name: NormalMap(normals, coverage, frame, name=f"{mesh.name}: {name}")
         for name, normals in (("original", original), ("base", base), ("detail", detail))
     }
-    source = np.where(pixel_faces >= 0, drawn.source_faces[pixel_faces], -1).astype(np.int32)
+    source = np.where(pixel_faces >= 0, prepared.source_faces[pixel_faces], -1).astype(np.int32)
     depth_mm = face_buffer.depth(pixel_faces) * np.float32(pitch_mm / camera.unit_per_px)
     return LayerSet(**maps, report=report, depth_mm=depth_mm, faces=source)
 
@@ -269,8 +249,8 @@ def _share(split: Decomposition, mesh: Mesh) -> float:
     return float(areas[split.is_detail].sum() / areas.sum())
 
 
-def _warnings(drawn: _Drawn, work: _Work, coverage: Float32) -> tuple[str, ...]:
-    f, options, mesh = drawn.findings, work.options, drawn.mesh
+def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:
+    f, options, mesh = drawn.prepared.findings, drawn.options, drawn.prepared.mesh
     counted = (
         (f.degenerate_faces, "faces have no area and were dropped"),
         (f.nonfinite_faces, "faces have a vertex that is NaN or infinite and were dropped"),
@@ -280,7 +260,7 @@ def _warnings(drawn: _Drawn, work: _Work, coverage: Float32) -> tuple[str, ...]:
     size_mm = longest * mesh.mm_per_unit
     if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
         found.append(f"is {size_mm:.3g} mm large if its units are mm; say --width 100mm, or its --unit")
-    found += long_edges(mesh, work.filter)
+    found += drawn.prepared.warnings
     if float((coverage > 0).mean()) < 0.001:
         found.append("less than a thousandth of the picture sees the mesh")
     return tuple(found)

@@ -66,8 +66,7 @@ def compose(
     --------
     A slanted square in the middle of a flat plate:
 
-    >>> plate, square = np.zeros((32, 32, 3)), np.zeros((8, 8, 3))
-    >>> plate[...], square[...] = (0, 0, 1), (0.6, 0, 0.8)
+    >>> plate, square = np.full((32, 32, 3), (0.0, 0, 1)), np.full((8, 8, 3), (0.6, 0, 0.8))
     >>> int(nm.compose([plate, square]).placed.sum())
     64
     """
@@ -122,8 +121,7 @@ def paste(
 
     Examples
     --------
-    >>> plate, square = np.zeros((32, 32, 3)), np.zeros((8, 8, 3))
-    >>> plate[...], square[...] = (0, 0, 1), (0.6, 0, 0.8)
+    >>> plate, square = np.full((32, 32, 3), (0.0, 0, 1)), np.full((8, 8, 3), (0.6, 0, 0.8))
     >>> place = nm.LayerOptions(at="0px,0px", anchor="top-left")
     >>> pasted = nm.paste(plate, [nm.Layer(square, place)]).normal_map
     >>> pasted.normals[4, 4].tolist(), pasted.normals[16, 16].tolist()

@@ -48,8 +48,7 @@ def place_layers(
 
     Examples
     --------
-    >>> plate, square = np.zeros((32, 32, 3)), np.zeros((8, 8, 3))
-    >>> plate[...], square[...] = (0, 0, 1), (0.6, 0, 0.8)
+    >>> plate, square = np.full((32, 32, 3), (0.0, 0, 1)), np.full((8, 8, 3), (0.6, 0, 0.8))
     >>> layers, frame = nm.place_layers([plate, square])
     >>> [(layer.left, layer.top) for layer in layers]
     [(0, 0), (12, 12)]

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 Float32 = NDArray[np.float32]
 Float64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+# (h, w, 3): a picture for looking at
+Srgb = NDArray[np.uint8]
 _Array = TypeVar("_Array", bound=NDArray[Any])
 
 

@@ -5,6 +5,8 @@ A message is one line: the file or option, what was found, what is accepted, and
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 
 def reason_of(error: OSError) -> str:
     """Why the operating system refused, in its words."""
@@ -14,40 +16,34 @@ def reason_of(error: OSError) -> str:
 class NmaptoolError(Exception):
     """Base of every error that nmaptool raises on purpose."""
 
-    exit_code = 1
+    exit_code: ClassVar[int] = 1
+
+    def __init_subclass__(cls, exit_code: int | None = None) -> None:
+        super().__init_subclass__()
+        cls.exit_code = cls.exit_code if exit_code is None else exit_code
 
 
-class UsageError(NmaptoolError, ValueError):
+class UsageError(NmaptoolError, ValueError, exit_code=2):
     """An option or argument that is not accepted (exit code 2)."""
 
-    exit_code = 2
 
-
-class InputError(NmaptoolError, ValueError):
+class InputError(NmaptoolError, ValueError, exit_code=3):
     """A file or array that cannot be used as it is (exit code 3)."""
 
-    exit_code = 3
 
-
-class LimitError(NmaptoolError):
+class LimitError(NmaptoolError, exit_code=4):
     """An input over a limit of size or memory, refused before allocation (exit code 4)."""
 
-    exit_code = 4
 
-
-class OutputError(NmaptoolError, OSError):
+class OutputError(NmaptoolError, OSError, exit_code=5):
     """A result that cannot be written (exit code 5)."""
 
-    exit_code = 5
 
-
-class RendererError(NmaptoolError, RuntimeError):
+class RendererError(NmaptoolError, RuntimeError, exit_code=6):
     """No OpenGL context is available, or it cannot draw (exit code 6)."""
 
-    exit_code = 6
 
-
-class ConvergenceError(NmaptoolError, ArithmeticError):
+class ConvergenceError(NmaptoolError, ArithmeticError, exit_code=7):
     """A solve that did not reach its tolerance (exit code 7).
 
     Attributes
@@ -55,8 +51,6 @@ class ConvergenceError(NmaptoolError, ArithmeticError):
     history : tuple of float
         Relative residual after each iteration.
     """
-
-    exit_code = 7
 
     def __init__(self, message: str, history: tuple[float, ...]) -> None:
         super().__init__(message)

@@ -1,6 +1,58 @@
-"""How long work tells how far it is."""
+"""How work tells how far it is, and how long its stages took."""
 
-from collections.abc import Callable
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 # called with a word for the stage and the share done, 0 to 1
 Progress = Callable[[str, float], None]
+
+
+def part(progress: Progress | None, start: float, end: float) -> Progress | None:
+    """Progress of a part of the work: its shares 0 to 1 become ``start`` to ``end`` of the whole.
+
+    >>> part(lambda word, share: print(word, share), 0.5, 1.0)("rebuilding", 0.5)
+    rebuilding 0.75
+    """
+    if progress is None:
+        return None
+    return lambda word, share: progress(word, start + (end - start) * share)
+
+
+class Stages:
+    """Times work by stage and tells how far it is.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Who wants to know.
+
+    Attributes
+    ----------
+    elapsed : dict of str to float
+        Seconds by stage; a stage that is entered again adds up.
+    """
+
+    def __init__(self, progress: Progress | None = None) -> None:
+        self.progress = progress
+        self.elapsed: dict[str, float] = {}
+
+    @contextmanager
+    def stage(self, name: str, share: float | None = None) -> Iterator[None]:
+        """Time a stage; with the share done so far, also tell that it begins."""
+        if share is not None:
+            self.tell(name, share)
+        start = time.perf_counter()
+        yield
+        self.elapsed[name] = self.elapsed.get(name, 0.0) + time.perf_counter() - start
+
+    def tell(self, name: str, share: float) -> None:
+        """Tell how far the work is."""
+        if self.progress is not None:
+            self.progress(name, share)
+
+    def seconds(self, digits: int = 4) -> dict[str, float]:
+        """Rounded seconds by stage, for a report."""
+        return {name: round(value, digits) for name, value in self.elapsed.items()}

@@ -19,13 +19,32 @@ _PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(mm|cm|in|
 _MEMORY = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kmgt]?i?b)\s*", re.IGNORECASE)
 
 
-def _require_unit(unit: str) -> None:
-    if unit not in (*_MM_PER_UNIT, "px", "%"):
-        raise UsageError(f"unknown unit {unit!r}: use mm, cm, in, px or %")
+@dataclass(frozen=True)
+class _Measure:
+    """A number with a unit, both checked."""
+
+    value: float
+    unit: str
+
+    def __post_init__(self) -> None:
+        if self.unit not in (*_MM_PER_UNIT, "px", "%"):
+            raise UsageError(f"unknown unit {self.unit!r}: use mm, cm, in, px or %")
+        self._check_value()
+
+    def _check_value(self) -> None:
+        """Refuse a value out of range."""
+
+    def __str__(self) -> str:
+        return f"{self.value:.12g}{self.unit}"
+
+    @property
+    def is_absolute(self) -> bool:
+        """Whether it is in mm, cm or in: known in mm without a picture, and in px only where the pitch is known."""
+        return self.unit in _MM_PER_UNIT
 
 
 @dataclass(frozen=True)
-class Length:
+class Length(_Measure):
     """A length in millimetres, pixels or per cent of the longer side, between 1e-6 and 1e6.
 
     Parameters
@@ -41,18 +60,11 @@ class Length:
         If the value is out of range or the unit is unknown.
     """
 
-    value: float
-    unit: str
-
-    def __post_init__(self) -> None:
-        _require_unit(self.unit)
+    def _check_value(self) -> None:
         if not (math.isfinite(self.value) and self.value > 0):
             raise UsageError(f"length {self}: must be greater than zero, such as 3mm")
         if not _SMALLEST <= self.value <= _LARGEST:
             raise UsageError(f"length {self}: must lie between {_SMALLEST:g} and {_LARGEST:g}, such as 3mm")
-
-    def __str__(self) -> str:
-        return f"{self.value:.12g}{self.unit}"
 
     def to_mm(self, pitch_mm: float, longer_side_px: int) -> float:
         """Length in mm on a grid of ``pitch_mm`` mm per px whose longer side has ``longer_side_px`` px.
@@ -65,11 +77,6 @@ class Length:
         if self.unit == "%":
             return self.value / 100 * longer_side_px * pitch_mm
         return self.value * _MM_PER_UNIT[self.unit]
-
-    @property
-    def is_absolute(self) -> bool:
-        """Whether the length needs no picture to be known in mm."""
-        return self.unit in _MM_PER_UNIT
 
 
 def length(text: str) -> Length:
@@ -104,7 +111,7 @@ def length(text: str) -> Length:
 
 
 @dataclass(frozen=True)
-class Offset:
+class Offset(_Measure):
     """A distance of any sign, zero too, along one side of a picture, such as where a layer lies.
 
     Parameters
@@ -120,21 +127,9 @@ class Offset:
         If the value is out of range or the unit is unknown.
     """
 
-    value: float
-    unit: str
-
-    def __post_init__(self) -> None:
-        _require_unit(self.unit)
+    def _check_value(self) -> None:
         if not abs(self.value) <= _LARGEST:
             raise UsageError(f"distance {self}: must be a number of at most {_LARGEST:g}, such as 12mm")
-
-    def __str__(self) -> str:
-        return f"{self.value:.12g}{self.unit}"
-
-    @property
-    def is_absolute(self) -> bool:
-        """Whether the size of a pixel must be known to tell it in px."""
-        return self.unit in _MM_PER_UNIT
 
     def to_px(self, pitch_mm: float | None, side_px: int) -> float:
         """Distance in px along a side of ``side_px`` px.

@@ -53,10 +53,8 @@ def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uin
 
     Parameters
     ----------
-    heights : (H, W) float32
-    known : (H, W) bool
-        Pixels that have a height.
-    rule : JumpRule
+    heights, known, rule
+        As for `nmaptool.depth.jumps.part_surfaces`.
     lines : (H, W) uint8
         1 beside jumps.
 

@@ -81,12 +81,6 @@ def in_px(length: Length, cols: int, pitch_mm: float | None, flag: str, name: st
 def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) -> Scale:
     """What the options, the file or the default say of a picture's heights.
 
-    Parameters
-    ----------
-    image : RasterImage
-    grey : GreyValues
-    options : DepthOptions
-
     Raises
     ------
     UsageError

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -12,12 +11,11 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import UsageError
-from nmaptool.core.progress import Progress
+from nmaptool.core.progress import Progress, Stages, part
 from nmaptool.core.vectors import angles_deg
 from nmaptool.evaluate.sweep import CURVES, POISSON_ONCE, as_shown, sweep, verdicts_of
-from nmaptool.filters.decompose import decompose_clean
 from nmaptool.filters.learned.model import FilterModel
-from nmaptool.meshes.clean import clean_mesh
+from nmaptool.filters.prepared import PreparedMesh, prepare_mesh
 from nmaptool.meshes.distances import hausdorff
 from nmaptool.options import BakeOptions, CompareOptions, FilterOptions, ReconstructOptions
 from nmaptool.options.bake import VIEWS
@@ -62,7 +60,7 @@ def compare(
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage and the share done, 0 to 1; most of it is "sweeping".
 
     Returns
     -------
@@ -86,22 +84,27 @@ def compare(
     >>> list(comparison.contenders), comparison.faces
     (['gsfg', 'poisson'], 80)
     """
-    options, chosen = options or CompareOptions(), filter or FilterOptions()
+    options = options or CompareOptions()
     ours = reconstruct_options or ReconstructOptions()
     if ours.scheme == "poisson":
         raise UsageError("--scheme poisson: is what gSfG is compared with; use one of the others")
-    notify = progress or (lambda word, share: None)
-    begun = time.perf_counter()
-    clean, _, _ = clean_mesh(mesh)
-    camera = frame_camera(clean, _bake_options(options), *VIEWS[options.view])
+    stages = Stages(progress)
+    with stages.stage("whole"):
+        comparison = _compared(prepare_mesh(mesh, filter, model), options, ours, stages)
+    return dataclasses.replace(comparison, seconds=stages.seconds(digits=2))
+
+
+def _compared(prepared: PreparedMesh, options: CompareOptions, ours: ReconstructOptions, stages: Stages) -> Comparison:
+    """The comparison without the time that it took."""
+    camera = frame_camera(prepared.mesh, _bake_options(options), *VIEWS[options.view])
     with rendering(options.renderer) as (draw, _):
-        split = decompose_clean(clean, chosen, lambda word, share: notify(word, 0.1 * share), model)
-        bench = _Bench(clean, target_normals(split, 0.0))
+        split = prepared.decompose(part(stages.progress, 0.0, 0.1))
+        bench = _Bench(prepared.mesh, target_normals(split, 0.0))
         found = {"gsfg": bench.run(ours)}
         curves = {}
         for number, name in enumerate(CURVES):
-            curves[name] = sweep(name, bench.point, ours, _part(notify, number))
-        notify("measuring", 0.9)
+            curves[name] = sweep(name, bench.point, ours, _part(stages, number))
+        stages.tell("measuring", 0.9)
         found["poisson"] = bench.run(_matched(curves[POISSON_ONCE], bench.point_of(found["gsfg"], ours), ours))
         contenders = {name: bench.contender(each) for name, each in found.items()}
         rendered_views = {name: _rendered_view(each, camera, draw) for name, each in contenders.items()}
@@ -111,18 +114,17 @@ def compare(
         for name, each in contenders.items()
     }
     return Comparison(
-        name=mesh.name,
-        faces=len(clean.faces),
-        vertices=len(clean.vertices),
+        name=prepared.mesh.name,
+        faces=len(prepared.mesh.faces),
+        vertices=len(prepared.mesh.vertices),
         diagonal_mm=bench.diagonal_mm,
-        filter=chosen,
+        filter=prepared.filter,
         normal_before_deg=found["gsfg"].report.normal_deviation_before_deg,
         edges_deg=edges,
         contenders=contenders,
         curves=curves,
         verdicts=(as_shown(contenders["gsfg"], contenders["poisson"]), *verdicts_of(curves)),
         rendered_views=rendered_views,
-        seconds={"whole": round(time.perf_counter() - begun, 2)},
     )
 
 
@@ -196,8 +198,8 @@ class _Bench:
         return angles_deg(found.mesh.geometry.normals, self.targets)
 
 
-def _part(notify: Progress, number: int) -> Callable[[float], None]:
-    return lambda share: notify("sweeping", 0.1 + 0.8 * (number + share) / len(CURVES))
+def _part(stages: Stages, number: int) -> Callable[[float], None]:
+    return lambda share: stages.tell("sweeping", 0.1 + 0.8 * (number + share) / len(CURVES))
 
 
 def _matched(points: tuple[CurvePoint, ...], ours: CurvePoint, options: ReconstructOptions) -> ReconstructOptions:

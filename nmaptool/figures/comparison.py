@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nmaptool.core.arrays import Srgb
 from nmaptool.types.comparison import Comparison, RenderedView
 
 _COLORS = {"gsfg": "tab:blue", "poisson": "tab:orange"}
@@ -22,18 +23,8 @@ _CURVES = (
 _MAP = "viridis"
 
 
-def comparison_figure(comparison: Comparison) -> NDArray[np.uint8]:
-    """A figure of a comparison: rebuilt meshes, vertex deviations in one colour scale, histograms, curves, the verdict.
-
-    Parameters
-    ----------
-    comparison : Comparison
-
-    Returns
-    -------
-    (h, w, 3) uint8
-        sRGB, for looking at.
-    """
+def comparison_figure(comparison: Comparison) -> Srgb:
+    """A figure of a comparison: rebuilt meshes, vertex deviations in one colour scale, histograms, curves, verdict."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import ScalarFormatter

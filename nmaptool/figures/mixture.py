@@ -3,25 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from nmaptool.core.arrays import Srgb
 from nmaptool.types.mixture import Mixture
 
 _BARS = 100
 
 
-def mixture_plot(mixture: Mixture) -> NDArray[np.uint8]:
-    """A figure of a mixture.
-
-    Parameters
-    ----------
-    mixture : Mixture
-
-    Returns
-    -------
-    (h, w, 3) uint8
-        sRGB, for looking at.
-    """
+def mixture_plot(mixture: Mixture) -> Srgb:
+    """A figure of a mixture."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nmaptool.core.arrays import Srgb
 from nmaptool.core.errors import UsageError
 from nmaptool.figures.contact_sheet import contact_sheet, map_colors
 from nmaptool.figures.preview import in_colors, lambert
@@ -25,20 +26,14 @@ _LONGER_SIDE_PX = 512
 _TILE_PX = 118
 # heights are thinned out to this before they are shaded
 _SHADED_PX = 4 * _LONGER_SIDE_PX
-Picture = NDArray[np.uint8]
 
 
-def picture_of(value: object) -> Picture:
+def picture_of(value: object) -> Srgb:
     """A picture of a value, its longer side 512 px at most.
 
     Parameters
     ----------
     value : NormalMap, Height, Relief, LayerSet, Composition or DepthResult
-
-    Returns
-    -------
-    (h, w, 3) uint8
-        sRGB, for looking at.
     """
     for kind, draw in _PICTURES.items():
         if isinstance(value, kind):
@@ -55,11 +50,11 @@ def png_of(value: object) -> bytes:
     return stream.getvalue()
 
 
-def _map_picture(normal_map: NormalMap) -> Picture:
+def _map_picture(normal_map: NormalMap) -> Srgb:
     return map_colors(_fitted(normal_map.normals, smooth=False))
 
 
-def _height_picture(height: Height) -> Picture:
+def _height_picture(height: Height) -> Srgb:
     return in_colors(_fitted(lambert(_thinned(height)).astype(np.float32), smooth=True))
 
 
@@ -86,7 +81,7 @@ def _fitted(picture: NDArray[np.float32], *, smooth: bool) -> NDArray[np.float32
     return np.asarray(cv2.resize(np.ascontiguousarray(picture), size, interpolation=way), np.float32)
 
 
-_PICTURES: dict[type, Callable[[Any], Picture]] = {
+_PICTURES: dict[type, Callable[[Any], Srgb]] = {
     NormalMap: _map_picture,
     Height: _height_picture,
     Relief: lambda relief: _height_picture(relief.height),

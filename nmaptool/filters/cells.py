@@ -24,25 +24,53 @@ def face_neighbors(faces: Faces) -> tuple[Labels, Labels]:
     return order[:-1][same] % len(faces), order[1:][same] % len(faces)
 
 
-def patches(centroids: Float64, neighbors: tuple[Labels, Labels], side: float) -> Labels:
-    """(M,) int64: for each face the patch it lies in, counted from 0.
+@dataclass(frozen=True, eq=False)
+class ConnectedFaces:
+    """Where the faces of a surface lie, and which of them touch.
 
-    Parameters
+    Attributes
     ----------
     centroids : (M, 3) float64
     neighbors : pair of (E,) int64
         Faces that share an edge.
-    side : float
-        Of the cubes, in units of the centroids.
     """
-    # cubes lie alike on both sides of the middle: a mirrored surface has mirrored patches
-    middle = (centroids.min(axis=0) + centroids.max(axis=0)) / 2
-    place = np.floor((centroids - middle) / side + 0.5).astype(np.int64)
-    place -= place.min(axis=0)
-    key = (place[:, 0] << 42) + (place[:, 1] << 21) + place[:, 2]
-    one, other = neighbors
-    together = key[one] == key[other]
-    return _components(one[together], other[together], len(centroids))[1]
+
+    centroids: Float64
+    neighbors: tuple[Labels, Labels]
+
+    def patches(self, side: float) -> Labels:
+        """(M,) int64: for each face the patch it lies in, counted from 0; ``side`` is that of the cubes."""
+        # cubes lie alike on both sides of the middle: a mirrored surface has mirrored patches
+        middle = (self.centroids.min(axis=0) + self.centroids.max(axis=0)) / 2
+        place = np.floor((self.centroids - middle) / side + 0.5).astype(np.int64)
+        place -= place.min(axis=0)
+        key = (place[:, 0] << 42) + (place[:, 1] << 21) + place[:, 2]
+        one, other = self.neighbors
+        together = key[one] == key[other]
+        return _components(one[together], other[together], len(self.centroids))[1]
+
+    def reach(self, radius: float) -> Reach:
+        """Patches, two thirds of ``radius`` large, that are reached along the surface without leaving a ball of it."""
+        side = radius / 1.5
+        patch = self.patches(side)
+        count = int(patch.max()) + 1
+        size = np.bincount(patch)
+        middle = sum_by(patch, self.centroids, count) / size[:, None]
+        one, other = (patch[side_] for side_ in self.neighbors)
+        apart = one != other
+        one, other = one[apart], other[apart]
+        own = np.arange(count)
+        step = sparse.csr_array(
+            (
+                np.ones(2 * len(one) + count, np.bool_),
+                (np.concatenate([one, other, own]), np.concatenate([other, one, own])),
+            ),
+            shape=(count, count),
+        )
+        step = _within(step, middle, radius + side)
+        two = _within(step @ step, middle, radius + side)
+        four = _within(two @ two, middle, radius + side)
+        return Reach(patch, _within(four @ two, middle, radius + side))
 
 
 def _components(one: Labels, other: Labels, count: int) -> tuple[int, Labels]:
@@ -65,39 +93,6 @@ class Reach:
 
     patch: Labels
     near: Any
-
-
-def reach(centroids: Float64, neighbors: tuple[Labels, Labels], radius: float) -> Reach:
-    """Patches that are reached along the surface without leaving a ball.
-
-    Parameters
-    ----------
-    centroids : (M, 3) float64
-    neighbors : pair of (E,) int64
-        Faces that share an edge.
-    radius : float
-        Of the ball; patches are two thirds of it large.
-    """
-    side = radius / 1.5
-    patch = patches(centroids, neighbors, side)
-    count = int(patch.max()) + 1
-    size = np.bincount(patch)
-    middle = sum_by(patch, centroids, count) / size[:, None]
-    one, other = (patch[side_] for side_ in neighbors)
-    apart = one != other
-    one, other = one[apart], other[apart]
-    own = np.arange(count)
-    step = sparse.csr_array(
-        (
-            np.ones(2 * len(one) + count, np.bool_),
-            (np.concatenate([one, other, own]), np.concatenate([other, one, own])),
-        ),
-        shape=(count, count),
-    )
-    step = _within(step, middle, radius + side)
-    two = _within(step @ step, middle, radius + side)
-    four = _within(two @ two, middle, radius + side)
-    return Reach(patch, _within(four @ two, middle, radius + side))
 
 
 def _within(pairs: Any, middle: Float64, radius: float) -> Any:

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from nmaptool.core.errors import UsageError
 from nmaptool.core.progress import Progress
-from nmaptool.core.units import Length
 from nmaptool.filters.descriptor import Describer
+from nmaptool.filters.detail_size import sigma_s_of
 from nmaptool.filters.learned.cascade import refine
 from nmaptool.filters.learned.model import FilterModel
 from nmaptool.filters.learned.shipped import shipped_filter
 from nmaptool.filters.ring import gather_ring
-from nmaptool.filters.rolling import Decomposition, rolling_guidance, split_residuals
+from nmaptool.filters.rolling import Decomposition, GatherMaker, rolling_guidance, split_residuals
 from nmaptool.filters.surface import gather_surface
 from nmaptool.meshes.clean import clean_mesh
 from nmaptool.options import FilterOptions
 from nmaptool.types.mesh import Mesh
 
-# mean edge lengths: sigma_s below it averages no two faces
-_LEAST_EDGES = 0.01
-# share of the mesh beyond which sigma_s takes forms for detail
-_LARGEST_DETAIL = 0.06
+# neighbourhoods by name
+_GATHER: dict[str, GatherMaker] = {"ring": gather_ring, "surface": gather_surface}
 
 
 def decompose_normals(
@@ -33,6 +29,9 @@ def decompose_normals(
 ) -> Decomposition:
     """Split the face normals of a mesh into base and detail (GRNF: paper, Sec. 3.1; DRNF: Sec. 3.2).
 
+    The base normals are those of the forms, the detail is what is left of the original normals beside them: `smooth`
+    rebuilds a mesh to a mixture of both, `bake` renders them.
+
     Parameters
     ----------
     mesh : Mesh
@@ -42,7 +41,7 @@ def decompose_normals(
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage, such as "filtering", and the share done, 0 to 1.
 
     Returns
     -------
@@ -78,10 +77,7 @@ def decompose_clean(
     if model is not None:
         learned = refine(model, geometry.normals, Describer(mesh, model.descriptor), progress)
         return split_residuals(geometry.normals, learned, geometry.areas)
-    sigma_s = sigma_s_of(mesh, options)
-    gather = {"ring": gather_ring, "surface": gather_surface}[options.neighborhood](
-        mesh, geometry, sigma_s, options.sigma_r
-    )
+    gather = _GATHER[options.neighborhood](mesh, sigma_s_of(mesh, options), options.sigma_r)
     filtered = rolling_guidance(geometry.normals, gather, options.iterations, progress)
     return split_residuals(geometry.normals, filtered, geometry.areas, keep_small=options.filter == "grnf")
 
@@ -99,25 +95,3 @@ def model_of(options: FilterOptions, model: FilterModel | None) -> FilterModel |
     if model is not None:
         raise UsageError(f"--model: belongs to --filter learned, not to {options.filter}")
     return None
-
-
-def sigma_s_of(mesh: Mesh, options: FilterOptions) -> float:
-    """sigma_s in units of a clean mesh; never so far below an edge that places cannot be counted in it."""
-    if not isinstance(options.sigma_s, Length):
-        return options.sigma_s * mesh.mean_edge
-    if options.sigma_s.is_absolute:
-        size = options.sigma_s.to_mm(1.0, 1) / mesh.mm_per_unit
-    else:
-        size = options.sigma_s.value / 100 * float(np.ptp(mesh.vertices, axis=0).max())
-    return max(size, _LEAST_EDGES * mesh.mean_edge)
-
-
-def long_edges(mesh: Mesh, options: FilterOptions) -> list[str]:
-    """A warning where sigma_s, counted in edges, is large beside a clean mesh; else none."""
-    if options.filter == "learned":
-        return []
-    share = sigma_s_of(mesh, options) / float(np.ptp(mesh.vertices, axis=0).max())
-    if isinstance(options.sigma_s, Length) or share <= _LARGEST_DETAIL:
-        return []
-    words = f"its edges are long: sigma_s comes to {share:.0%} of it, and forms of that size go into the detail"
-    return [f"{words}; say --sigma-s 2%"]

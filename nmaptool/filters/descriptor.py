@@ -32,7 +32,7 @@ class Describer:
         self.options = options
         self._normals = mesh.geometry.normals
         sizes = [size * mesh.mean_edge for size in options.sigma_s]
-        self._surroundings = map_parallel(sizes, lambda size: Neighborhood(mesh, mesh.geometry, size))
+        self._surroundings = map_parallel(sizes, lambda size: Neighborhood(mesh, size))
 
     def __call__(self, guide: Float64 | None = None, progress: Progress | None = None) -> Float32:
         """Descriptors.

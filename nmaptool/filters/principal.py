@@ -11,10 +11,6 @@ from nmaptool.types.mesh import FaceGeometry
 def principal_axes(geometry: FaceGeometry) -> Float64:
     """The axes of inertia of a surface, each pointing to where it is skewed to.
 
-    Parameters
-    ----------
-    geometry : FaceGeometry
-
     Returns
     -------
     (3, 3) float64

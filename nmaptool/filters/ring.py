@@ -9,7 +9,7 @@ from scipy import sparse
 
 from nmaptool.core.arrays import Float32, Float64
 from nmaptool.filters.rolling import Gather, weighted_normals
-from nmaptool.types.mesh import FaceGeometry, Faces, Mesh
+from nmaptool.types.mesh import Faces, Mesh
 
 # rows of the pair list that are weighted at a time
 _PAIRS_AT_ONCE = 500_000
@@ -25,19 +25,9 @@ def neighbor_pairs(faces: Faces, vertex_count: int) -> sparse.csr_array:
     return incidence @ incidence.T.tocsr()
 
 
-def gather_ring(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: float) -> Gather:
-    """Sums over the ring of each face.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Clean and welded.
-    geometry : FaceGeometry
-    sigma_s : float
-        In units of the mesh.
-    sigma_r : float
-        Of differences of unit normals.
-    """
+def gather_ring(mesh: Mesh, sigma_s: float, sigma_r: float) -> Gather:
+    """Sums over the ring of each face; a `GatherMaker`."""
+    geometry = mesh.geometry
     start, other = _pairs_once(neighbor_pairs(mesh.faces, len(mesh.vertices)))
     middle = (geometry.centroids.min(axis=0) + geometry.centroids.max(axis=0)) / 2
     where = ((geometry.centroids - middle) / sigma_s).astype(np.float32)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.progress import Progress
 from nmaptool.filters.mixture import fit_mixture
+from nmaptool.types.mesh import Mesh
 from nmaptool.types.mixture import Mixture
 from nmaptool.types.shown import OneLine, counted
 
@@ -22,6 +24,23 @@ _STEP = 2.0**-40
 
 # (guide or None) -> (M, 4) sums: for every face, the weighted sum of the original normals around it, and of the weights
 Gather = Callable[[Float64 | None], Float64]
+
+
+class GatherMaker(Protocol):
+    """What makes a `Gather` of one kind of neighbourhood."""
+
+    def __call__(self, mesh: Mesh, sigma_s: float, sigma_r: float) -> Gather:
+        """Sums of the mesh's own normals.
+
+        Parameters
+        ----------
+        mesh : Mesh
+            Clean and welded.
+        sigma_s : float
+            In units of the mesh.
+        sigma_r : float
+            Of differences of unit normals.
+        """
 
 
 @dataclass(frozen=True, eq=False, repr=False)

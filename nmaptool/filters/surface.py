@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64
-from nmaptool.filters.cells import Labels, Reach, face_neighbors, patches, reach
+from nmaptool.filters.cells import ConnectedFaces, Labels, Reach, face_neighbors
 from nmaptool.filters.principal import principal_axes
 from nmaptool.filters.rolling import Gather, weighted_normals
-from nmaptool.types.mesh import FaceGeometry, Mesh, sum_by
+from nmaptool.types.mesh import Mesh, sum_by
 
 RADIUS = 2.5  # sigma_s
 _PATCH = 0.48  # sigma_s
@@ -54,23 +54,21 @@ class Neighborhood:
 
     Parameters
     ----------
-    mesh : Mesh
-        Clean and welded.
-    geometry : FaceGeometry
-    sigma_s : float
-        In units of the mesh.
+    mesh, sigma_s
+        As for `GatherMaker`.
     """
 
-    def __init__(self, mesh: Mesh, geometry: FaceGeometry, sigma_s: float) -> None:
+    def __init__(self, mesh: Mesh, sigma_s: float) -> None:
+        geometry = mesh.geometry
         self._axes = principal_axes(geometry)
         # rounded, so that a face on the border of a cell does not change sides with the last bit of a turned mesh
         step = _ROUNDING * float(np.ptp(geometry.centroids, axis=0).max()) or 1.0
         own = geometry.centroids @ self._axes.T
         own = np.round((own - (own.min(axis=0) + own.max(axis=0)) / 2) / step) * step
-        neighbors = face_neighbors(mesh.faces)
-        around = reach(own, neighbors, RADIUS * sigma_s)
+        connected = ConnectedFaces(own, face_neighbors(mesh.faces))
+        around = connected.reach(RADIUS * sigma_s)
         self._around = around
-        self._cells = _cells(patches(own, neighbors, _PATCH * sigma_s), around.patch)
+        self._cells = _cells(connected.patches(_PATCH * sigma_s), around.patch)
         self._where = own / sigma_s
         self._areas = geometry.areas
 
@@ -97,20 +95,9 @@ class Neighborhood:
             alike *= _COARSER
 
 
-def gather_surface(mesh: Mesh, geometry: FaceGeometry, sigma_s: float, sigma_r: float) -> Gather:
-    """Sums over the faces that are reached along the surface within 2.5 sigma_s.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Clean and welded.
-    geometry : FaceGeometry
-    sigma_s : float
-        In units of the mesh.
-    sigma_r : float
-        Of differences of unit normals.
-    """
-    return Neighborhood(mesh, geometry, sigma_s).gather(geometry.normals, sigma_r)
+def gather_surface(mesh: Mesh, sigma_s: float, sigma_r: float) -> Gather:
+    """Sums over the faces that are reached along the surface within 2.5 sigma_s; a `GatherMaker`."""
+    return Neighborhood(mesh, sigma_s).gather(mesh.geometry.normals, sigma_r)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,13 +16,12 @@ from nmaptool.core.arrays import Float32, Float64
 from nmaptool.core.errors import InputError
 from nmaptool.core.progress import Progress
 from nmaptool.core.vectors import mean_angle_deg
-from nmaptool.filters.decompose import decompose_clean
 from nmaptool.filters.descriptor import Describer
 from nmaptool.filters.learned.canonical import in_canonical_frame
 from nmaptool.filters.learned.cascade import apply_stage
 from nmaptool.filters.learned.fitting import find_clusters, fit_network, nearest_cluster
 from nmaptool.filters.learned.model import FilterModel, Stage, TrainingState
-from nmaptool.meshes.clean import clean_mesh
+from nmaptool.filters.prepared import prepare_mesh
 from nmaptool.options import DescriptorOptions, FilterOptions, TrainOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.mesh import Mesh
@@ -88,10 +87,9 @@ def training_example(mesh: Mesh, filter: FilterOptions | None = None) -> Trainin
     >>> nm.training_example(nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1)))
     <TrainingExample of mesh: 42 vertices, 80 faces, 1 mm to a unit (assumed)>
     """
-    options = filter or FilterOptions(filter="grnf")
-    clean, _, _ = clean_mesh(mesh)
-    base = decompose_clean(clean, options).base
-    return TrainingExample(clean, base, {"name": mesh.name, **plain_values(options)})
+    prepared = prepare_mesh(mesh, filter or FilterOptions(filter="grnf"))
+    metadata = {"name": mesh.name, **plain_values(prepared.filter)}
+    return TrainingExample(prepared.mesh, prepared.decompose().base, metadata)
 
 
 def train(

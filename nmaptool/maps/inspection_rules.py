@@ -12,6 +12,12 @@ if TYPE_CHECKING:
     from nmaptool.types.inspection import Inspection
 
 Told = tuple[str, str] | None
+Rule = Callable[["Inspection"], Told]
+
+
+def _when(holds: Callable[[Inspection], bool], message: str, remedy: str) -> Rule:
+    """A rule that always says the same."""
+    return lambda f: (message, remedy) if holds(f) else None
 
 
 def _no_foreground(f: Inspection) -> Told:
@@ -109,24 +115,6 @@ def _truncated_codes(f: Inspection) -> Told:
     )
 
 
-def _premultiplied(f: Inspection) -> Told:
-    if not f.premultiplied:
-        return None
-    return (
-        "its colours are multiplied by alpha (premultiplied), which bends the normals along the outline",
-        "export with straight (unassociated) alpha",
-    )
-
-
-def _eight_bit_data(f: Inspection) -> Told:
-    if not f.eight_bit_data:
-        return None
-    return (
-        "is a 16-bit file that holds 8-bit data: smooth areas will show steps",
-        "export from the source in true 16 bits or as float EXR",
-    )
-
-
 def _color_managed(f: Inspection) -> Told:
     if not f.color_chunks:
         return None
@@ -152,7 +140,7 @@ def _background_missing(f: Inspection) -> Told:
     return None
 
 
-RULES: dict[str, Callable[[Inspection], Told]] = {
+RULES: dict[str, Rule] = {
     "no-foreground": _no_foreground,
     "not-normals": _not_normals,
     "off-length": _off_length,
@@ -163,8 +151,16 @@ RULES: dict[str, Callable[[Inspection], Told]] = {
     "green-wrong": _green_wrong,
     "two-components": _two_components,
     "truncated-codes": _truncated_codes,
-    "premultiplied": _premultiplied,
-    "eight-bit-data": _eight_bit_data,
+    "premultiplied": _when(
+        lambda f: f.premultiplied,
+        "its colours are multiplied by alpha (premultiplied), which bends the normals along the outline",
+        "export with straight (unassociated) alpha",
+    ),
+    "eight-bit-data": _when(
+        lambda f: f.eight_bit_data,
+        "is a 16-bit file that holds 8-bit data: smooth areas will show steps",
+        "export from the source in true 16 bits or as float EXR",
+    ),
     "color-managed": _color_managed,
     "alpha-ignored": _alpha_ignored,
     "background-missing": _background_missing,

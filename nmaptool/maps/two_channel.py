@@ -53,11 +53,12 @@ def unfold_octahedral(codes: NDArray[Any]) -> Float32:
     Parameters
     ----------
     codes : (..., 2) float
+        In [-1, 1]; others are brought to the edge of the square.
 
     Returns
     -------
     (..., 3) float32
-        Unit vectors; codes outside the square are brought to its edge, and the vector is as long as they are far out.
+        Unit vectors; those of codes outside the square are as long as the codes are far out.
 
     Examples
     --------

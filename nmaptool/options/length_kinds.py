@@ -7,18 +7,17 @@ from typing import Any, ClassVar
 
 from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length, Offset, length, offset
-from nmaptool.options.kinds import Kind, flag_of, require_number
+from nmaptool.options.kinds import SignedText, flag_of, require_number
 
 _SMALLEST_SCALE, _LARGEST_SCALE = 1e-3, 1e3
 
 
 @dataclass(frozen=True)
-class LengthText(Kind):
+class LengthText(SignedText):
     """A length such as 3mm, 4px or 2%; ``absolute`` ones in mm, cm or in only, since the pitch follows from them."""
 
     such_as: str = "100mm"
     absolute: bool = False
-    signed: ClassVar[bool] = True
 
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
@@ -31,11 +30,10 @@ class LengthText(Kind):
 
 
 @dataclass(frozen=True)
-class LengthOr(Kind):
+class LengthOr(SignedText):
     """A height such as 2px, or one of a few names."""
 
     names: tuple[str, ...] = ()
-    signed: ClassVar[bool] = True
 
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
@@ -49,12 +47,11 @@ class LengthOr(Kind):
 
 
 @dataclass(frozen=True)
-class EdgesOrLength(Kind):
+class EdgesOrLength(SignedText):
     """A plain number, in mean edges of the mesh, or a length such as 2% or 1.5mm."""
 
     low: float = 0.1
     high: float = 1000.0
-    signed: ClassVar[bool] = True
 
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
@@ -72,11 +69,10 @@ class EdgesOrLength(Kind):
 
 
 @dataclass(frozen=True)
-class OffsetText(Kind):
+class OffsetText(SignedText):
     """A distance of zero or more, such as 6px."""
 
     such_as: str = "6px"
-    signed: ClassVar[bool] = True
 
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
@@ -91,11 +87,10 @@ class OffsetText(Kind):
 
 
 @dataclass(frozen=True)
-class ScaleText(Kind):
+class ScaleText(SignedText):
     """A factor, two factors (across, down), or a width such as 30mm; a plain number becomes text."""
 
     such_as: str = "0.5"
-    signed: ClassVar[bool] = True
     toml: ClassVar[type] = float
 
     def read(self, name: str, value: Any) -> Any:

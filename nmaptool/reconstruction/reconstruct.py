@@ -32,6 +32,9 @@ def reconstruct(
 ) -> Reconstruction:
     """Move the vertices of a mesh so that its face normals become the given ones (gSfG: paper, Sec. 4.1, Eq. 2 and 3).
 
+    Each step turns the faces towards their normals and finds the vertices that fit them best, held near to where they
+    were by ``closeness``.
+
     Parameters
     ----------
     mesh : Mesh
@@ -41,7 +44,7 @@ def reconstruct(
     options : ReconstructOptions, optional
         Scheme, steps and closeness.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage, "setting up" or "rebuilding", and the share of the steps done, 0 to 1.
 
     Returns
     -------

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
 from nmaptool.core.arrays import Float64
-from nmaptool.core.progress import Progress
-from nmaptool.filters.decompose import decompose_clean, long_edges
+from nmaptool.core.progress import Progress, Stages, part
 from nmaptool.filters.learned.model import FilterModel
+from nmaptool.filters.prepared import prepare_mesh
 from nmaptool.filters.rolling import Decomposition
-from nmaptool.meshes.clean import clean_mesh
 from nmaptool.options import FilterOptions, ReconstructOptions, SmoothOptions
 from nmaptool.reconstruction.reconstruct import reconstruct
 from nmaptool.types.mesh import Mesh
@@ -35,6 +32,9 @@ def smooth(
 ) -> SmoothResult:
     """Smooth or exaggerate a mesh: rebuild it to the normals unit(N_B + gain N_D) (paper, Sec. 3 and 4.1).
 
+    The mesh is cleaned as by `clean_mesh`, `decompose_normals` splits its face normals into base and detail, and
+    `reconstruct` moves its vertices until the faces have the mixed normals.
+
     Parameters
     ----------
     mesh : Mesh
@@ -48,7 +48,7 @@ def smooth(
     model : FilterModel, optional
         For the filter ``learned`` only. Default: the one that comes with the package.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage, "filtering" up to 0.5 and "rebuilding" from there, and the share done, 0 to 1.
 
     Returns
     -------
@@ -57,10 +57,8 @@ def smooth(
 
     Raises
     ------
-    InputError
-        If no face of the mesh is usable.
-    UsageError
-        If a model is given, but the filter is not ``learned``.
+    InputError, UsageError
+        As `decompose_normals`.
     ConvergenceError
         If the system of scheme "poisson" cannot be solved.
 
@@ -71,28 +69,25 @@ def smooth(
     >>> nm.smooth(box, nm.SmoothOptions(detail_gain=2)).mesh
     <Mesh mesh: 98 vertices, 192 faces, 1 mm to a unit (assumed)>
     """
-    options, chosen = options or SmoothOptions(), filter or FilterOptions()
-    notify = progress or (lambda word, share: None)
-    begun = time.perf_counter()
-    clean, source_faces, findings = clean_mesh(mesh)
-    cleaned = time.perf_counter()
-    split = decompose_clean(clean, chosen, lambda word, share: notify(word, 0.5 * share), model)
-    filtered = time.perf_counter()
-    targets = target_normals(split, options.detail_gain)
-    rebuilt = reconstruct(
-        clean, targets, reconstruct_options, progress=lambda word, share: notify(word, 0.5 + share / 2)
-    )
-    seconds = {"clean": cleaned - begun, "filter": filtered - cleaned, "rebuild": time.perf_counter() - filtered}
+    options = options or SmoothOptions()
+    stages = Stages()
+    with stages.stage("clean"):
+        prepared = prepare_mesh(mesh, filter, model)
+    with stages.stage("filter"):
+        split = prepared.decompose(part(progress, 0.0, 0.5))
+    with stages.stage("rebuild"):
+        targets = target_normals(split, options.detail_gain)
+        rebuilt = reconstruct(prepared.mesh, targets, reconstruct_options, progress=part(progress, 0.5, 1.0))
     report = SmoothReport(
         detail_gain=options.detail_gain,
-        filter=chosen,
-        findings=findings,
+        filter=prepared.filter,
+        findings=prepared.findings,
         mixture=split.mixture,
         reconstruction=rebuilt.report,
-        seconds={name: round(value, 4) for name, value in seconds.items()},
-        warnings=(*_dropped(findings), *long_edges(clean, chosen), *_warnings(rebuilt.report)),
+        seconds=stages.seconds(),
+        warnings=(*_dropped(prepared.findings), *prepared.warnings, *_warnings(rebuilt.report)),
     )
-    return SmoothResult(rebuilt.mesh, source_faces, report)
+    return SmoothResult(rebuilt.mesh, prepared.source_faces, report)
 
 
 def target_normals(split: Decomposition, gain: float) -> Float64:

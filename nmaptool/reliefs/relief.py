@@ -24,6 +24,8 @@ def relief(
 ) -> Relief:
     """Solve for a bas-relief: detail-preserving from O and D (Eq. 6), or structure-preserving from B alone (Eq. 8).
 
+    For other options on the same maps, `ReliefSession` computes only what a changed option affects.
+
     Parameters
     ----------
     original : NormalMap or (H, W, 3) float of any type
@@ -40,7 +42,7 @@ def relief(
     mu_map, beta_map, delta_map : (H, W) float of any type, optional
         Multiply mu, beta and delta per pixel; finite, mu and beta not negative.
     progress : callable, optional
-        Called with the name of the stage and the share done, 0 to 1.
+        Called with the stage, such as "setting up" or "solving", and the share done, 0 to 1.
 
     Returns
     -------

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import threading
-import time
 
 from nmaptool.core.errors import UsageError
-from nmaptool.core.progress import Progress
+from nmaptool.core.progress import Progress, Stages
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs import inputs as given
 from nmaptool.reliefs.domain import build_domain
@@ -139,53 +137,42 @@ class ReliefSession:
                 self._solving = None
 
     def _solve(self, options: ReliefOptions, progress: Progress | None) -> Relief:
-        clock = [time.perf_counter()]
+        stages = Stages(progress)
         original = self._maps.original
-        pitch_mm, pitch_from = given.pitch_of(original, options)
-        weights = self._weights(options)
-        case = self._case_for(options, weights, pitch_mm, progress, clock)
-        warm_start = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
-        clock.append(time.perf_counter())
-        settings = SolveSettings(options.tolerance, options.max_iterations, progress)
-        # kept even where the height asked for turns out not to be reached
-        self._cases = [case, *(c for c in self._cases if c is not case)][: self._keep]
-        heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, settings, warm_start)
-        clock.append(time.perf_counter())
-        frame = dataclasses.replace(original.frame, pitch_mm=pitch_mm)
-        height = Height(heights.z_mm, case.layout.domain.surface, frame)
-        report = report_of(
-            options,
-            case.layout,
-            weights,
-            heights,
-            case.facts,
-            (pitch_mm, pitch_from),
-            case.steep_share,
-            frame.longer_side,
-            case.pulled,
-        )
-        clock.append(time.perf_counter())
-        stages = zip(("inputs", "setup", "solve", "finish"), itertools.pairwise(clock), strict=True)
-        seconds = {stage: ended - begun for stage, (begun, ended) in stages}
-        return Relief(height, case.layout.motif, dataclasses.replace(report, seconds=seconds))
+        with stages.stage("inputs"):
+            pitch_mm, pitch_from = given.pitch_of(original, options)
+            weights = self._weights(options)
+        case = self._case_for(options, weights, pitch_mm, stages)
+        with stages.stage("setup"):
+            warm_start = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
+        with stages.stage("solve"):
+            settings = SolveSettings(options.tolerance, options.max_iterations, progress)
+            # kept even where the height asked for turns out not to be reached
+            self._cases = [case, *(c for c in self._cases if c is not case)][: self._keep]
+            heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, settings, warm_start)
+        with stages.stage("finish"):
+            frame = dataclasses.replace(original.frame, pitch_mm=pitch_mm)
+            height = Height(heights.z_mm, case.layout.domain.surface, frame)
+            report = report_of(
+                options,
+                case.layout,
+                weights,
+                heights,
+                case.facts,
+                (pitch_mm, pitch_from),
+                case.steep_share,
+                frame.longer_side,
+                case.pulled,
+            )
+        return Relief(height, case.layout.motif, dataclasses.replace(report, seconds=stages.elapsed))
 
     def _weights(self, options: ReliefOptions) -> Weights:
         maps = self._maps
         beta, delta = to_pixels(options.beta, options.delta, maps.original.frame.longer_side, options.per_pixel)
         return Weights(options.mu if maps.detail is not None else 0.0, beta, delta, maps.mu, maps.beta, maps.delta)
 
-    def _case_for(
-        self,
-        options: ReliefOptions,
-        weights: Weights,
-        pitch_mm: float,
-        progress: Progress | None,
-        clock: list[float],
-    ) -> _Case:
-        """The case of these options: one that is there, or a new one made from what the others have in common.
-
-        When the inputs are done with is added to the ``clock``.
-        """
+    def _case_for(self, options: ReliefOptions, weights: Weights, pitch_mm: float, stages: Stages) -> _Case:
+        """The case of these options: one that is there, or a new one made from what the others have in common."""
         maps = self._maps
         # mu and the energy do nothing without a detail map
         energy = options.energy if maps.detail is not None else "eq6"
@@ -193,34 +180,30 @@ class ReliefSession:
         ground = self._ground_key(options, pitch_mm)
         system = (options.background, weights.beta, stiffened, options.solver)
         shape = (weights.mu, energy, options.slope_cap)
-        for case in self._cases:
-            if (case.ground, case.system, case.shape) == (ground, system, shape) and self._holds(case, options):
-                case.heights.solver.check_memory(options.memory_limit_bytes)
-                clock.append(time.perf_counter())
-                return case
-        same_ground = (c for c in self._cases if c.ground == ground and self._holds(c, options))
-        layout = next((c.layout for c in same_ground), None) or self._build_layout(options, pitch_mm)
-        capped = next((c.capped for c in self._cases if c.slope_cap == options.slope_cap), None)
-        if capped is None:
-            detail = None if maps.detail is None else capped_slopes(maps.detail.normals, options.slope_cap)
-            capped = capped_slopes(maps.original.normals, options.slope_cap), detail
-        if progress is not None:
-            progress("setting up", 0.0)
-        base_px = layout.domain.base_px
-        targets = build_targets(maps.original, maps.detail, layout.domain, weights, options.slope_cap, energy, capped)
-        if not self._keep:
-            capped = None
-        solver: Solver | None = next((c.heights.solver for c in self._cases if c.system == system), None)
-        load = targets.shape_load(base_px)
-        weight, beta, pull, steep_share = targets.weight, targets.beta, targets.pull, targets.steep_share
-        del targets  # its slopes are in the load
-        clock.append(time.perf_counter())
-        if solver is not None:
-            solver.check_memory(options.memory_limit_bytes)
-        else:
-            like = next((c.heights.solver for c in self._cases if c.layout is layout), None)
-            system_here = QuadSystem(weight, beta, layout.domain.held)
-            solver = prepare(system_here, options.solver, options.memory_limit_bytes, like)
+        with stages.stage("inputs"):
+            for case in self._cases:
+                if (case.ground, case.system, case.shape) == (ground, system, shape) and self._holds(case, options):
+                    case.heights.solver.check_memory(options.memory_limit_bytes)
+                    return case
+            same_ground = (c for c in self._cases if c.ground == ground and self._holds(c, options))
+            layout = next((c.layout for c in same_ground), None) or self._build_layout(options, pitch_mm)
+            capped: _CappedPair | None = self._capped(options.slope_cap)
+            stages.tell("setting up", 0.0)
+            targets = build_targets(
+                maps.original, maps.detail, layout.domain, weights, options.slope_cap, energy, capped
+            )
+            if not self._keep:
+                capped = None
+            base_px = layout.domain.base_px
+            load = targets.shape_load(base_px)
+            weight, beta, pull, steep_share = targets.weight, targets.beta, targets.pull, targets.steep_share
+            del targets  # its slopes are in the load
+        with stages.stage("setup"):
+            solver = self._solver_of(system, options)
+            if solver is None:
+                like = next((c.heights.solver for c in self._cases if c.layout is layout), None)
+                system_here = QuadSystem(weight, beta, layout.domain.held)
+                solver = prepare(system_here, options.solver, options.memory_limit_bytes, like)
         return _Case(
             ground,
             system,
@@ -233,6 +216,24 @@ class ReliefSession:
             bool(beta.any()),
             steep_share,
         )
+
+    def _capped(self, slope_cap: float) -> _CappedPair:
+        """Capped slopes of the maps."""
+        known = next((c.capped for c in self._cases if c.slope_cap == slope_cap), None)
+        if known is not None:
+            return known
+        detail = self._maps.detail
+        return (
+            capped_slopes(self._maps.original.normals, slope_cap),
+            None if detail is None else capped_slopes(detail.normals, slope_cap),
+        )
+
+    def _solver_of(self, system: tuple[object, ...], options: ReliefOptions) -> Solver | None:
+        """A solver that is there already."""
+        solver = next((c.heights.solver for c in self._cases if c.system == system), None)
+        if solver is not None:
+            solver.check_memory(options.memory_limit_bytes)
+        return solver
 
     def _ground_key(self, options: ReliefOptions, pitch_mm: float) -> tuple[object, ...]:
         """What the layout depends on, besides the tolerance to which a normal map of the background is integrated."""

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from nmaptool.core.arrays import Float32
 from nmaptool.types.normal_map import NormalMap
-from nmaptool.types.shown import OneLine, Pictured
+from nmaptool.types.report import Report
+from nmaptool.types.shown import Pictured
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ComposeReport(OneLine):
+class ComposeReport(Report):
     """How a normal map was edited.
 
     Attributes
@@ -40,10 +40,6 @@ class ComposeReport(OneLine):
     layers: tuple[Mapping[str, Any], ...] = ()
     seconds: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return dataclasses.asdict(self)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

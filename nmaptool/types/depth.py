@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass, field
-from typing import Any
 
 from nmaptool.core.arrays import Float32
 from nmaptool.options import DepthOptions
-from nmaptool.options.plain_values import plain_values
 from nmaptool.types.normal_map import NormalMap
-from nmaptool.types.shown import OneLine, Pictured, counted
+from nmaptool.types.report import Report
+from nmaptool.types.shown import Pictured, counted
 
 
 @dataclass(frozen=True, repr=False)
-class DepthReport(OneLine):
+class DepthReport(Report):
     """What was read off a depth or height picture, and from what.
 
     Attributes
@@ -78,12 +76,6 @@ class DepthReport(OneLine):
     curl: float
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        out = dataclasses.asdict(self)
-        out["options"] = plain_values(self.options)
-        return out
 
 
 @dataclass(frozen=True, eq=False, repr=False)

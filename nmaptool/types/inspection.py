@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
-from typing import Any
 
 from nmaptool.types.normal_map import Decoding
-from nmaptool.types.shown import OneLine, counted
+from nmaptool.types.report import Report
+from nmaptool.types.shown import counted
 
 
 @dataclass(frozen=True)
@@ -20,7 +19,7 @@ class Finding:
 
 
 @dataclass(frozen=True, repr=False)
-class Inspection(OneLine):
+class Inspection(Report):
     """Everything `inspect_map` measures; shares are of the foreground unless said otherwise.
 
     Attributes
@@ -75,10 +74,6 @@ class Inspection(OneLine):
     is_float: bool
     color_chunks: tuple[str, ...]
     findings: tuple[Finding, ...] = ()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return dataclasses.asdict(self)
 
     def _line(self) -> str:
         codes = f" ({', '.join(finding.code for finding in self.findings)})" if self.findings else ""

@@ -16,11 +16,12 @@ from nmaptool.types.mesh_findings import MeshFindings
 from nmaptool.types.mixture import Mixture
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
-from nmaptool.types.shown import OneLine, Pictured
+from nmaptool.types.report import Report
+from nmaptool.types.shown import Pictured
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LayerReport(OneLine):
+class LayerReport(Report):
     """How the layers were made.
 
     Attributes

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 from nmaptool.core.errors import InputError
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
@@ -22,8 +22,37 @@ MOST_LAYERS = 1000
 READ_KEYS = tuple(f.name for f in fields(ReadOptions) if f.name != "max_megapixels")
 
 
+class _Part(OneLine):
+    """What layers, groups and links to recipes share: a first field that must not be empty."""
+
+    _lacking: ClassVar[str]
+    options: LayerOptions | GroupOptions
+    mask: str | None
+    hidden: bool
+    origin: str
+
+    def __post_init__(self) -> None:
+        if not self._content:
+            raise InputError(f"{self.label}: {self._lacking}")
+
+    @property
+    def _content(self) -> Any:
+        return getattr(self, fields(self)[0].name)  # type: ignore[arg-type]  # mixed into dataclasses only
+
+    @property
+    def label(self) -> str:
+        """What to call it in messages."""
+        return self.origin or self.options.name
+
+    @property
+    def files(self) -> Iterator[str]:
+        """The mask, where there is one; the files of another recipe are not known yet."""
+        if self.mask is not None:
+            yield self.mask
+
+
 @dataclass(frozen=True, repr=False)
-class RecipeLayer(OneLine):
+class RecipeLayer(_Part):
     """A normal map file with its place on the canvas.
 
     Parameters
@@ -54,10 +83,10 @@ class RecipeLayer(OneLine):
     read: Mapping[str, Any] = field(default_factory=dict)
     hidden: bool = False
     origin: str = field(default="", compare=False)
+    _lacking: ClassVar[str] = "file: found nothing, expected the name of a normal map"
 
     def __post_init__(self) -> None:
-        if not self.file:
-            raise InputError(f"{self.label}: file: found nothing, expected the name of a normal map")
+        super().__post_init__()
         for key in self.read:
             if key not in READ_KEYS:
                 raise InputError(f"{self.label}: read: unknown key {key!r}; use one of {', '.join(READ_KEYS)}")
@@ -66,39 +95,26 @@ class RecipeLayer(OneLine):
     @property
     def label(self) -> str:
         """What to call it in messages."""
-        return self.origin or self.options.name or self.file
+        return super().label or self.file
 
     @property
     def files(self) -> Iterator[str]:
         """The map and the mask."""
         yield self.file
-        if self.mask is not None:
-            yield self.mask
+        yield from super().files
 
     def _line(self) -> str:
         return f"{self.label}: {self.file}, mode {self.options.mode}{', hidden' if self.hidden else ''}"
 
 
-class _Group(OneLine):
-    """What a group and another recipe as a group share."""
-
-    options: GroupOptions
-    origin: str
-
-    @property
-    def label(self) -> str:
-        """What to call it in messages."""
-        return self.origin or self.options.name
-
-
 @dataclass(frozen=True, repr=False)
-class RecipeGroup(_Group):
+class RecipeGroup(_Part):
     """Layers that are composed among themselves first.
 
     Parameters
     ----------
     layers : tuple of RecipeLayer, RecipeGroup or RecipeLink
-        From the lowest to the topmost, at least one.
+        As in a `Recipe`.
     options : GroupOptions
     mask : str, optional
         Grey picture of the canvas's size, white where the group shows.
@@ -113,16 +129,12 @@ class RecipeGroup(_Group):
     mask: str | None = None
     hidden: bool = False
     origin: str = field(default="", compare=False)
-
-    def __post_init__(self) -> None:
-        if not self.layers:
-            raise InputError(f"{self.label}: a group needs at least one layer")
+    _lacking: ClassVar[str] = "a group needs at least one layer"
 
     @property
     def files(self) -> Iterator[str]:
         """Maps and masks of what is not hidden."""
-        if self.mask is not None:
-            yield self.mask
+        yield from super().files
         for layer in self.layers:
             if not layer.hidden:
                 yield from layer.files
@@ -133,7 +145,7 @@ class RecipeGroup(_Group):
 
 
 @dataclass(frozen=True, repr=False)
-class RecipeLink(_Group):
+class RecipeLink(_Part):
     """Another recipe as a group; `nmaptool.read_recipe` puts its layers here.
 
     Parameters
@@ -154,16 +166,7 @@ class RecipeLink(_Group):
     mask: str | None = None
     hidden: bool = False
     origin: str = field(default="", compare=False)
-
-    def __post_init__(self) -> None:
-        if not self.recipe:
-            raise InputError(f"{self.label}: recipe: found nothing, expected the name of a recipe")
-
-    @property
-    def files(self) -> Iterator[str]:
-        """The mask; the recipe's own files are not known yet."""
-        if self.mask is not None:
-            yield self.mask
+    _lacking: ClassVar[str] = "recipe: found nothing, expected the name of a recipe"
 
     def _line(self) -> str:
         return f"{self.label}: {self.recipe}{', hidden' if self.hidden else ''}"

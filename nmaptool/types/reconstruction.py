@@ -15,11 +15,12 @@ from nmaptool.options.plain_values import filter_values
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.mesh_findings import MeshFindings
 from nmaptool.types.mixture import Mixture
+from nmaptool.types.report import Report
 from nmaptool.types.shown import OneLine
 
 
 @dataclass(frozen=True, repr=False)
-class ReconstructReport(OneLine):
+class ReconstructReport(Report):
     """How a mesh was rebuilt.
 
     Attributes
@@ -69,10 +70,6 @@ class ReconstructReport(OneLine):
     moves: tuple[float, ...]
     seconds: float
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain values for JSON."""
-        return dataclasses.asdict(self)
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reconstruction(OneLine):
@@ -98,7 +95,7 @@ class Reconstruction(OneLine):
 
 
 @dataclass(frozen=True, repr=False)
-class SmoothReport(OneLine):
+class SmoothReport(Report):
     """How a mesh was smoothed or exaggerated.
 
     Attributes

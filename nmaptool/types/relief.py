@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass, field
 from typing import Any
 
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.options import ReliefOptions
-from nmaptool.options.plain_values import plain_values
 from nmaptool.types.height import Height
-from nmaptool.types.shown import OneLine, Pictured, counted
+from nmaptool.types.report import Report
+from nmaptool.types.shown import Pictured, counted
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ReliefReport(OneLine):
+class ReliefReport(Report):
     """How a relief was solved.
 
     Attributes
@@ -79,8 +78,7 @@ class ReliefReport(OneLine):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON; an infinite reach becomes None."""
-        out = dataclasses.asdict(self)
-        out["options"] = plain_values(self.options)
+        out = super().to_dict()
         for key in ("reach_px", "reach_mm"):
             out[key] = out[key] if math.isfinite(out[key]) else None
         return out

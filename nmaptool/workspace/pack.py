@@ -35,6 +35,8 @@ def pack(
 ) -> Workspace:
     """Lay normal maps over each other as the layers of one file for an image editor.
 
+    Each layer is signed, so that `unpack` can tell what the editor did to it, and repair it.
+
     Parameters
     ----------
     maps : sequence of NormalMap, PackedMap or (h, w, 3) float

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -14,21 +14,12 @@ from nmaptool.maps.codec import decode_shares, stored_shares
 from nmaptool.maps.zero_code import flat_codes, has_color
 from nmaptool.types.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceFinding, WorkspaceLayer
 from nmaptool.workspace import colors
-from nmaptool.workspace.pose import Pose, find_pose
+from nmaptool.workspace.find_pose import find_pose
 from nmaptool.workspace.signature import Signature, cells, content_box, quantiles, signature_from
 
 _EIGHT_BIT_STEP = 2 / 255
 _HALF_STEP = 1.1 / 65535
 _OFF_LENGTH, _OFF_SHARE = 0.1, 0.02
-_TURN_WORDS = {
-    "flip-h": ("was mirrored left to right", "--flip-h"),
-    "flip-v": ("was mirrored top to bottom", "--flip-v"),
-    "90": ("was turned by 90 degrees counter-clockwise", "--rotate 90"),
-    "180": ("was turned by 180 degrees", "--rotate 180"),
-    "270": ("was turned by 90 degrees clockwise", "--rotate -90"),
-    "transpose": ("was turned by 90 degrees clockwise and mirrored left to right", "--rotate -90 --flip-h"),
-    "antitranspose": ("was turned by 90 degrees counter-clockwise and mirrored left to right", "--rotate 90 --flip-h"),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +87,8 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
     normals[alpha <= 0] = FLAT
     now = _signature_now(straight, alpha, layer)
     pose = find_pose(now, packed, unit(decode_shares(straight)) if curve is not None else normals, covered)
-    found.extend(_pose_words(pose))
-    in_place = pose == replace(Pose(), moved=pose.moved, curl=pose.curl)
+    found.extend(pose.findings())
+    in_place = pose.is_in_place
     was_flat = None
     if packed is not None and in_place and curve is None:
         was_flat = _was_flat(packed, now, layer)
@@ -199,36 +190,6 @@ def _was_flat(packed: Signature, now: Signature, layer: WorkspaceLayer) -> Mask:
     row, col = top - layer.top, left - layer.left
     out[row : row + rows, col : col + cols] = spread > 0
     return out
-
-
-def _pose_words(pose: Pose) -> Iterator[tuple[str, str, str]]:
-    if pose.turn != "none" and not pose.vectors_turned:
-        did, flags = _TURN_WORDS[pose.turn]
-        yield (
-            "turned",
-            f"{did} without its vectors: bumps are lit from the wrong side",
-            f"turn its vectors, too: nmap compose transform FILE -o OUT {flags} --vectors-only",
-        )
-    if pose.angle_deg is not None:
-        way = "counter-clockwise" if pose.angle_deg > 0 else "clockwise"
-        words = f"looks turned by {abs(pose.angle_deg):.0f} degrees {way} without its vectors"
-        proof = f"turning them takes mean |curl| from {pose.curl:.4f} to {pose.curl_if_turned:.4f}"
-        remedy = f"nmap compose transform FILE -o OUT --rotate {pose.angle_deg:.1f} --vectors-only"
-        yield ("turned-freely", f"{words}: {proof}", f"{remedy} (half a turn more if it stands on its head)")
-    if pose.stretched is not None:
-        sx, sy = pose.stretched
-        yield (
-            "stretched",
-            f"was scaled unevenly, {sx:.2f} times across and {sy:.2f} times down, without its slopes",
-            "scale it with nmap compose transform or paste, which divide the slopes",
-        )
-    if pose.moved is not None:
-        dx, dy = pose.moved
-        yield (
-            "moved",
-            f"was moved by {dx:+d} px across and {dy:+d} px down; its vectors stay right",
-            "nothing to do: the recipe has its new place",
-        )
 
 
 def _editor_words(layer: WorkspaceLayer) -> Iterator[tuple[str, str, str]]:

@@ -43,7 +43,7 @@ def angles(mesh: TrainingMesh, given: nm.Mesh, size: float, likeness: float, wei
     """For all passes: the score of the GRNF base, and the mean angles of the GRNF and of the RNF base."""
     assert mesh.clean_normals is not None
     geometry, areas = given.geometry, given.geometry.areas
-    gather = gather_surface(given, geometry, size * given.mean_edge, likeness)
+    gather = gather_surface(given, size * given.mean_edge, likeness)
     found: Tried = {}
     guides: list[Array] = []
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -38,23 +39,12 @@ def filter_to_arrays(model: FilterModel) -> dict[str, NDArray[Any]]:
 
 
 def filter_from_arrays(arrays: Arrays) -> FilterModel:
-    """The model that `filter_to_arrays` was given, all of it checked.
-
-    Raises
-    ------
-    InputError
-        If something is missing or does not fit.
-    """
-    header = _header(arrays, _FILTER, "a filter")
-    try:
+    """The model that `filter_to_arrays` was given; InputError where something is missing or does not fit."""
+    with _header(arrays, _FILTER, "a filter") as header:
         given = header["descriptor"]
         descriptor = DescriptorOptions(tuple(given["sigma_s"]), tuple(given["sigma_r"]), given["passes"])
         metadata = dict(header["account"])
         parts = _parts_from_arrays(arrays, header["networks"])
-    except InputError:
-        raise
-    except (KeyError, TypeError, ValueError, UsageError):
-        raise InputError("its header is damaged") from None
     return FilterModel(descriptor, tuple(Stage(*part) for part in parts), metadata)
 
 
@@ -74,22 +64,11 @@ def training_to_arrays(state: TrainingState) -> dict[str, NDArray[Any]]:
 
 
 def training_from_arrays(arrays: Arrays) -> TrainingState:
-    """The state that `training_to_arrays` was given, all of it checked.
-
-    Raises
-    ------
-    InputError
-        If something is missing or does not fit.
-    """
-    header = _header(arrays, _TRAINING, "a training")
-    try:
+    """The state that `training_to_arrays` was given; InputError where something is missing or does not fit."""
+    with _header(arrays, _TRAINING, "a training") as header:
         fingerprint, losses = str(header["fingerprint"]), tuple(float(loss) for loss in header["losses"])
         parts = _parts_from_arrays(arrays, header["networks"])
         finished = int(header["stages"])
-    except InputError:
-        raise
-    except (KeyError, TypeError, ValueError):
-        raise InputError("its header is damaged") from None
     stages = tuple(Stage(*part) for part in parts[:finished])
     centers, networks = parts[finished] if len(parts) > finished else (None, ())
     return TrainingState(fingerprint, stages, centers, networks, losses)
@@ -99,7 +78,9 @@ def _text(header: Mapping[str, Any]) -> NDArray[np.uint8]:
     return np.frombuffer(json.dumps(header).encode(), np.uint8)
 
 
-def _header(arrays: Arrays, kind: str, what: str) -> dict[str, Any]:
+@contextlib.contextmanager
+def _header(arrays: Arrays, kind: str, what: str) -> Iterator[dict[str, Any]]:
+    """The header, to be read: what it lacks or cannot mean is an InputError."""
     try:
         header: dict[str, Any] = json.loads(arrays["header"].astype(np.uint8).tobytes())
         found = str(header["kind"])
@@ -107,7 +88,12 @@ def _header(arrays: Arrays, kind: str, what: str) -> dict[str, Any]:
         raise InputError(f"it is not {what} of nmaptool: it has no header") from None
     if found != kind:
         raise InputError(f"it is {found[:40]!r}, expected {kind!r}")
-    return header
+    try:
+        yield header
+    except InputError:
+        raise
+    except (KeyError, TypeError, ValueError, UsageError):
+        raise InputError("its header is damaged") from None
 
 
 def _parts_to_arrays(parts: list[tuple[Float32, tuple[Network, ...]]]) -> dict[str, NDArray[Any]]:

@@ -48,6 +48,8 @@ def write_composition(
 ) -> None:
     """Write a composition: all files appear, or none.
 
+    The map is written as by `write_normal_map`, with the recipe that made it in its metadata.
+
     Parameters
     ----------
     composition : Composition

@@ -110,8 +110,7 @@ def write_normal_map(
 
     Examples
     --------
-    >>> flat = np.zeros((32, 48, 3))
-    >>> flat[..., 2] = 1
+    >>> flat = np.full((32, 48, 3), (0.0, 0, 1))
     >>> nm.write_normal_map(nm.NormalMap.from_array(flat, pitch_mm=0.5), "flat.png")
     >>> nm.read_normal_map("flat.png", nm.ReadOptions(background_color="none"))
     <NormalMap flat.png: 48 x 32 px, 0.5 mm per px, 100% covered>

@@ -102,8 +102,7 @@ def write_unpacked(
 
     Examples
     --------
-    >>> flat = np.zeros((32, 48, 3))
-    >>> flat[..., 2] = 1
+    >>> flat = np.full((32, 48, 3), (0.0, 0, 1))
     >>> written = nm.write_unpacked(nm.unpack(nm.pack([flat])), "unpacked", format="png")
     >>> sorted(path.suffix for path in written)
     ['.png', '.toml']

@@ -65,8 +65,7 @@ def write_workspace(workspace: Workspace, path: Destination, *, overwrite: bool 
 
     Examples
     --------
-    >>> flat = np.zeros((32, 48, 3))
-    >>> flat[..., 2] = 1
+    >>> flat = np.full((32, 48, 3), (0.0, 0, 1))
     >>> nm.write_workspace(nm.pack([flat]), "flat.ora")
     """
     check_workspace_target(place_of(path), workspace.bits, workspace.half)

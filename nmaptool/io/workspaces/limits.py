@@ -27,22 +27,12 @@ class Budget:
         self._path, self._limit, self._pixels = path, max_megapixels, 0
 
     def check_count(self, layers: int) -> None:
-        """Refuse more layers than any designer makes.
-
-        Raises
-        ------
-        LimitError
-        """
+        """Refuse more layers than any designer makes, by a LimitError."""
         if layers > MOST_LAYERS:
             raise LimitError(f"{self._path}: holds {layers} layers; accepted are at most {MOST_LAYERS}")
 
     def check_depth(self, depth: int) -> None:
-        """Refuse groups in groups without end.
-
-        Raises
-        ------
-        InputError
-        """
+        """Refuse groups in groups without end, by an InputError."""
         if depth > _DEEPEST_GROUP:
             raise InputError(f"{self._path}: nests groups more than {_DEEPEST_GROUP} deep; merge some")
 

@@ -1,0 +1,81 @@
+"""The heights of a depth or height picture, and how exact they are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.errors import InputError
+from nmaptool.depth.scale import Scale, settle_scale, without_empty
+from nmaptool.depth.values import GreyValues, grey_values, noise_of, step_of
+from nmaptool.options import DepthOptions
+from nmaptool.types.picture import RasterImage
+from nmaptool.types.plain_arrays import check_sizes
+
+# noise that a lossy file has near its edges at least, in steps
+_LOSSY_NOISE = 1.25
+# slopes that are less wrong than this need no fit
+FINE_SLOPE = 0.012
+
+
+@dataclass(frozen=True, eq=False)
+class DepthSource:
+    """A picture's heights in px, and what is known of them."""
+
+    image: RasterImage
+    grey: GreyValues
+    cover: Float32 | None
+    scale: Scale
+    heights: Float32
+    lowest: float
+    step_px: float
+    noise_px: float
+
+    @property
+    def unsure(self) -> float:
+        """Noise in px that heights near edges have at least; 0 in clean pictures."""
+        return max(_LOSSY_NOISE * self.step_px if self.image.lossy else 0.0, self.noise_px)
+
+    def facts(self) -> dict[str, Any]:
+        """What the report says of it."""
+        names = ("kind", "scale_px", "scale_from", "pitch_mm", "inverted", "inverted_from", "fov", "fov_from")
+        facts = {name: getattr(self.scale, name) for name in names}
+        return {**facts, "bits": self.grey.bits, "step_px": self.step_px, "noise_px": self.noise_px}
+
+
+def read_source(image: RasterImage, options: DepthOptions, mask: Float32 | None) -> DepthSource:
+    """A picture's heights at the scale that the options, the file or the default say, where there is a surface."""
+    grey, cover = _surface(image, options, mask)
+    scale = settle_scale(image, grey, options)
+    step = step_of(grey)
+    size = abs(scale.px_per_value)
+    noise = noise_of(grey.values, grey.known, step)
+    noise = noise if noise * size >= FINE_SLOPE else 0.0
+    heights = grey.values
+    heights *= np.float32(scale.px_per_value)  # they are a copy of the picture's
+    return DepthSource(image, grey, cover, scale, heights, extremes(heights, grey.known)[0], step * size, noise * size)
+
+
+def extremes(heights: Float32, known: Mask) -> tuple[float, float]:
+    """The lowest and the highest of the known heights."""
+    if known.all():  # several times faster
+        return float(heights.min()), float(heights.max())
+    return float(heights.min(where=known, initial=np.inf)), float(heights.max(where=known, initial=-np.inf))
+
+
+def _surface(image: RasterImage, options: DepthOptions, given: Float32 | None) -> tuple[GreyValues, Float32 | None]:
+    """The grey values where there is a surface, and its coverage (None: all of it is covered where known)."""
+    if given is not None:
+        check_sizes(image.name, image.frame.shape, {"the mask": given.shape})
+    grey = without_empty(image, grey_values(image), options)
+    cover = image.alpha
+    if given is not None:
+        known = grey.known & (given > 0)
+        if not (known & (given >= 0.5)).any():
+            raise InputError("the mask selects nothing of the picture: paint the motif white (0.5 or more) on black")
+        cover = given if cover is None else cover * given
+        grey = GreyValues(grey.values, known, grey.top, grey.is_float, grey.bits, grey.noisy_grey, grey.nothing)
+    return grey, cover
