@@ -37,7 +37,7 @@ def describe_findings(mesh: Mesh, found: MeshFindings) -> str:
 
 def describe_split(report: LayerReport) -> Iterator[str]:
     """How base and detail were told apart."""
-    yield f"  {_filter_words(report)}"
+    yield f"  {_describe_filter(report)}"
     m = report.mixture
     if report.curl:
         yield f"  mean |curl| {', '.join(f'{name} {size:.4f}' for name, size in report.curl.items())} slope per px"
@@ -52,7 +52,7 @@ def describe_split(report: LayerReport) -> Iterator[str]:
     )
 
 
-def _filter_words(report: LayerReport) -> str:
+def _describe_filter(report: LayerReport) -> str:
     o = report.options
     if report.model:
         return f"learned filter {report.model}"

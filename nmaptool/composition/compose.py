@@ -220,24 +220,24 @@ def is_ground(layer: Layer | LayerGroup, frame: Frame, canvas: CanvasOptions) ->
 
 def _warnings(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
     """What may not be meant: pixels of another size taken pixel for pixel, heights kept under a stretched picture."""
-    doubts: list[str] = []
+    found: list[str] = []
     for layer in layers:
         if isinstance(layer, LayerGroup):
-            doubts += _warnings(layer.layers, frame)
+            found += _warnings(layer.layers, frame)
             continue
         own, o = layer.normal_map.frame.pitch_mm, layer.options
         if own is not None and frame.pitch_mm is not None and o.scale == "1":
             factor = own / frame.pitch_mm
             if abs(factor - 1) > _SAME_PITCH:
-                doubts.append(
+                found.append(
                     f"{layer.name}: its pixels are {own:.4g} mm, the canvas's {frame.pitch_mm:.4g} mm; to keep its "
                     f"size in mm, give it the scale {factor:.4g}"
                 )
         factors = o.factors
         if not isinstance(factors, Length) and o.height_factor is None and is_uneven(factors):
             even = (factors[0] * factors[1]) ** 0.5
-            doubts.append(
+            found.append(
                 f"{layer.name}: is stretched, so its heights stay and its slopes change by {1 / factors[0]:.3g} across "
                 f"and {1 / factors[1]:.3g} down; the height factor {even:.3g} keeps them on the whole"
             )
-    return doubts
+    return found

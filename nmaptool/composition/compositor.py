@@ -42,7 +42,7 @@ class Canvas:
         As in `nmaptool.NormalMap`: that of the map or plate that the layers were laid on.
     placed : (H, W) float32
         Coverage of what was laid on, without the lowest.
-    accounts : list of dict
+    layer_reports : list of dict
         What became of each layer.
     """
 

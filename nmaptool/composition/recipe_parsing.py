@@ -198,10 +198,10 @@ def _options(kind: Any, given: Mapping[str, Any], where: str) -> Any:
     try:
         return kind(**given)
     except UsageError as error:
-        raise InputError(f"{where}: {in_recipe_words(str(error))}") from None
+        raise InputError(f"{where}: {with_recipe_keys(str(error))}") from None
 
 
-def in_recipe_words(text: str) -> str:
+def with_recipe_keys(text: str) -> str:
     """A message about flags as one about keys.
 
     >>> in_recipe_words("--height-factor 5000: must lie between -1000 and 1000")

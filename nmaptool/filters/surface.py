@@ -111,7 +111,7 @@ class _Nodes:
         The patch of `Reach` that each lies in.
     places : (K, 6) float32
         Mean position over sigma_s, mean guide over sigma_r.
-    summands : (K, 4) float32
+    weighted_normals : (K, 4) float32
         Sum of area times original normal, and of area.
     """
 

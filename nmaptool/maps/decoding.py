@@ -123,9 +123,12 @@ def _decode(image: RasterImage, options: ReadOptions) -> Decoded:
     wanted = options.background_color
     background = find_background(channels.image, channels.xyz, wanted, channels.order, mixed.shape[2])
     covered = cover(vectors, mixed, channels, background)
-    doubts = (*_background_doubts(channels, background, wanted), *_length_doubts(covered.vectors, covered.background))
+    warnings = (
+        *_background_warnings(channels, background, wanted),
+        *_length_warnings(covered.vectors, covered.background),
+    )
     return Decoded(
-        vectors, background, _normal_map(image, options, channels, covered, background.kind, doubts), channels
+        vectors, background, _normal_map(image, options, channels, covered, background.kind, warnings), channels
     )
 
 
@@ -176,19 +179,19 @@ def _normal_map(
     return NormalMap(normals, covered.coverage, image.frame, foreground, image.name, decoding, flat_background)
 
 
-def _background_doubts(channels: Channels, background: Background, wanted: str) -> tuple[str, ...]:
+def _background_warnings(channels: Channels, background: Background, wanted: str) -> tuple[str, ...]:
     """What speaks against the background that was found."""
-    doubts: list[str] = []
+    warnings: list[str] = []
     if wanted not in ("auto", "none") and not background.mask.any():
-        doubts.append(f"no background is {wanted}: every pixel is taken for surface")
+        warnings.append(f"no background is {wanted}: every pixel is taken for surface")
     if background.warning is not None:
-        doubts.append(background.warning)
+        warnings.append(background.warning)
     if wanted == "auto" and alpha_is_data(channels.image):
-        doubts.append("alpha looks like data (a height or gloss channel), not coverage: ignored")
-    return tuple(doubts)
+        warnings.append("alpha looks like data (a height or gloss channel), not coverage: ignored")
+    return tuple(warnings)
 
 
-def _length_doubts(vectors: Float32, background: Mask) -> tuple[str, ...]:
+def _length_warnings(vectors: Float32, background: Mask) -> tuple[str, ...]:
     share = off_length_share(vectors, background)
     if share < NOT_NORMALS_SHARE:
         return ()

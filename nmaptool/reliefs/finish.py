@@ -27,7 +27,7 @@ class FinishedHeights:
         Share of the motif below a held background.
     delta_px, scale : float
         Delta that they were made with, factor on all heights or on the slopes.
-    account : Account
+    statistics : SolveStatistics
     """
 
     z_mm: Float64
@@ -58,8 +58,8 @@ def finish(
         In px.
     options : ReliefOptions
     pitch_mm : float
-    asked : Asked
-    near : SystemHeights or None
+    settings : SolveSettings
+    warm_start : SystemHeights or None
         Where to start from.
 
     Raises

@@ -95,8 +95,8 @@ class SystemHeights:
         ----------
         delta : float
             In px.
-        asked : Asked
-        near : SystemHeights, optional
+        settings : SolveSettings
+        warm_start : SystemHeights, optional
             Of weights close by: its heights are where the solver starts.
 
         Raises

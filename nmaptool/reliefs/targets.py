@@ -158,7 +158,7 @@ def build_targets(
     energy : {"eq6", "eq4"}
         "eq6": target slope (g_O + mu g_D)/(1 + mu) with weight 1 + mu; "eq4": g_O + mu g_D with weight 1. Both count
         from the slopes of a held background, and fade with the share of each face that is motif.
-    leanings : pair of Leaning, optional
+    capped : pair of CappedSlopes, optional
         Capped slopes of both maps, where they are known already.
     """
     shape = original.frame.shape

@@ -15,9 +15,9 @@ BYTES_PER_UNKNOWN = {"dct": 0, "multigrid": 0, "float64 multigrid": 0, "amg": 56
 _BESIDE = 16_000_000
 
 
-def kind_of(method: str, spans_much: bool) -> str:
+def kind_of(method: str, has_wide_weights: bool) -> str:
     """What the plan knows a method by: multigrid holds float64 for weights that span much."""
-    return "float64 multigrid" if method == "multigrid" and spans_much else method
+    return "float64 multigrid" if method == "multigrid" and has_wide_weights else method
 
 
 def estimate(system_shape: tuple[int, int], unknowns: int, method: str) -> int:

@@ -61,7 +61,7 @@ def prepare(
         If it takes more memory than it may; nothing but the map of unknowns has been allocated then.
     """
     chosen = choose(system, method)
-    kind = kind_of(chosen, system.spans_much)
+    kind = kind_of(chosen, system.has_wide_weights)
     planned = plan(system.weight.shape, int(np.count_nonzero(system.unknown)), kind, memory_limit_bytes)
     islands = Islands(system)
     return Solver(system, _method(chosen, system, islands, like), islands, planned)

@@ -72,7 +72,10 @@ class Solver:
         """
         if limit_bytes is not None:
             plan(
-                self.system.weight.shape, self.unknowns, kind_of(self.method.name, self.system.spans_much), limit_bytes
+                self.system.weight.shape,
+                self.unknowns,
+                kind_of(self.method.name, self.system.has_wide_weights),
+                limit_bytes,
             )
 
     def solve(

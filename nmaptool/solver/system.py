@@ -115,7 +115,7 @@ class QuadSystem:
         return extremes(self.weight)
 
     @functools.cached_property
-    def spans_much(self) -> bool:
+    def has_wide_weights(self) -> bool:
         """Whether the faces' weights differ by so much that float32 is not enough to precondition with."""
         least, most = self.weight_range
         if least == 0:

@@ -97,7 +97,7 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
     normals[snapped] = FLAT
     if bent:
         repairs.append(f"{bent} nearly flat pixels made flat again")
-    found.extend(_editor_words(layer))
+    found.extend(_editor_findings(layer))
     findings = tuple(WorkspaceFinding(code, layer.name, message, remedy) for code, message, remedy in found)
     return Repaired(normals, alpha, findings, tuple(repairs))
 
@@ -192,7 +192,7 @@ def _was_flat(packed: Signature, now: Signature, layer: WorkspaceLayer) -> Mask:
     return out
 
 
-def _editor_words(layer: WorkspaceLayer) -> Iterator[tuple[str, str, str]]:
+def _editor_findings(layer: WorkspaceLayer) -> Iterator[tuple[str, str, str]]:
     modes = [layer.blend_mode] + [group.blend_mode for group in layer.groups]
     for mode in dict.fromkeys(modes):
         if mode not in (NORMAL_BLEND, PASS_THROUGH):

@@ -58,12 +58,12 @@ def unpack(workspace: Workspace) -> UnpackResult:
     layers = tuple(_unpacked(layer, workspace.frame, packed_bits) for layer in matched)
     whole = _of_the_whole(workspace, facts, matched, renamed)
     inside = [finding for layer in layers for finding in layer.findings]
-    findings = (*whole, *_said_once(inside, len(layers)))
+    findings = (*whole, *_merged_findings(inside, len(layers)))
     ground = "flat" if metadata.get("ground") == "flat" else "clear"
     return UnpackResult(workspace.name, workspace.frame, workspace.bits, layers, findings, bool(facts), ground)
 
 
-def _said_once(findings: list[WorkspaceFinding], layers: int) -> list[WorkspaceFinding]:
+def _merged_findings(findings: list[WorkspaceFinding], layers: int) -> list[WorkspaceFinding]:
     """What is true of every layer in the same words is said once, of the whole."""
     counts = Counter((finding.code, finding.message) for finding in findings)
     out: list[WorkspaceFinding] = []

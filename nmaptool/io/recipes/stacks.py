@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TypeVar
 
-from nmaptool.composition.recipe_parsing import in_recipe_words
+from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError, LimitError, NmaptoolError, UsageError
 from nmaptool.io.pictures.normal_maps import read_grey, read_normal_map, split_layer
@@ -188,7 +188,7 @@ def _with_context(entry: Entry, make: Callable[[], _T]) -> _T:
         return make()
     except NmaptoolError as error:
         text = str(error)
-        flag = in_recipe_words(text).partition(" ")[0]
+        flag = with_recipe_keys(text).partition(" ")[0]
         if isinstance(error, UsageError) and isinstance(entry, RecipeLayer) and flag in entry.read:
-            text = in_recipe_words(text)
+            text = with_recipe_keys(text)
         raise type(error)(f"{entry.label}: {text}") from None

@@ -95,7 +95,7 @@ class _Tags:
 
 
 @contextlib.contextmanager
-def _damage_told(path: Path) -> Iterator[None]:
+def _damage_named(path: Path) -> Iterator[None]:
     """One clear line for whatever tifffile meets in a damaged file; its own words are not shown."""
     logger = logging.getLogger("tifffile")
     before = logger.level
@@ -124,7 +124,7 @@ def read_layered_tiff(path: Path, max_megapixels: float) -> Workspace:
     LimitError
         If all pages together are over ``max_megapixels``.
     """
-    with _damage_told(path):
+    with _damage_named(path):
         directories = _directories(path)
         budget = Budget(path, max_megapixels)
         for tags in directories:

@@ -66,7 +66,7 @@ class MultigridMethod:
     name = "multigrid"
 
     def __init__(self, system: QuadSystem, like: MultigridMethod | None = None) -> None:
-        self.precision: type[np.floating[Any]] = np.float64 if system.spans_much else np.float32
+        self.precision: type[np.floating[Any]] = np.float64 if system.has_wide_weights else np.float32
         self._floor = _REDUCTION[self.precision]
         factor = None if like is None or like.precision != self.precision else _factor(like._made_for, system)
         self.borrowed = factor is not None
