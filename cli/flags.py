@@ -29,6 +29,7 @@ def flags_of(options: type[Options]) -> Iterator[inspect.Parameter]:
             name=[flag_of(field.name), *([field.metadata["short"]] if "short" in field.metadata else [])],
             group=GROUPS[options.group],
             help=help_texts[field.name],
+            show_default=None if field.default != () else False,
         )
         yield keyword(field.name, field.default, _hint(field.name, hints[field.name], kind), shown)
 

@@ -96,6 +96,7 @@ def test_a_commands_own_help_has_its_example_and_lists_have_one_line(command, ru
         (line,) = [line for line in shown.splitlines() if line.startswith(f"│ {name} ")]
         assert line.rstrip(" │").endswith(".")
         assert "Example" not in shown
+    assert "()" not in run(*command.split(), "--help").out
 
 
 def test_every_public_name_loads_and_has_a_docstring():

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 
 from nmaptool.core.units import Length
 from nmaptool.options.fields import Options, choice_of, option
-from nmaptool.options.kinds import Number, Switch, require_number
+from nmaptool.options.kinds import Numeric, Switch, require_number
 from nmaptool.options.length_kinds import LengthOr, LengthText
 
 AutoOrNone = Literal["auto", "none"]
@@ -47,7 +47,7 @@ class DepthOptions(Options, group="Composing"):
 
     depth_scale: Length | None = option(None, LengthText("10%"))
     invert: bool = option(False, Switch())
-    fov: float | None = option(None, Number("35"))
+    fov: float | None = option(None, Numeric())
     jump: Length | AutoOrNone = option("auto", LengthOr("2px", get_args(AutoOrNone)))
     smooth: Length | AutoOrNone = option("auto", LengthOr("2px", get_args(AutoOrNone)))
     background: DepthBackground = option("auto", choice_of(DepthBackground))

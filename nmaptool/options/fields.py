@@ -50,7 +50,7 @@ class Options:
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
             value, kind = getattr(self, field.name), kind_of(field)
-            if kind is not None and value is not None:
+            if kind is not None and (value is not None or field.default is not None):
                 read = kind.read(field.name, value)
                 if read is not value:
                     object.__setattr__(self, field.name, read)

@@ -81,7 +81,9 @@ class OffsetText(SignedText):
                 value = offset(value)
             except UsageError as error:
                 raise UsageError(f"{flag_of(name)} {error}") from None
-        if isinstance(value, Offset) and value.value < 0:
+        if not isinstance(value, Offset):
+            raise UsageError(f"{flag_of(name)} {value!r}: expected a distance, such as {self.such_as}")
+        if value.value < 0:
             raise UsageError(f"{flag_of(name)} {value}: must be zero or more, such as {self.such_as}")
         return value
 

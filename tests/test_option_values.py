@@ -1,0 +1,42 @@
+"""What the options' classes refuse, whichever option it is."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import pytest
+
+import nmaptool as nm
+from nmaptool.options.fields import Options, kind_of
+from nmaptool.options.kinds import Choice, Count, Number, Positive, Weight
+
+
+def required() -> list[Any]:
+    """Every number and choice with a default: None is none of its values."""
+    classes = [value for name in nm.__all__ if isinstance(value := getattr(nm, name), type)]
+    return [
+        pytest.param(options, field.name, id=f"{options.__name__}.{field.name}")
+        for options in classes
+        if issubclass(options, Options)
+        for field in dataclasses.fields(options)
+        if field.default is not None and isinstance(kind_of(field), (Choice, Number, Weight, Positive, Count))
+    ]
+
+
+@pytest.mark.parametrize(("options", "name"), required())
+def test_none_is_refused_where_an_option_has_a_default(options: type[Options], name: str) -> None:
+    with pytest.raises((nm.UsageError, TypeError)):
+        options(**{name: None})
+
+
+@pytest.mark.parametrize("name", ["background", "energy", "fit", "solver"])
+def test_none_is_no_choice(name: str) -> None:
+    with pytest.raises(nm.UsageError, match=rf"--{name} None: use one of "):
+        nm.ReliefOptions(**{name: None})
+
+
+@pytest.mark.parametrize("feather", [3.0, True, [1]])
+def test_a_feather_is_a_distance(feather: Any) -> None:
+    with pytest.raises(nm.UsageError, match=r"--feather .*: expected a distance, such as 6px"):
+        nm.LayerOptions(feather=feather)
