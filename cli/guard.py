@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 import threading
@@ -10,9 +11,9 @@ from typing import Any
 
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
-from nmaptool.core.errors import NmaptoolError
+from nmaptool.core.errors import NmaptoolError, reason_of
 from nmaptool.io.interruption import UNFINISHED
-from nmaptool_cli.streams import close_standard_output
+from nmaptool_cli.streams import STDOUT, close_standard_output
 
 EXIT_USAGE = 2
 EXIT_LIMIT = 4
@@ -20,6 +21,8 @@ EXIT_OUTPUT = 5
 EXIT_BUG = 70
 EXIT_INTERRUPTED = 130
 
+# set as soon as Ctrl-C is heard: what a library makes of the exception then does not change how the command ends
+CTRL_C = threading.Event()
 _ending = threading.Lock()
 
 
@@ -28,31 +31,41 @@ def run_guarded(command: Callable[[], Any]) -> int:
     if _ending.locked():  # by a command before, where one process runs several
         _ending.release()
     UNFINISHED.is_complete = False
+    CTRL_C.clear()
     try:
         code = command()
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
-    except NmaptoolError as error:
-        return _fail(str(error), error.exit_code)
-    except CycloptsError as error:
-        if isinstance(error.__cause__, NmaptoolError):
-            return _fail(str(error.__cause__), error.__cause__.exit_code)
-        return _fail(f"{_usage(error)} (see nmap --help)", EXIT_USAGE)
-    except MemoryError:
-        return _fail("out of memory; use a smaller map", EXIT_LIMIT)
     except KeyboardInterrupt:
         return interrupted()
-    except BrokenPipeError:
-        close_standard_output()
-        return EXIT_OUTPUT
-    except Exception as error:  # the last line of defence: a designer should not meet a traceback
-        if os.environ.get("NMAPTOOL_TRACEBACK"):
-            raise
-        return _fail(
-            f"this is a bug in nmaptool ({type(error).__name__}: {error}); run again with NMAPTOOL_TRACEBACK=1 and "
-            "report what it prints",
-            EXIT_BUG,
-        )
+    except Exception as error:  # noqa: BLE001 - it is said or raised again
+        return interrupted() if CTRL_C.is_set() else _failed(error)
+
+
+def _failed(error: Exception) -> int:
+    """Say what went wrong; the exit code."""
+    match error:
+        case NmaptoolError():
+            return _fail(str(error), error.exit_code)
+        case CycloptsError(__cause__=NmaptoolError() as cause):
+            return _fail(str(cause), cause.exit_code)
+        case CycloptsError():
+            return _fail(f"{_usage(error)} (see nmap --help)", EXIT_USAGE)
+        case MemoryError():
+            return _fail("out of memory; use a smaller map", EXIT_LIMIT)
+        case BrokenPipeError():
+            close_standard_output()
+            return EXIT_OUTPUT
+        case OSError(errno=errno.ENOSPC):  # files have errors of their own: this is a report, or --help
+            close_standard_output()
+            return _fail(f"{STDOUT}: cannot be written ({reason_of(error)})", EXIT_OUTPUT)
+    if os.environ.get("NMAPTOOL_TRACEBACK"):
+        raise error
+    return _fail(  # the last line of defence: a designer should not meet a traceback
+        f"this is a bug in nmaptool ({type(error).__name__}: {error}); run again with NMAPTOOL_TRACEBACK=1 and "
+        "report what it prints",
+        EXIT_BUG,
+    )
 
 
 def interrupted() -> int:

@@ -9,9 +9,10 @@ import socket
 import threading
 import time
 from collections.abc import Iterator
+from types import FrameType
 
 from nmaptool.io.interruption import UNFINISHED
-from nmaptool_cli.guard import interrupted
+from nmaptool_cli.guard import CTRL_C, interrupted
 
 # Python itself hears of Ctrl-C between two of its steps only: decoding or compressing a large picture is one step.
 # Where none has ended after this time, the process is.
@@ -24,12 +25,21 @@ def interruptible() -> Iterator[None]:
     ours, signals = socket.socketpair()
     signals.setblocking(False)
     before = signal.set_wakeup_fd(signals.fileno(), warn_on_full_buffer=False)
+    handler = signal.getsignal(signal.SIGINT)
+    if handler is signal.default_int_handler:  # a shell's background jobs ignore Ctrl-C
+        signal.signal(signal.SIGINT, _raise)
     threading.Thread(target=_wait, args=(ours,), daemon=True).start()
     try:
         yield
     finally:
+        signal.signal(signal.SIGINT, handler)
         signal.set_wakeup_fd(before)
         signals.close()
+
+
+def _raise(number: int, frame: FrameType | None) -> None:
+    CTRL_C.set()
+    signal.default_int_handler(number, frame)
 
 
 def _wait(ours: socket.socket) -> None:

@@ -283,9 +283,18 @@ def test_a_reader_that_hears_enough(place):
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")  # noqa: PTH110
-@pytest.mark.parametrize("words", [("-o", "-"), ("-o", "x.exr", "--json")])
+@pytest.mark.parametrize(
+    "words",
+    [
+        "compose blend base.exr detail.exr -q -o -",
+        "compose blend base.exr detail.exr -q -o x.exr --json",
+        "inspect base.exr",
+        "relief --help",
+        "--version",
+    ],
+)
 def test_standard_output_that_is_full(place, words):
-    script = f"{sys.executable} -c '{NMAP}' compose blend base.exr detail.exr -q {' '.join(words)} > /dev/full"
+    script = f"{sys.executable} -c '{NMAP}' {words} > /dev/full"
     done = subprocess.run(["bash", "-c", script], capture_output=True, check=False)
     assert done.returncode == 5
     assert done.stderr == b"nmap: error: standard output: cannot be written (No space left on device)\n"

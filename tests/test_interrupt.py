@@ -101,6 +101,30 @@ def test_ctrl_c_ends_a_call_that_does_not_listen(stage, clean_map, tmp_path, tre
     assert tree() == before
 
 
+@pytest.mark.parametrize("error", ["ValueError('half of it')", "errors.RendererError('no OpenGL context')"])
+def test_what_a_library_makes_of_ctrl_c_changes_nothing(error, clean_map, tmp_path, tree):
+    before = tree()
+    patch = f"""
+        from nmaptool.core import errors
+        from nmaptool.io.pictures import reader as images
+        def read(*a, **k):
+            try:
+                stop()
+            except KeyboardInterrupt:
+                raise {error}
+        images.read_image = read
+        """
+    done = run_script(patch, *words_for(clean_map, tmp_path))
+    assert (done.returncode, done.stderr, done.stdout) == (130, LINE, "")
+    assert tree() == before
+
+
+def test_ctrl_c_is_ignored_where_the_shell_says_so(clean_map, tmp_path):
+    ignored = "signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+    done = run_script(ignored + textwrap.dedent(AT["writing"]), *words_for(clean_map, tmp_path))
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_ctrl_c_leaves_no_new_folder(clean_map, tmp_path, tree):
     before = tree()
     patch = (

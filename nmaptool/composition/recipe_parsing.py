@@ -204,7 +204,7 @@ def _options(kind: Any, given: Mapping[str, Any], where: str) -> Any:
 def with_recipe_keys(text: str) -> str:
     """A message about flags as one about keys.
 
-    >>> in_recipe_words("--height-factor 5000: must lie between -1000 and 1000")
+    >>> with_recipe_keys("--height-factor 5000: must lie between -1000 and 1000")
     'height_factor 5000: must lie between -1000 and 1000'
     """
     return re.sub(r"^--([a-z]+(?:-[a-z]+)*)", lambda flag: flag[1].replace("-", "_"), text)
