@@ -261,7 +261,6 @@ class SystemHeights:
         def sums(values: Float64) -> Float64:
             if islands.count == 1:
                 return np.array([0.0, values.sum()])
-            found: Float64 = np.bincount(islands.labels.ravel(), values.ravel(), islands.count + 1)  # type: ignore[assignment]
-            return found
+            return np.asarray(np.bincount(islands.labels.ravel(), values.ravel(), islands.count + 1), np.float64)
 
         return sums(first * first), sums(first * second), sums(second * second)
