@@ -17,8 +17,9 @@ from nmaptool.core.text import listed
 from nmaptool.io.meshes.headers import NAMES
 from nmaptool.io.pictures.formats import format_names
 from nmaptool.options.fields import Options, kind_of
-from nmaptool.options.kinds import Count, Kind, flag_of
+from nmaptool.options.kinds import Count, Kind
 from nmaptool_cli.flags import flags_of
+from nmaptool_cli.mentions import flag_of
 from nmaptool_cli.per_input import PerInput
 from nmaptool_cli.run import Run, RunOptions
 

@@ -11,7 +11,8 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 from cyclopts import Group, Parameter
 
 from nmaptool.options.fields import Options, descriptions, kind_of
-from nmaptool.options.kinds import Choice, Kind, flag_of
+from nmaptool.options.kinds import Choice, Kind
+from nmaptool_cli.mentions import flag_of
 
 # groups of flags in the order that --help shows them
 _ORDER = ("Inputs", "Outputs", "Camera", "Filter", "Rebuilding", "Composing", "Relief", "Reading", "Run")

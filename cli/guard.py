@@ -13,6 +13,7 @@ from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensErr
 
 from nmaptool.core.errors import NmaptoolError, reason_of
 from nmaptool.io.interruption import UNFINISHED
+from nmaptool_cli.mentions import in_flags
 from nmaptool_cli.streams import STDOUT, close_standard_output
 
 EXIT_USAGE = 2
@@ -87,5 +88,5 @@ def _usage(error: CycloptsError) -> str:
 
 
 def _fail(text: str, code: int) -> int:
-    print(f"nmap: error: {' '.join(text.split())}", file=sys.stderr)
+    print(f"nmap: error: {' '.join(in_flags(text).split())}", file=sys.stderr)
     return code

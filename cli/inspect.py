@@ -9,6 +9,7 @@ from nmaptool.options import ReadOptions
 from nmaptool.options.fields import Options, option
 from nmaptool_cli.command import command
 from nmaptool_cli.inputs import read_grey
+from nmaptool_cli.mentions import in_flags
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import display_name
 
@@ -52,5 +53,5 @@ def inspect(run: Run, map: str, /) -> int:
     elif not run.options.quiet:
         from nmaptool_cli.wording.maps import describe_inspection
 
-        print("\n".join(describe_inspection(found)))
+        print(in_flags("\n".join(describe_inspection(found))))
     return 1 if found.findings else 0

@@ -13,8 +13,9 @@ from cyclopts import Parameter
 
 from nmaptool.core.errors import UsageError
 from nmaptool.options.fields import Options, descriptions, kind_of
-from nmaptool.options.kinds import Count, Kind, Numeric, Switch, flag_of
+from nmaptool.options.kinds import Count, Kind, Numeric, Switch
 from nmaptool_cli.flags import GROUPS, keyword
+from nmaptool_cli.mentions import flag_of
 
 _Value = TypeVar("_Value")
 

@@ -14,6 +14,7 @@ from nmaptool._version import __version__
 from nmaptool.core.progress import Progress
 from nmaptool.options.fields import Options, option
 from nmaptool.options.kinds import Switch
+from nmaptool_cli.mentions import in_flags
 from nmaptool_cli.streams import STDOUT, Inputs, names_in, readable, refuse_inputs, standard_output
 
 if TYPE_CHECKING:
@@ -165,7 +166,7 @@ class Run:
     def speak(self) -> None:
         """Print the messages so far on stderr."""
         for text in self._messages:
-            print(text, file=sys.stderr)
+            print(in_flags(text), file=sys.stderr)
         self._messages.clear()
 
     def data(self, value: Any) -> None:

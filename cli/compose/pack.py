@@ -14,9 +14,10 @@ from nmaptool.options import LayerOptions, PackOptions, ReadOptions
 from nmaptool.options.blend_modes import layer_meanings
 from nmaptool.options.fields import Options, option
 from nmaptool.options.formats import WORKSPACE_FORMATS
-from nmaptool.options.kinds import Kind, Numeric, SignedText, Switch, flag_of
+from nmaptool.options.kinds import Kind, Numeric, SignedText, Switch
 from nmaptool_cli.command import command
 from nmaptool_cli.inputs import read_grey, read_map
+from nmaptool_cli.mentions import flag_of
 from nmaptool_cli.outputs import FileOf
 from nmaptool_cli.run import Run
 from nmaptool_cli.wording.maps import say_map

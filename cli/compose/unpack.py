@@ -9,6 +9,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.options.fields import Options, choice_of, option
 from nmaptool.options.kinds import Positive
 from nmaptool_cli.command import command
+from nmaptool_cli.mentions import in_flags
 from nmaptool_cli.outputs import LayerFormat, ReportOutputs
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import STREAM
@@ -75,5 +76,5 @@ def unpack(run: Run, workspace: str, /) -> int:
     written = [f"{len(outputs.paths)} files into {flags.output}"]
     run.finish(outputs, unpacked, {"version": nm.__version__, **unpacked.to_dict()}, written=written)
     if not (printed or run.options.quiet):
-        print("\n".join(describe_unpacked(unpacked)))
+        print(in_flags("\n".join(describe_unpacked(unpacked))))
     return 1 if unpacked.findings else 0

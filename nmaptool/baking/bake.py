@@ -84,7 +84,7 @@ def bake(
     """
     options = options or BakeOptions()
     if len(options.views) > 1:
-        raise UsageError(f"--view {options.view}: is several views; use bake_views, which gives a set for each")
+        raise UsageError(f"`view={options.view!r}`: is several views; use bake_views, which gives a set for each")
     return bake_views(mesh, options, filter, model=model, progress=progress)[0]
 
 
@@ -171,7 +171,7 @@ def _sized(prepared: PreparedMesh, cameras: list[Camera], width: Length | None) 
     sigma_s = prepared.filter.sigma_s
     if isinstance(sigma_s, Length) and sigma_s.is_absolute and not np.allclose(sizes, sizes[0], rtol=1e-6):
         raise UsageError(
-            f"--sigma-s {sigma_s}: these views have different scales at --width {width}; give it in %, or one view"
+            f"`sigma_s='{sigma_s}'`: these views have different scales at `width='{width}'`; give it in %, or one view"
         )
     sized = dataclasses.replace(prepared.mesh, mm_per_unit=sizes[0], unit_from="given")
     return dataclasses.replace(prepared, mesh=sized)
@@ -197,7 +197,7 @@ def _layer_set(drawn: _Drawn, split: Decomposition, fields: tuple[Float64, Float
     original, coverage = face_buffer.normal_layer(fields[0])
     if not coverage.any():
         raise InputError(
-            f"{mesh.name}: nothing of it is seen in the {drawn.view} view; choose another --view, --pitch or --target"
+            f"{mesh.name}: nothing of it is seen in the {drawn.view} view; choose another `view`, `pitch` or `target`"
         )
     base, _ = face_buffer.normal_layer(fields[1])
     seen = coverage > 0
@@ -259,7 +259,7 @@ def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:
     longest = float(np.ptp(mesh.vertices, axis=0).max())
     size_mm = longest * mesh.mm_per_unit
     if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
-        found.append(f"is {size_mm:.3g} mm large if its units are mm; say --width 100mm, or its --unit")
+        found.append(f"is {size_mm:.3g} mm large if its units are mm; say `width='100mm'`, or its `unit`")
     found += drawn.prepared.warnings
     if float((coverage > 0).mean()) < 0.001:
         found.append("less than a thousandth of the picture sees the mesh")

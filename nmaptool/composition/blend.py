@@ -115,7 +115,7 @@ def _warnings(base: NormalMap, detail: NormalMap) -> tuple[str, ...]:
         return ()
     stated = (
         f"{detail.name}: is stretched unevenly, so its heights stay and its slopes change by {across:.3g} across and "
-        f"{down:.3g} down; --strength makes up for it"
+        f"{down:.3g} down; `strength` makes up for it"
     )
     return (stated,)
 
@@ -126,8 +126,8 @@ def _of_one_size(base: NormalMap, detail: NormalMap, fit: bool) -> NormalMap:
         return detail
     if not fit:
         raise InputError(
-            f"{detail.name} is {detail.frame}, but {base.name} is {base.frame}; stretch it with --fit, or place it "
-            "with nmap compose paste"
+            f"{detail.name} is {detail.frame}, but {base.name} is {base.frame}; stretch it with `fit`, or place it "
+            "with paste"
         )
     rows, cols = base.frame.shape
     matrix = np.array([[cols / detail.frame.cols, 0.0, 0.0], [0.0, rows / detail.frame.rows, 0.0]])

@@ -78,7 +78,7 @@ def compose(
     if frame.rows * frame.cols > max_megapixels * 1e6:
         raise LimitError(
             f"a canvas of {frame} is {frame.rows * frame.cols / 1e6:.0f} megapixels, more than the limit of "
-            f"{max_megapixels:g}; make it smaller or raise --max-megapixels"
+            f"{max_megapixels:g}; make it smaller or raise `max_megapixels`"
         )
     first = layers[0]
     if is_ground(first, frame, canvas):

@@ -154,7 +154,7 @@ def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
     if left >= frame.cols or top >= frame.rows or right <= 0 or bottom <= 0:
         raise InputError(
             f"{layer.name}: lies fully off the canvas of {frame} px: from {left},{top} to {right},{bottom} px; "
-            "place it with --at"
+            "place it with `at`"
         )
     # a soft edge looks beyond the canvas: what goes on there has no edge
     beyond = int(np.ceil(feather)) + 1 if feather else 0

@@ -84,11 +84,11 @@ def scale_factors(scale: tuple[float, float] | Length, frame: Frame, cols: int) 
     if not isinstance(scale, Length):
         return scale
     if scale.is_absolute and frame.pitch_mm is None:
-        raise UsageError(f"--scale {scale}: the size of a pixel is not known; say --width 100mm, or give a factor")
+        raise UsageError(f"`scale='{scale}'`: the size of a pixel is not known; say `width='100mm'`, or give a factor")
     pitch = frame.pitch_mm or 1.0
     factor = scale.to_mm(pitch, frame.cols) / pitch / cols
     if not 1 / _LARGEST_FACTOR <= factor <= _LARGEST_FACTOR:
-        raise UsageError(f"--scale {scale}: is {factor:.3g} times the layer's size; use 0.001 to 1000 times")
+        raise UsageError(f"`scale='{scale}'`: is {factor:.3g} times the layer's size; use 0.001 to 1000 times")
     return factor, factor
 
 

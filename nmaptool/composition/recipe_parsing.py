@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import difflib
-import re
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import fields
 from pathlib import PurePath
 from typing import Any
 
 from nmaptool.core.errors import InputError, LimitError, UsageError
+from nmaptool.core.mentions import rendered
 from nmaptool.core.units import offset
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
 from nmaptool.options.fields import Options, kind_of
@@ -31,6 +32,7 @@ _CONTENTS = ("file", "recipe", "layer")
 LAYER_KEYS = ("file", *_PLACE_KEYS, "mask", "hidden", "read")
 GROUP_KEYS = ("layer", "recipe", *_GROUP_OPTIONS, "mask", "hidden")
 _ALL_KEYS = tuple(dict.fromkeys((*LAYER_KEYS, *GROUP_KEYS)))
+_KEYS = frozenset((*_ALL_KEYS, *READ_KEYS, *_CANVAS_KEYS))
 _LONGEST_SHOWN = 60
 
 
@@ -202,12 +204,21 @@ def _options(kind: Any, given: Mapping[str, Any], where: str) -> Any:
 
 
 def with_recipe_keys(text: str) -> str:
-    """A message about flags as one about keys.
+    """A message with its options as keys of a recipe; what a recipe does not have stays as it is.
 
-    >>> with_recipe_keys("--height-factor 5000: must lie between -1000 and 1000")
-    'height_factor 5000: must lie between -1000 and 1000'
+    >>> with_recipe_keys("`height_factor=5000`: must lie between -1000 and 1000")
+    'height_factor = 5000: must lie between -1000 and 1000'
+    >>> with_recipe_keys("`flip_h=True` is not for `fit='stretch'`")
+    'flip_h = true is not for fit = "stretch"'
     """
-    return re.sub(r"^--([a-z]+(?:-[a-z]+)*)", lambda flag: flag[1].replace("-", "_"), text)
+    return rendered(text, _key)
+
+
+def _key(name: str, value: Any) -> str:
+    """A key and its value as TOML writes them."""
+    if name not in _KEYS:
+        return f"`{name}`" if value is None else f"`{name}={value!r}`"
+    return name if value is None else f"{name} = {json.dumps(value, ensure_ascii=False)}"
 
 
 def number_text(number: float) -> str:

@@ -118,7 +118,7 @@ def _warnings(linear: Float64, o: TransformOptions) -> tuple[str, ...]:
     even = float(np.sqrt(scales.prod()))
     stated = (
         f"the picture is stretched, so its heights stay and its slopes change by {across:.3g} across and {down:.3g} "
-        f"down; --height-factor {even:.3g} keeps them on the whole"
+        f"down; `height_factor={even:.3g}` keeps them on the whole"
     )
     return (stated,)
 
@@ -147,8 +147,8 @@ def _cropped(source: Piece, o: TransformOptions, frame: Frame, name: str) -> tup
     left, top, cols, rows = (round(d.to_px(frame.pitch_mm, side)) for d, side in zip(o.window, sides, strict=True))
     if min(left, top) < 0 or left + cols > frame.cols or top + rows > frame.rows or min(cols, rows) < 1:
         raise InputError(
-            f"{name}: --crop {o.crop} is {cols} x {rows} px at {left},{top}, which does not lie in the picture of "
-            f"{frame} px; make a picture larger with --pad"
+            f"{name}: `crop={o.crop!r}` is {cols} x {rows} px at {left},{top}, which does not lie in the picture of "
+            f"{frame} px; make a picture larger with `pad`"
         )
     part = np.s_[top : top + rows, left : left + cols]
     piece = Piece(source.normals[part], source.coverage[part], source.foreground[part])
@@ -174,11 +174,11 @@ def _canvas(
     matrix[:, 2] += pad[:2]
     cols, rows = cols + pad[0] + pad[2], rows + pad[1] + pad[3]
     if cols < 1 or rows < 1:
-        raise InputError(f"{name}: nothing is left of the picture; use a larger --scale")
+        raise InputError(f"{name}: nothing is left of the picture; use a larger `scale`")
     if cols * rows > max_megapixels * 1e6:
         raise LimitError(
             f"{name}: a result of {cols} x {rows} px is more than the limit of {max_megapixels:g} megapixels; make it "
-            "smaller or raise --max-megapixels"
+            "smaller or raise `max_megapixels`"
         )
     pitch = frame.pitch_mm
     if pitch is not None and o.new_size is not None:

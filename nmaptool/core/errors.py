@@ -1,11 +1,14 @@
 """Errors a user can meet, each with the exit code that the command line answers with.
 
-A message is one line: the file or option, what was found, what is accepted, and the remedy.
+A message is one line: the file or option, what was found, what is accepted, and the remedy. It names options as
+`nmaptool.core.mentions` describes.
 """
 
 from __future__ import annotations
 
 from typing import ClassVar
+
+from nmaptool.core.mentions import Mention, options_in, rendered
 
 
 def reason_of(error: OSError) -> str:
@@ -21,6 +24,15 @@ class NmaptoolError(Exception):
     def __init_subclass__(cls, exit_code: int | None = None) -> None:
         super().__init_subclass__()
         cls.exit_code = cls.exit_code if exit_code is None else exit_code
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The field names of the options that the message is about, in its order."""
+        return options_in(str(self))
+
+    def rendered(self, mention: Mention) -> str:
+        """The message, with each option as ``mention(name, value)`` says it."""
+        return rendered(str(self), mention)
 
 
 class UsageError(NmaptoolError, ValueError, exit_code=2):

@@ -149,7 +149,7 @@ class Offset(_Measure):
         if self.unit == "%":
             return self.value / 100 * side_px
         if pitch_mm is None:
-            raise UsageError(f"{self}: the size of a pixel is not known; say --width 100mm, or use px or %")
+            raise UsageError(f"{self}: the size of a pixel is not known; say `width='100mm'`, or use px or %")
         return self.value * _MM_PER_UNIT[self.unit] / pitch_mm
 
 

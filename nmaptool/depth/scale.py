@@ -61,7 +61,7 @@ class Scale:
     eye_value: float
 
 
-def in_px(length: Length, cols: int, pitch_mm: float | None, flag: str, name: str) -> float:
+def in_px(length: Length, cols: int, pitch_mm: float | None, field: str, name: str) -> float:
     """A height in px; % is of the picture's width.
 
     Raises
@@ -72,7 +72,8 @@ def in_px(length: Length, cols: int, pitch_mm: float | None, flag: str, name: st
     if length.is_absolute:
         if pitch_mm is None:
             raise UsageError(
-                f"--{flag} {length}: {name} does not say how large a pixel is; give px or %, or the picture's --width"
+                f"`{field}='{length}'`: {name} does not say how large a pixel is; "
+                "give px or %, or the picture's `width`"
             )
         return length.to_mm(1.0, 1) / pitch_mm
     return length.to_mm(1.0, cols)
@@ -90,7 +91,7 @@ def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) ->
     """
     kind = kind_of(image)
     if kind != "grey" and options.invert:
-        raise UsageError(f"--invert: {image.name} says itself that it holds {kind}; leave it out")
+        raise UsageError(f"`invert`: {image.name} says itself that it holds {kind}; leave it out")
     cols = image.frame.cols
     pitch = options.width.to_mm(1.0, 1) / cols if options.width is not None else image.frame.pitch_mm
     black, white, mm_per_value = _range(image, grey)
@@ -99,18 +100,18 @@ def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) ->
     focal = image.frame.longer_side / (2 * math.tan(math.radians(fov) / 2)) if fov else math.inf
     eye = _measured_eye(image, grey, options, inverted, mm_per_value) if fov else None
     if options.depth_scale is not None:
-        scale_px, source = in_px(options.depth_scale, cols, pitch, "depth-scale", image.name), "given"
+        scale_px, source = in_px(options.depth_scale, cols, pitch, "depth_scale", image.name), "given"
     elif eye is not None:  # only the ratios of depths count: life-size in the middle
         middle = float(np.median(grey.values[grey.known][:: max(1, grey.values.size // _SAMPLE)]))
         scale_px, source = abs(white - black) * focal / abs(eye - middle), "file"
     elif mm_per_value is not None:
         if pitch is None:
             raise UsageError(
-                f"{image.name}: holds {kind} in mm but does not say how large a pixel is; give the picture's --width"
+                f"{image.name}: holds {kind} in mm but does not say how large a pixel is; give the picture's `width`"
             )
         scale_px, source = (white - black) * mm_per_value / pitch, "file"
     else:
-        scale_px, source = in_px(DEFAULT_SHARE, cols, pitch, "depth-scale", image.name), "assumed"
+        scale_px, source = in_px(DEFAULT_SHARE, cols, pitch, "depth_scale", image.name), "assumed"
     per_value = scale_px / (white - black) if white > black else 0.0
     per_value = -per_value if inverted else per_value
     if fov and eye is None and per_value:
@@ -129,7 +130,7 @@ def _check_in_front(scale_px: float, focal: float, fov: float) -> None:
     """Refuse a white that would stand behind the camera."""
     if scale_px >= focal:
         raise UsageError(
-            f"--depth-scale: white would stand {scale_px:.4g} px in front of black, behind a camera of --fov "
+            f"`depth_scale`: white would stand {scale_px:.4g} px in front of black, behind a camera of `fov` "
             f"{fov:g} that is {focal:.4g} px away; use a smaller one"
         )
 
@@ -139,7 +140,7 @@ def _fov(image: RasterImage, options: DepthOptions) -> tuple[float, str]:
     facts = image.depth_facts
     if options.fov is not None:
         if options.fov and facts is not None and facts.kind == "height":
-            raise UsageError(f"--fov: {image.name} holds heights, which no camera sees in perspective; leave it out")
+            raise UsageError(f"`fov`: {image.name} holds heights, which no camera sees in perspective; leave it out")
         return options.fov, "given"
     if facts is None or facts.fov_deg is None or not NARROWEST_FOV <= facts.fov_deg <= WIDEST_FOV:
         return 0.0, "assumed"
@@ -168,7 +169,7 @@ def _measured_eye(
     nearest = float(grey.values.min(where=grey.known, initial=np.inf)) if inverted else eye - grey.top
     if nearest <= 0:
         raise InputError(
-            f"{image.name}: holds a depth of {nearest:g}, which a camera with --fov cannot see; depths count from the "
+            f"{image.name}: holds a depth of {nearest:g}, which a camera with `fov` cannot see; depths count from the "
             "eye and are greater than 0"
         )
     return eye
@@ -181,7 +182,7 @@ def _range(image: RasterImage, grey: GreyValues) -> tuple[float, float, float | 
         if facts.black_mm is None or facts.white_mm is None:
             raise InputError(
                 f"{image.name}: says that it holds {facts.kind} but not from where to where; write it again as EXR, or "
-                "save it without that note and give --depth-scale"
+                "save it without that note and give `depth_scale`"
             )
         return 0.0, grey.top, abs(facts.white_mm - facts.black_mm) / grey.top
     if not grey.is_float:

@@ -87,7 +87,7 @@ def compare(
     options = options or CompareOptions()
     ours = reconstruct_options or ReconstructOptions()
     if ours.scheme == "poisson":
-        raise UsageError("--scheme poisson: is what gSfG is compared with; use one of the others")
+        raise UsageError("`scheme='poisson'`: is what gSfG is compared with; use one of the others")
     stages = Stages(progress)
     with stages.stage("whole"):
         comparison = _compared(prepare_mesh(mesh, filter, model), options, ours, stages)

@@ -93,5 +93,5 @@ def model_of(options: FilterOptions, model: FilterModel | None) -> FilterModel |
     if options.filter == "learned":
         return model or shipped_filter()
     if model is not None:
-        raise UsageError(f"--model: belongs to --filter learned, not to {options.filter}")
+        raise UsageError(f"`model`: belongs to `filter='learned'`, not to {options.filter}")
     return None

@@ -33,4 +33,4 @@ def long_edges(mesh: Mesh, options: FilterOptions) -> list[str]:
     if isinstance(options.sigma_s, Length) or share <= _LARGEST_DETAIL:
         return []
     words = f"its edges are long: sigma_s comes to {share:.0%} of it, and forms of that size go into the detail"
-    return [f"{words}; say --sigma-s 2%"]
+    return [f"{words}; say `sigma_s='2%'`"]

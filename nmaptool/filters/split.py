@@ -102,10 +102,10 @@ def _in_px(sigma_s: Length, normal_map: NormalMap) -> float:
     frame = normal_map.frame
     if sigma_s.is_absolute and frame.pitch_mm is None:
         raise UsageError(
-            f"--sigma-s {sigma_s}: {normal_map.name} does not say how large a pixel is; give px or %, such as 1%"
+            f"`sigma_s='{sigma_s}'`: {normal_map.name} does not say how large a pixel is; give px or %, such as 1%"
         )
     pitch = frame.pitch_mm or 1.0
     sigma_s_px = sigma_s.to_mm(pitch, frame.longer_side) / pitch
     if sigma_s_px < _SMALLEST_PX:
-        raise UsageError(f"--sigma-s {sigma_s}: is {sigma_s_px:.2g} px here; use at least {_SMALLEST_PX}px")
+        raise UsageError(f"`sigma_s='{sigma_s}'`: is {sigma_s_px:.2g} px here; use at least {_SMALLEST_PX}px")
     return sigma_s_px

@@ -149,7 +149,7 @@ def train(
     state = state or TrainingState(name)
     if state.fingerprint != name:
         raise InputError(
-            f"{state.name}: is of a training with other meshes or options; give the same again, or another --state"
+            f"{state.name}: is of a training with other meshes or options; give the same again, or another `state`"
         )
     normals = [example.mesh.geometry.normals for example in examples]
     angles = [_mean_angle(examples, normals)]

@@ -215,7 +215,7 @@ def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Backgro
     name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - span.low) / span.step) for c in range(3)))
     if abs(np.linalg.norm(vector) - 1) >= _ODD_LENGTH:
         return Background(name, mask, codes)
-    warning = f"{mask.mean():.0%} of the picture is {name}; if that is background, say --background-color '{name}'"
+    warning = f"{mask.mean():.0%} of the picture is {name}; if that is background, say `background_color={name!r}`"
     return Background("none", np.zeros(mask.shape, bool), warning=warning)
 
 

@@ -76,7 +76,7 @@ def find_channels(image: RasterImage, options: ReadOptions) -> Channels:
         image = codec.narrowed(image)
     components, components_from = find_components(image, options.components, order)
     if components == "xy" and swizzle[2][1] < 0:
-        raise UsageError(f"--swizzle {options.swizzle!r}: z is made from x and y and points up; give it no minus sign")
+        raise UsageError(f"`swizzle={options.swizzle!r}`: z is made from x and y and points up; give it no minus sign")
     encoding: str = options.encoding
     if components != "xyz":
         if image.is_float and encoding == "auto":
@@ -118,7 +118,7 @@ def color_channels(image: RasterImage) -> NDArray[Any]:
         If the picture has fewer than three.
     """
     if not {"R", "G", "B"} <= set(image.channels):
-        two = "; if the two are x and y, say --components xy" if len(image.channels) == 2 else ""
+        two = "; if the two are x and y, say `components='xy'`" if len(image.channels) == 2 else ""
         raise InputError(
             f"{image.name}: has {len(image.channels)} channel(s) ({', '.join(image.channels)}); "
             f"a normal map needs red, green and blue; a grey picture is a height or depth image{two}"

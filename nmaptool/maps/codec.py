@@ -267,5 +267,5 @@ def parse_swizzle(text: str) -> Swizzle:
     parts = [_SWIZZLE.fullmatch(part.strip().lower()) for part in text.split(",")]
     found = [part for part in parts if part is not None]
     if len(parts) != 3 or len(found) != 3 or {part.group(2) for part in found} != {"r", "g", "b"}:
-        raise UsageError(f"--swizzle {text!r}: give the channels of x, y and z, such as r,g,b or -g,r,b")
+        raise UsageError(f"`swizzle={text!r}`: give the channels of x, y and z, such as r,g,b or -g,r,b")
     return tuple(("rgb".index(part.group(2)), -1 if part.group(1) == "-" else 1) for part in found)

@@ -158,8 +158,8 @@ def diagnose(normal_map: NormalsLike, *, code_step: float = 2 / 255) -> tuple[st
         return ()
     better = better_swizzle(normal_map, code_step)
     if better is not None:
-        return (f"its channels look turned or mirrored; try --swizzle={better}",)
+        return (f"its channels look turned or mirrored; try `swizzle={better!r}`",)
     if is_inverted(outline_sign(normal_map.normals, normal_map.foreground)):
         swizzle = upright_swizzle(normal_map.decoding)
-        return (f"it looks inverted; for a raised motif try --swizzle={swizzle}, for an engraving --delta=-30",)
+        return (f"it looks inverted; for a raised motif try `swizzle={swizzle!r}`, for an engraving `delta=-30`",)
     return ()

@@ -25,7 +25,7 @@ def _no_foreground(f: Inspection) -> Told:
         return None
     return (
         f"every pixel is background ({f.decoding.background})",
-        "if it is a surface, say --background-color none",
+        "if it is a surface, say `background_color='none'`",
     )
 
 
@@ -61,7 +61,7 @@ def _turned(f: Inspection) -> Told:
         return None
     return (
         "its channels look turned or mirrored: another order has far less curl",
-        f"read it with --swizzle={f.better_swizzle}",
+        f"read it with `swizzle={f.better_swizzle!r}`",
     )
 
 
@@ -70,7 +70,7 @@ def _inverted(f: Inspection) -> Told:
         return None
     return (
         "looks inverted: along the outline the normals point inwards, so that bumps become dents",
-        f"for an engraving say --delta=-30; for a raised motif read it with --swizzle={upright_swizzle(f.decoding)}",
+        f"for an engraving say `delta=-30`; for a raised motif read it with `swizzle={upright_swizzle(f.decoding)!r}`",
     )
 
 
@@ -81,7 +81,7 @@ def _green_down(f: Inspection) -> Told:
     ratio = 1 / d.curl_ratio if d.curl_ratio else float("inf")
     return (
         f"green points down (DirectX): green up would have {ratio:.1f} times the curl",
-        "it is read as such; say --green up or --green down to settle it",
+        "it is read as such; say `green='up'` or `green='down'` to settle it",
     )
 
 
@@ -93,7 +93,7 @@ def _green_wrong(f: Inspection) -> Told:
     if not against:
         return None
     other = "down" if d.green == "up" else "up"
-    return (f"green was said to point {d.green}, but {other} has far less curl", f"try --green {other}")
+    return (f"green was said to point {d.green}, but {other} has far less curl", f"try `green={other!r}`")
 
 
 def _two_components(f: Inspection) -> Told:
@@ -127,14 +127,14 @@ def _color_managed(f: Inspection) -> Told:
 def _alpha_ignored(f: Inspection) -> Told:
     for warning in f.decoding.warnings:
         if warning.startswith("alpha"):
-            return (warning, "if it is coverage, say --background-color alpha")
+            return (warning, "if it is coverage, say `background_color='alpha'`")
     return None
 
 
 def _background_missing(f: Inspection) -> Told:
     for warning in f.decoding.warnings:
         if warning.startswith("no background"):
-            return (warning, "leave --background-color to itself, or name what is there")
+            return (warning, "leave `background_color` to itself, or name what is there")
         if "if that is background" in warning:
             return (warning.partition(";")[0], warning.partition("; ")[2])
     return None

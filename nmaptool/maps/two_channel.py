@@ -174,7 +174,7 @@ def pair_of_channels(image: RasterImage, order: tuple[int, ...]) -> NDArray[Any]
             "or red and green of three"
         )
     if 2 in order[:2]:
-        raise UsageError(f"{image.name}: has no blue; take x and y from r and g, such as --swizzle=-g,r,b")
+        raise UsageError(f"{image.name}: has no blue; take x and y from r and g, such as `swizzle='-g,r,b'`")
     return image.pixels[..., [both[channel] for channel in order[:2]]]
 
 

@@ -121,7 +121,7 @@ class BakeOptions(Options, group="Camera"):
         _ = self.views, self.target_point
         self._check_directions()
         if 0 < self.fov < _NARROWEST:
-            raise UsageError(f"--fov {self.fov:g}: must be 0 (orthographic) or at least {_NARROWEST:g}, such as 35")
+            raise UsageError(f"`fov={self.fov:g}`: must be 0 (orthographic) or at least {_NARROWEST:g}, such as 35")
         self._check_lengths()
         self._check_size()
 
@@ -137,24 +137,24 @@ class BakeOptions(Options, group="Camera"):
     def _check_directions(self) -> None:
         if len(set(self.directions)) < len(self.views):
             raise UsageError(
-                f"--view {self.view}: --azimuth and --elevation take the place of a view's own angles, and two of "
+                f"`view={self.view!r}`: `azimuth` and `elevation` take the place of a view's own angles, and two of "
                 "these views become the same; give one view"
             )
 
     def _check_lengths(self) -> None:
         if self.margin.is_absolute:
-            raise UsageError(f"--margin {self.margin}: give it in px or %, such as 4%")
+            raise UsageError(f"`margin='{self.margin}'`: give it in px or %, such as 4%")
         if self.width is not None and self.pitch is not None:
-            raise UsageError("--width and --pitch both say how large a pixel is; give one of them")
+            raise UsageError("`width` and `pitch` both say how large a pixel is; give one of them")
 
     def _check_size(self) -> None:
         # a sample costs a tenth of a pixel's layers
         pixels = self.rows * self.cols * max(len(self.views), self.supersample**2 / 10) / 1e6
         if pixels > self.max_megapixels:
             raise LimitError(
-                f"--size {self.size}: comes to {pixels:.3g} megapixels of layers ({len(self.views)} of the views, "
+                f"`size={self.size!r}`: comes to {pixels:.3g} megapixels of layers ({len(self.views)} of the views, "
                 f"{self.supersample} samples across a pixel), more than the limit of {self.max_megapixels:g}; make it "
-                "smaller or raise --max-megapixels"
+                "smaller or raise `max_megapixels`"
             )
 
     @property
@@ -173,9 +173,9 @@ class BakeOptions(Options, group="Camera"):
         names = tuple(name.strip().lower() for name in self.view.split(","))
         for name in names:
             if name not in VIEWS:
-                raise UsageError(f"--view {name!r}: use one of {', '.join(VIEWS)}, or several, such as front,left")
+                raise UsageError(f"`view={name!r}`: use one of {', '.join(VIEWS)}, or several, such as front,left")
         if len(set(names)) < len(names):
-            raise UsageError(f"--view {self.view}: names a view twice")
+            raise UsageError(f"`view={self.view!r}`: names a view twice")
         return names
 
     @property
@@ -186,7 +186,7 @@ class BakeOptions(Options, group="Camera"):
         try:
             x, y, z = (float(part) for part in self.target.split(","))
         except ValueError:
-            raise UsageError(f"--target {self.target!r}: expected three numbers, such as 0,12.5,3") from None
+            raise UsageError(f"`target={self.target!r}`: expected three numbers, such as 0,12.5,3") from None
         for part in (x, y, z):
             require_number("target", part, -1e9, 1e9, "0,12.5,3")
         return (x, y, z)

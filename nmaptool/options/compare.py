@@ -39,5 +39,5 @@ class CompareOptions(Options, group="Camera"):
         cols, rows = parse_size("size", self.size)
         if cols * rows > _MOST_PIXELS:
             raise LimitError(
-                f"--size {self.size}: more than the {_MOST_PIXELS} pixels a figure may have; make it smaller"
+                f"`size={self.size!r}`: more than the {_MOST_PIXELS} pixels a figure may have; make it smaller"
             )

@@ -9,7 +9,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length, Offset, offsets
 from nmaptool.options.blend_modes import blend_meanings, layer_meanings
 from nmaptool.options.fields import Options, choice_of, option
-from nmaptool.options.kinds import Choice, SignedText, Switch, Text, Weight, flag_of, parse_size
+from nmaptool.options.kinds import Choice, SignedText, Switch, Text, Weight, parse_size
 from nmaptool.options.length_kinds import LengthText, OffsetText, ScaleText, parse_scale
 from nmaptool.options.transform import HEIGHT_FACTOR, ROTATION
 
@@ -105,7 +105,7 @@ class LayerOptions(Options, group="Composing"):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.mode == "over" and self.strength > 1:
-            raise UsageError(f'--strength {self.strength:g}: must lie between 0 and 1 where the mode is "over"')
+            raise UsageError(f'`strength={self.strength:g}`: must lie between 0 and 1 where the mode is "over"')
         _ = self.place
 
     @property
@@ -117,7 +117,7 @@ class LayerOptions(Options, group="Composing"):
         try:
             across_, down_ = offsets(self.at, (2,), "30%,12mm")
         except UsageError as error:
-            raise UsageError(f"{flag_of('at')} {error}") from None
+            raise UsageError(f"`at`: {error}") from None
         return across_, down_
 
     @property

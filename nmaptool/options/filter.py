@@ -9,7 +9,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length
 from nmaptool.options.bake import DetailEncoding
 from nmaptool.options.fields import Options, choice_of, option
-from nmaptool.options.kinds import Count, Number, flag_of
+from nmaptool.options.kinds import Count, Number
 from nmaptool.options.length_kinds import EdgesOrLength, LengthText
 
 Filter = Literal["rnf", "grnf", "learned"]
@@ -59,9 +59,9 @@ class FilterOptions(Options, group="Filter"):
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name != "filter" and value != field.default:
-                flag = flag_of(field.name)
                 raise UsageError(
-                    f"{flag} {value}: a learned filter has no parameters; leave it away, or use --filter grnf"
+                    f"`{field.name}={value!r}`: a learned filter has no parameters; "
+                    "leave it out, or use `filter='grnf'`"
                 )
 
 

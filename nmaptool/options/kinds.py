@@ -21,11 +21,6 @@ _SIZE = re.compile(r"\s*(\d{1,7})\s*[x,×]\s*(\d{1,7})\s*", re.IGNORECASE)
 Choices = Mapping[str, str] | tuple[str, ...] | Callable[[], Mapping[str, str] | tuple[str, ...]]
 
 
-def flag_of(name: str) -> str:
-    """The flag of a field: ``--sigma-s`` of ``sigma_s``."""
-    return "--" + name.replace("_", "-")
-
-
 @dataclass(frozen=True)
 class Kind:
     """What an option takes.
@@ -106,7 +101,7 @@ class Choice(Kind):
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
         if str(value) not in self.names:
-            raise UsageError(f"{flag_of(name)} {value!r}: use one of {', '.join(self.names)}")
+            raise UsageError(f"`{name}={value!r}`: use one of {', '.join(self.names)}")
         return value
 
 
@@ -138,7 +133,7 @@ class Weight(Numeric):
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
         if not 0 <= value <= LARGEST_WEIGHT:
-            raise UsageError(f"{flag_of(name)} {value:g}: must be zero or more, at most {LARGEST_WEIGHT:g}")
+            raise UsageError(f"`{name}={value:g}`: must be zero or more, at most {LARGEST_WEIGHT:g}")
         return value
 
 
@@ -152,7 +147,7 @@ class Positive(Numeric):
         """As `Kind.read`."""
         if not (0 < value <= self.high and math.isfinite(value)):
             example = f", such as {self.such_as}" if self.such_as else ""
-            raise UsageError(f"{flag_of(name)} {value:g}: must be greater than zero{example}")
+            raise UsageError(f"`{name}={value:g}`: must be greater than zero{example}")
         return value
 
 
@@ -166,10 +161,10 @@ class Count(Numeric):
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
         if self.high is None and value < self.low:
-            raise UsageError(f"{flag_of(name)} {value}: must be at least {self.low}")
+            raise UsageError(f"`{name}={value}`: must be at least {self.low}")
         if self.high is not None and not self.low <= value <= self.high:
             example = f", such as {self.such_as}" if self.such_as else ""
-            raise UsageError(f"{flag_of(name)} {value}: must lie between {self.low} and {self.high}{example}")
+            raise UsageError(f"`{name}={value}`: must lie between {self.low} and {self.high}{example}")
         return value
 
 
@@ -181,7 +176,7 @@ def require_number(name: str, value: float, low: float, high: float, such_as: st
     UsageError
     """
     if not (math.isfinite(value) and low <= value <= high):
-        raise UsageError(f"{flag_of(name)} {value:g}: must lie between {low:g} and {high:g}, such as {such_as}")
+        raise UsageError(f"`{name}={value:g}`: must lie between {low:g} and {high:g}, such as {such_as}")
 
 
 def parse_size(name: str, text: str) -> tuple[int, int]:
@@ -195,5 +190,5 @@ def parse_size(name: str, text: str) -> tuple[int, int]:
     match = _SIZE.fullmatch(text)
     cols, rows = (int(match.group(1)), int(match.group(2))) if match else (0, 0)
     if min(cols, rows) < 1:
-        raise UsageError(f"{flag_of(name)} {text!r}: expected columns x rows in px, such as 1000x900")
+        raise UsageError(f"`{name}={text!r}`: expected columns x rows in px, such as 1000x900")
     return cols, rows

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length, Offset, length, offset
-from nmaptool.options.kinds import SignedText, flag_of, require_number
+from nmaptool.options.kinds import SignedText, require_number
 
 _SMALLEST_SCALE, _LARGEST_SCALE = 1e-3, 1e3
 
@@ -23,9 +23,7 @@ class LengthText(SignedText):
         """As `Kind.read`."""
         value = length(value) if isinstance(value, str) else value
         if self.absolute and not value.is_absolute:
-            raise UsageError(
-                f"{flag_of(name)} {value}: the size of a pixel follows from it, so give it in mm, cm or in"
-            )
+            raise UsageError(f"`{name}='{value}'`: the size of a pixel follows from it, so give it in mm, cm or in")
         return value
 
 
@@ -43,7 +41,7 @@ class LengthOr(SignedText):
             return length(value)
         except UsageError:
             accepted = f"{', '.join(self.names)} or a height, such as {self.such_as}"
-            raise UsageError(f"{flag_of(name)} {value!r}: use {accepted}") from None
+            raise UsageError(f"`{name}={value!r}`: use {accepted}") from None
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ class EdgesOrLength(SignedText):
             require_number(name, value, self.low, self.high, self.such_as)
         elif value.unit == "px":
             example = "give edges, mm or %, such as 3 or 2%"
-            raise UsageError(f"{flag_of(name)} {value}: a mesh has no pixels; {example}")
+            raise UsageError(f"`{name}='{value}'`: a mesh has no pixels; {example}")
         return value
 
 
@@ -80,11 +78,11 @@ class OffsetText(SignedText):
             try:
                 value = offset(value)
             except UsageError as error:
-                raise UsageError(f"{flag_of(name)} {error}") from None
+                raise UsageError(f"`{name}`: {error}") from None
         if not isinstance(value, Offset):
-            raise UsageError(f"{flag_of(name)} {value!r}: expected a distance, such as {self.such_as}")
+            raise UsageError(f"`{name}={value!r}`: expected a distance, such as {self.such_as}")
         if value.value < 0:
-            raise UsageError(f"{flag_of(name)} {value}: must be zero or more, such as {self.such_as}")
+            raise UsageError(f"`{name}='{value}'`: must be zero or more, such as {self.such_as}")
         return value
 
 
@@ -120,8 +118,8 @@ def parse_scale(text: str, name: str = "scale") -> tuple[float, float] | Length:
             except UsageError:
                 pass
         expected = "a factor, two with a comma, or a width such as 30mm"
-        raise UsageError(f"{flag_of(name)} {text!r}: expected {expected}") from None
+        raise UsageError(f"`{name}={text!r}`: expected {expected}") from None
     if len(factors) > 2 or not all(_SMALLEST_SCALE <= f <= _LARGEST_SCALE for f in factors):
         expected = f"one or two factors between {_SMALLEST_SCALE:g} and {_LARGEST_SCALE:g}, such as 0.5"
-        raise UsageError(f"{flag_of(name)} {text}: expected {expected}")
+        raise UsageError(f"`{name}={text!r}`: expected {expected}")
     return factors[0], factors[-1]

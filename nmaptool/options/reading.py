@@ -63,6 +63,6 @@ class ReadOptions(Options, group="Reading"):
         super().__post_init__()
         if self.background_color not in _BACKGROUND_WORDS and not _is_hex_color(self.background_color):
             raise UsageError(
-                f"--background-color {self.background_color!r}: use one of {', '.join(_BACKGROUND_WORDS)}, "
+                f"`background_color={self.background_color!r}`: use one of {', '.join(_BACKGROUND_WORDS)}, "
                 "or a colour such as #7f7fff"
             )

@@ -87,18 +87,18 @@ class ReliefOptions(Options, group="Relief"):
     def __post_init__(self) -> None:
         super().__post_init__()
         if 0 < self.beta < _SMALLEST_BETA:
-            raise UsageError(f"--beta {self.beta:g}: must be 0 or at least {_SMALLEST_BETA:g}")
+            raise UsageError(f"`beta={self.beta:g}`: must be 0 or at least {_SMALLEST_BETA:g}")
         if not (math.isfinite(self.delta) and abs(self.delta) <= LARGEST_WEIGHT):
-            raise UsageError(f"--delta {self.delta:g}: must be a number of at most {LARGEST_WEIGHT:g}")
+            raise UsageError(f"`delta={self.delta:g}`: must be a number of at most {LARGEST_WEIGHT:g}")
         if not 1e-14 <= self.tolerance < 1:
-            raise UsageError(f"--tolerance {self.tolerance:g}: must lie between 1e-14 and 1, such as 1e-8")
+            raise UsageError(f"`tolerance={self.tolerance:g}`: must lie between 1e-14 and 1, such as 1e-8")
         if self.memory_limit is not None:
             try:
                 memory(self.memory_limit)
             except UsageError as error:
-                raise UsageError(f"--memory-limit: {error}") from None
+                raise UsageError(f"`memory_limit`: {error}") from None
         if self.fit != "scale" and self.height is None:
-            raise UsageError(f"--fit {self.fit}: needs --height, such as --height 3mm")
+            raise UsageError(f"`fit={self.fit!r}`: needs `height`, such as `height='3mm'`")
 
     @property
     def memory_limit_bytes(self) -> int | None:

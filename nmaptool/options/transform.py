@@ -9,7 +9,7 @@ from typing import Literal
 from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length, Offset, offsets
 from nmaptool.options.fields import Options, choice_of, option
-from nmaptool.options.kinds import Number, SignedText, Switch, flag_of, parse_size
+from nmaptool.options.kinds import Number, SignedText, Switch, parse_size
 from nmaptool.options.length_kinds import LengthText, ScaleText, parse_scale
 
 NewGround = Literal["auto", "clear", "flat"]
@@ -73,10 +73,10 @@ class TransformOptions(Options, group="Composing"):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.resize is not None and self.scale != "1":
-            raise UsageError("--resize and --scale both say how large the result is; give one of them")
+            raise UsageError("`resize` and `scale` both say how large the result is; give one of them")
         if self.vectors_only and (self.crop or self.resize or self.pad):
             raise UsageError(
-                "--vectors-only leaves the pixels where they are; crop, resize and pad in a run of their own"
+                "`vectors_only` leaves the pixels where they are; crop, resize and pad in a run of their own"
             )
         _ = self.factors, self.window, self.borders, self.new_size, self.matrix
 
@@ -97,7 +97,7 @@ class TransformOptions(Options, group="Composing"):
             return None
         left, top, across, down = _distances("crop", self.crop, (4,), "10%,10%,80%,50%")
         if min(across.value, down.value) <= 0:
-            raise UsageError(f"--crop {self.crop}: width and height must be greater than zero")
+            raise UsageError(f"`crop={self.crop!r}`: width and height must be greater than zero")
         return left, top, across, down
 
     @property
@@ -107,7 +107,7 @@ class TransformOptions(Options, group="Composing"):
             return (Offset(0.0, "px"),) * 4
         given = _distances("pad", self.pad, (1, 4), "20px or 10px,20px,10px,20px")
         if min(border.value for border in given) < 0:
-            raise UsageError(f"--pad {self.pad}: must be zero or more; cut with --crop")
+            raise UsageError(f"`pad={self.pad!r}`: must be zero or more; cut with `crop`")
         return given if len(given) == 4 else given * 4
 
     @property
@@ -118,13 +118,13 @@ class TransformOptions(Options, group="Composing"):
         try:
             a, b, c, d = (float(part) for part in self.affine.split(","))
         except ValueError:
-            raise UsageError(f"--affine {self.affine!r}: expected four numbers a,b,c,d, such as 1,0.2,0,1") from None
+            raise UsageError(f"`affine={self.affine!r}`: expected four numbers a,b,c,d, such as 1,0.2,0,1") from None
         largest = max(abs(n) for n in (a, b, c, d))
         if not all(math.isfinite(n) for n in (a, b, c, d)) or largest > _LARGEST_NUMBER:
-            raise UsageError(f"--affine {self.affine}: must be numbers of at most {_LARGEST_NUMBER:g}")
+            raise UsageError(f"`affine={self.affine!r}`: must be numbers of at most {_LARGEST_NUMBER:g}")
         if abs(a * d - b * c) <= _SINGULAR * largest * largest:
             raise UsageError(
-                f"--affine {self.affine}: is singular: it flattens the picture to a line; a*d - b*c must not be 0"
+                f"`affine={self.affine!r}`: is singular: it flattens the picture to a line; a*d - b*c must not be 0"
             )
         return a, b, c, d
 
@@ -133,4 +133,4 @@ def _distances(name: str, text: str, counts: tuple[int, ...], such_as: str) -> t
     try:
         return offsets(text, counts, such_as)
     except UsageError as error:
-        raise UsageError(f"{flag_of(name)} {error}") from None
+        raise UsageError(f"`{name}`: {error}") from None

@@ -109,9 +109,9 @@ def _warnings(report: ReconstructReport) -> tuple[str, ...]:
     found = []
     if report.folded_after > _FEW_FOLDED * report.faces:
         found.append(
-            f"{report.folded_after} of {report.faces} faces end folded over; a smaller --sigma-s, a --detail-gain "
-            "nearer to 1 or a larger --closeness asks less of them"
+            f"{report.folded_after} of {report.faces} faces end folded over; a smaller `sigma_s`, a `detail_gain` "
+            "nearer to 1 or a larger `closeness` asks less of them"
         )
     if report.volume_share is not None and abs(report.volume_share) > _DRIFT:
-        found.append(f"the volume changed by {report.volume_share:+.1%}; a larger --closeness holds it")
+        found.append(f"the volume changed by {report.volume_share:+.1%}; a larger `closeness` holds it")
     return tuple(found)

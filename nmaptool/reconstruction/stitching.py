@@ -166,7 +166,7 @@ def _solved(matrix: sparse.csr_matrix, cycle: Any, load: Float64, residual: floa
     if not left <= 10 * residual:
         raise ConvergenceError(
             f"poisson: the residual is {left:.1e} after {_MOST_CYCLES} iterations, {residual:.0e} is needed; its "
-            "faces may be too thin: use --scheme gsfg-gradient, or a larger --closeness",
+            "faces may be too thin: use `scheme='gsfg-gradient'`, or a larger `closeness`",
             (left,),
         )
     return np.asarray(x)

@@ -97,7 +97,7 @@ def _factor(above: Float64, layout: Layout, wanted_px: float, options: ReliefOpt
     base_px = layout.domain.base_px
     rounding = 1e-12 * max(1.0, float(np.abs(above).max()), 0.0 if base_px is None else float(np.abs(base_px).max()))
     if high - low <= rounding:
-        raise InputError(f"--height {options.height}: the relief is flat and cannot be scaled to a height")
+        raise InputError(f"`height='{options.height}'`: the relief is flat and cannot be scaled to a height")
     return wanted_px / (high - low)
 
 

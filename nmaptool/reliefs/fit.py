@@ -77,8 +77,8 @@ def factor_for_range(a: Float64, b: Float64, wanted: float, what: str, pitch_mm:
     if wanted < least or without_effect:
         reason = "has no effect here: it stays at" if without_effect else "alone does not reach: the least is"
         raise InputError(
-            f"--height {wanted * pitch_mm:g}mm: changing {what} {reason} {least * pitch_mm:.4g} mm; "
-            f"{'' if without_effect else 'ask for more, or '}use --fit scale"
+            f"`height='{wanted * pitch_mm:g}mm'`: changing {what} {reason} {least * pitch_mm:.4g} mm; "
+            f"{'' if without_effect else 'ask for more, or '}use `fit='scale'`"
         )
     t = best + max(1.0, best)
     value, slope = _range_and_slope(a, b, t)

@@ -90,7 +90,7 @@ def check_maps(
         detail = as_normal_map(detail, "the detail map", coverage)
         others[f"the detail map {detail.name}"] = detail.frame.shape
     elif mu_map is not None:
-        raise UsageError("--mu-map: weighs the detail map; give one with --detail")
+        raise UsageError("`mu_map`: weighs the detail map; give one with `detail`")
     if coverage is not None:
         others["the mask"] = coverage.shape
     if is_array(surface):
@@ -161,7 +161,7 @@ def motif_of(original: NormalMap, mask: Float32 | None, fading: bool) -> Mask:
         if not original.foreground.any():
             raise InputError(
                 f"{original.name}: every pixel is background ({kind}); nothing is left to make a relief of; "
-                "if it is a surface, say --background-color none"
+                "if it is a surface, say `background_color='none'`"
             )
         return original.foreground
     chosen = mask >= 0.5
@@ -204,10 +204,10 @@ def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> tupl
     """
     if options.background != "surface":
         if surface is not None:
-            raise UsageError(f"--surface: only goes with --background surface, not {options.background}")
+            raise UsageError(f"`surface`: only goes with `background='surface'`, not {options.background}")
         return None, None
     if surface is None:
-        raise UsageError("--background surface: needs the curved background, such as --surface background.png")
+        raise UsageError("`background='surface'`: needs the curved background, such as `surface='background.png'`")
     if isinstance(surface, NormalMap):
         ground = surface.coverage >= 0.5
         return _extended(integrate(surface, slope_cap=options.slope_cap, tolerance=options.tolerance), ground), ground
@@ -218,7 +218,7 @@ def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> tupl
     if abs(surface.pitch_mm - frame_pitch_mm) > _SAME_PITCH * frame_pitch_mm:
         raise InputError(
             f"the curved background has {surface.pitch_mm:.4g} mm per pixel but the relief {frame_pitch_mm:.4g}; "
-            "give both the same --width"
+            "give both the same `width`"
         )
     return surface.z_mm / frame_pitch_mm, surface.domain
 

@@ -64,7 +64,7 @@ def integrate(
     if not covered.any():
         raise InputError(
             f"{normal_map.name}: all of it is background ({normal_map.decoding.background}); if it is a surface, say "
-            "--background-color none"
+            "`background_color='none'`"
         )
     if chosen is not None:
         check_sizes(normal_map.name, covered.shape, {"the mask": chosen.shape})

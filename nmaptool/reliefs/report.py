@@ -91,7 +91,7 @@ def _warnings(options: ReliefOptions, layout: Layout, scale: float, reach_px: fl
         elif options.background in ("plane", "surface"):
             found.append("no background was found to hold: the whole picture is surface, its height counts from delta")
     if layout.left_alone > _MUCH_FLAT * layout.motif_share and pulled:
-        found.append("much of the motif is flat; for lettering and emblems --beta 0 keeps every height of the map")
+        found.append("much of the motif is flat; for lettering and emblems `beta=0` keeps every height of the map")
     if reach_px < 1:
         found.append(f"beta is so large that shape is kept over {reach_px:.2g} px only: little but delta is left")
     if options.fit == "slope" and scale < 0.05:

@@ -70,7 +70,7 @@ class Camera:
         if self.distance is not None:
             ahead = self.distance - eye[:, 2]
             if not (ahead > 1e-6 * self.distance).all():
-                raise UsageError("the camera stands inside the mesh; use a larger --pitch or a smaller --fov")
+                raise UsageError("the camera stands inside the mesh; use a larger `pitch` or a smaller `fov`")
             nearness = self.distance / ahead
             scale *= nearness
         return np.column_stack([self.cols / 2 + eye[:, 0] * scale, self.rows / 2 - eye[:, 1] * scale, nearness])
@@ -151,14 +151,14 @@ def frame_camera(mesh: Mesh, options: BakeOptions, azimuth: float, elevation: fl
     room = np.array([cols - 2 * margin, rows - 2 * margin])
     if not (room > 0).all():
         raise UsageError(
-            f"--margin {options.margin}: leaves nothing of {cols} x {rows}; use a smaller one, such as "
+            f"`margin='{options.margin}'`: leaves nothing of {cols} x {rows}; use a smaller one, such as "
             f"{min(rows, cols) / 10:g}px"
         )
     low, high = turned.min(axis=0), turned.max(axis=0)
     center = (low + high) / 2
     extent = (high - low)[:2].max()
     if not extent > 0:
-        raise InputError(f"{mesh.name}: is seen edge-on from here; choose another --view")
+        raise InputError(f"{mesh.name}: is seen edge-on from here; choose another `view`")
     tangent = math.tan(math.radians(options.fov) / 2) * 2 / max(rows, cols)  # per px
     if options.fov:
         center[:2], distance = _fitted(turned - center * (0, 0, 1), room / 2 * tangent)

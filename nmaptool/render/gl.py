@@ -22,7 +22,7 @@ PLATFORMS = ("egl", "osmesa", "window")
 _REMEDY = (
     "install OpenGL's libraries (Debian, Ubuntu: sudo apt-get install libegl1 libgl1 libgl1-mesa-dri libxrender1; "
     "Fedora: sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers libXrender), or draw without them, slower: "
-    "--renderer numpy"
+    "`renderer='numpy'`"
 )
 
 
@@ -134,7 +134,7 @@ def _draw_tile(context: Offscreen, clip: NDArray[np.float32], faces: Faces, rows
     color = context.draw(clip, faces, rows, cols)
     if color.shape[-1] < 4 and len(faces) >= 1 << 24:
         raise LimitError(
-            f"{len(faces)} faces are more than {context.platform} can number (16777215); use --renderer egl"
+            f"{len(faces)} faces are more than {context.platform} can number (16777215); use `renderer='egl'`"
         )
     return face_numbers(color)
 

@@ -34,7 +34,9 @@ def choose(system: QuadSystem, wanted: str) -> str:
             return "dct"
         return "amg" if np.count_nonzero(system.unknown) < _SPARSE * system.unknown.size else "multigrid"
     if wanted == "dct" and not system.is_uniform:
-        raise UsageError("--solver dct: needs a map without background and one weight everywhere; use --solver auto")
+        raise UsageError(
+            "`solver='dct'`: needs a map without background and one weight everywhere; use `solver='auto'`"
+        )
     return wanted
 
 

@@ -133,7 +133,7 @@ class Solver:
         if not worst <= tolerance:
             raise ConvergenceError(
                 f"the {self.method.name} solver stopped at a relative residual of {worst:.1e} after {len(history)} "
-                f"iterations, {tolerance:.0e} was asked; raise --max-iterations or --tolerance, or use a larger beta "
+                f"iterations, {tolerance:.0e} was asked; raise `max_iterations` or `tolerance`, or use a larger beta "
                 f"(history: {' '.join(f'{r:.1e}' for r in history[-8:])})",
                 tuple(history),
             )

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 _TURN_WORDS = {
-    "flip-h": ("was mirrored left to right", "--flip-h"),
-    "flip-v": ("was mirrored top to bottom", "--flip-v"),
-    "90": ("was turned by 90 degrees counter-clockwise", "--rotate 90"),
-    "180": ("was turned by 180 degrees", "--rotate 180"),
-    "270": ("was turned by 90 degrees clockwise", "--rotate -90"),
-    "transpose": ("was turned by 90 degrees clockwise and mirrored left to right", "--rotate -90 --flip-h"),
-    "antitranspose": ("was turned by 90 degrees counter-clockwise and mirrored left to right", "--rotate 90 --flip-h"),
+    "flip-h": ("was mirrored left to right", "`flip_h`"),
+    "flip-v": ("was mirrored top to bottom", "`flip_v`"),
+    "90": ("was turned by 90 degrees counter-clockwise", "`rotate=90`"),
+    "180": ("was turned by 180 degrees", "`rotate=180`"),
+    "270": ("was turned by 90 degrees clockwise", "`rotate=-90`"),
+    "transpose": ("was turned by 90 degrees clockwise and mirrored left to right", "`rotate=-90` `flip_h`"),
+    "antitranspose": ("was turned by 90 degrees counter-clockwise and mirrored left to right", "`rotate=90` `flip_h`"),
 }
 
 
@@ -57,20 +57,20 @@ class Pose:
             yield (
                 "turned",
                 f"{did} without its vectors: bumps are lit from the wrong side",
-                f"turn its vectors, too: nmap compose transform FILE -o OUT {flags} --vectors-only",
+                f"turn its vectors, too: transform the map with {flags} `vectors_only`",
             )
         if self.angle_deg is not None:
             way = "counter-clockwise" if self.angle_deg > 0 else "clockwise"
             words = f"looks turned by {abs(self.angle_deg):.0f} degrees {way} without its vectors"
             proof = f"turning them takes mean |curl| from {self.curl:.4f} to {self.curl_if_turned:.4f}"
-            remedy = f"nmap compose transform FILE -o OUT --rotate {self.angle_deg:.1f} --vectors-only"
+            remedy = f"transform the map with `rotate={self.angle_deg:.1f}` `vectors_only`"
             yield ("turned-freely", f"{words}: {proof}", f"{remedy} (half a turn more if it stands on its head)")
         if self.stretched is not None:
             sx, sy = self.stretched
             yield (
                 "stretched",
                 f"was scaled unevenly, {sx:.2f} times across and {sy:.2f} times down, without its slopes",
-                "scale it with nmap compose transform or paste, which divide the slopes",
+                "scale it by transform or paste, which divide the slopes",
             )
         if self.moved is not None:
             dx, dy = self.moved

@@ -119,7 +119,7 @@ def _check_limits(file: MeshFile, parts: list[_Part], max_faces: int) -> None:
     if vertices > 3 * max_faces:
         raise LimitError(
             f"{file.path}: {vertices} vertices, more than the limit of {3 * max_faces} for {max_faces} faces; "
-            "decimate it, or raise --max-faces"
+            "decimate it, or raise `max_faces`"
         )
 
 

@@ -79,7 +79,7 @@ class MeshFile:
         """
         if faces > max_faces:
             raise LimitError(
-                f"{self.path}: {faces} faces, more than the limit of {max_faces}; decimate it, or raise --max-faces"
+                f"{self.path}: {faces} faces, more than the limit of {max_faces}; decimate it, or raise `max_faces`"
             )
 
     def check_stl_claim(self, max_faces: int) -> int:

@@ -69,9 +69,9 @@ def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX
     <Mesh samples/rings.ply: 12096 vertices, 24192 faces, 1 mm to a unit (given)>
     """
     if unit is not None and unit not in _MM:
-        raise UsageError(f"--unit {unit!r}: use one of {', '.join(_MM)}")
+        raise UsageError(f"`unit={unit!r}`: use one of {', '.join(_MM)}")
     if max_faces < 1:
-        raise UsageError(f"--max-faces {max_faces}: must be at least 1")
+        raise UsageError(f"`max_faces={max_faces!r}`: must be at least 1")
     file = identify_mesh_file(Path(path))
     try:
         surface = _surface(file, max_faces)

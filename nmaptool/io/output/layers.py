@@ -70,16 +70,16 @@ def _in_folders(folders: Sequence[Path], names: Sequence[str], format: str) -> I
 def _check_format(place: Place, format: str) -> None:
     is_one_file = place.suffix.lower() == ".exr"
     if format not in LAYER_FORMATS:
-        raise UsageError(f"--format {format!r}: use one of {', '.join(LAYER_FORMATS)}")
+        raise UsageError(f"`format={format!r}`: use one of {', '.join(LAYER_FORMATS)}")
     if is_one_file and format != "exr":
-        raise UsageError(f"{place}: --format {format} is for a folder; one file for all layers is EXR")
+        raise UsageError(f"{place}: `format={format!r}` is for a folder; one file for all layers is EXR")
     try:
         is_folder = not isinstance(place, OutputStream) and (not place.suffix or place.is_dir())
     except OSError as error:  # a name too long
         raise cannot_be_written(place, error) from None
     if not (is_one_file or is_folder):
         raise UsageError(
-            f"{place}: layers are written into a folder, such as -o maps --format png (make it first if its "
+            f"{place}: layers are written into a folder, such as maps, by `format='png'` (make it first if its "
             "name has a dot), or into one .exr"
         )
 

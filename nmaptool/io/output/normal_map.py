@@ -53,7 +53,7 @@ def check_map_target(place: Place, options: WriteOptions) -> None:
     ending = place.suffix.lower()
     offered = NORMAL_MAP_FORMATS[ending].bits
     if options.bits not in ("auto", *offered):
-        raise UsageError(f"{place}: --bits {options.bits} is not offered for {ending}; use {' or '.join(offered)}")
+        raise UsageError(f"{place}: `bits={options.bits!r}` is not offered for {ending}; use {' or '.join(offered)}")
 
 
 def bits_of(place: Place, options: WriteOptions) -> Bits:

@@ -169,4 +169,4 @@ def cannot_be_written(place: Place, error: OSError) -> OutputError:
 
 def exists_already(place: Path) -> OutputError:
     """What to say of a file that may not be replaced."""
-    return OutputError(f"{place}: exists already; give another name, or --overwrite")
+    return OutputError(f"{place}: exists already; give another name, or `overwrite`")

@@ -55,7 +55,7 @@ def _layer_targets(folder: Path, files: Files, floating: bool) -> Iterator[Targe
 
 def _check_format(format: str) -> None:
     if format not in LAYER_FORMATS:
-        raise UsageError(f"--format {format!r}: use one of {', '.join(LAYER_FORMATS)}")
+        raise UsageError(f"`format={format!r}`: use one of {', '.join(LAYER_FORMATS)}")
 
 
 def _check_source(source: Path | None, paths: Sequence[Path]) -> None:

@@ -31,12 +31,12 @@ def check_workspace_target(place: Place, bits: int | None, half: bool) -> int:
     ending = place.suffix.lower()
     offered = WORKSPACE_FORMATS[ending].bits
     if half and ending != ".exr":
-        raise UsageError(f"{place}: --half is for EXR; {ending} holds codes of 8 or 16 bits")
+        raise UsageError(f"{place}: `half` is for EXR; {ending} holds codes of 8 or 16 bits")
     if bits is None:
         return max(offered)
     if bits not in offered:
-        held = "floats; leave --bits out" if ending == ".exr" else "8 or 16 bits"
-        raise UsageError(f"{place}: --bits {bits} is not offered; {ending} holds {held}")
+        held = "floats; leave `bits` out" if ending == ".exr" else "8 or 16 bits"
+        raise UsageError(f"{place}: `bits={bits!r}` is not offered; {ending} holds {held}")
     return bits
 
 

@@ -39,7 +39,7 @@ def layer_picture(layers: LayerSet, name: str, floating: bool) -> Picture:
 
 def _depth(layers: LayerSet, floating: bool) -> Picture:
     if layers.depth_mm is None:
-        raise UsageError("--depth: these layers have no depth; only those of a mesh do")
+        raise UsageError("`depth`: these layers have no depth; only those of a mesh do")
     seen = layers.coverage > 0
     near, far = float(layers.depth_mm[seen].min()), float(layers.depth_mm[seen].max())
     facts = {"kind": "depth", "near_mm": repr(near), "far_mm": repr(far)}
@@ -53,9 +53,9 @@ def _depth(layers: LayerSet, floating: bool) -> Picture:
 
 def _faces(layers: LayerSet, floating: bool) -> Picture:
     if layers.faces is None:
-        raise UsageError("--faces: these layers have no face numbers; only those of a mesh do")
+        raise UsageError("`faces`: these layers have no face numbers; only those of a mesh do")
     if int(layers.faces.max()) + 1 >= _MOST_EXACT:
-        raise LimitError(f"--faces: a mesh of more than {_MOST_EXACT} faces has numbers too large for a picture")
+        raise LimitError(f"`faces`: a mesh of more than {_MOST_EXACT} faces has numbers too large for a picture")
     facts = {"kind": "faces"}
     if floating:
         return Picture(layers.faces.astype(np.float32)[..., None], ("Y",), facts, "faces")

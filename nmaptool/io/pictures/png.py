@@ -54,7 +54,7 @@ def check_size(path: Path, cols: int, rows: int, max_megapixels: float) -> None:
         stated = f"{megapixels:.0f}" if megapixels >= 10 else f"{megapixels:.2g}"
         raise LimitError(
             f"{path}: {cols} x {rows} is {stated} megapixels, more than the limit of {max_megapixels:g}; "
-            "make it smaller or raise --max-megapixels"
+            "make it smaller or raise `max_megapixels`"
         )
 
 

@@ -154,7 +154,7 @@ def read_pages(path: Path, max_megapixels: float = 270.0) -> list[PlacedImage]:
         if total > max_megapixels * 1e6:
             raise LimitError(
                 f"{path}: its layers hold {total / 1e6:.3g} megapixels together, more than the limit of "
-                f"{max_megapixels:g}; crop them or raise --max-megapixels"
+                f"{max_megapixels:g}; crop them or raise `max_megapixels`"
             )
         return [_read_placed(path, source, kind, structure, layer) for layer in found]
     finally:

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.arrays import Float32
-from nmaptool.core.errors import InputError, LimitError, NmaptoolError, UsageError
+from nmaptool.core.errors import InputError, LimitError, NmaptoolError
 from nmaptool.io.pictures.normal_maps import read_grey, read_normal_map, split_layer
 from nmaptool.io.recipes.reader import identity, read_recipe
 from nmaptool.options import CanvasOptions, ReadOptions
@@ -188,7 +188,6 @@ def _with_context(entry: Entry, make: Callable[[], _T]) -> _T:
         return make()
     except NmaptoolError as error:
         text = str(error)
-        flag = with_recipe_keys(text).partition(" ")[0]
-        if isinstance(error, UsageError) and isinstance(entry, RecipeLayer) and flag in entry.read:
+        if isinstance(entry, RecipeLayer) and set(error.options) & set(entry.read):
             text = with_recipe_keys(text)
         raise type(error)(f"{entry.label}: {text}") from None

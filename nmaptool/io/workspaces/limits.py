@@ -56,5 +56,5 @@ class Budget:
         if self._pixels > self._limit * 1e6:
             raise LimitError(
                 f"{self._path}: its layers and masks hold more than {self._limit:g} megapixels together; crop them or "
-                "raise --max-megapixels"
+                "raise `max_megapixels`"
             )

@@ -71,7 +71,7 @@ def check_header(path: Path, max_megapixels: float) -> tuple[int, int, int]:
         raise damaged(path)
     check_size(path, cols, rows, max_megapixels)
     if size > max_megapixels * 1e6 * 16 + 1e8:  # as much as all layers uncompressed in 32 bits
-        raise LimitError(f"{path}: is a file of {size / 1e9:.1f} GB; make it smaller or raise --max-megapixels")
+        raise LimitError(f"{path}: is a file of {size / 1e9:.1f} GB; make it smaller or raise `max_megapixels`")
     if mode != 3:
         found = f"a {_MODES[mode]} picture" if mode in _MODES else "a picture of an unknown colour mode"
         raise InputError(f"{path}: is {found}; normal maps need RGB: convert it to RGB of 16 bits")
