@@ -124,7 +124,7 @@ def test_integrate_says_what_is_wrong(dome_array):
         nm.integrate(whole_map, ~inside)
     with pytest.raises(InputError, match="normals is 32 x 32 pixels but the mask is 4 x 4"):
         nm.integrate(whole_map, np.ones((4, 4)))
-    with pytest.raises(UsageError, match="--slope-cap 0: must be greater than zero"):
+    with pytest.raises(UsageError, match="`slope_cap=0`: must be greater than zero"):
         nm.integrate(normals, inside, slope_cap=0)
     with pytest.raises(UsageError, match="the normals must be a NormalMap, found str; read one with"):
         nm.integrate("map.png")
@@ -226,7 +226,7 @@ def test_pictures_may_be_arrays(dome, codes, clean_map):
         ),
         (lambda: nm.compose(nm.Layer(whole())), UsageError, "the layers must be a list of Layer, found Layer"),
         (lambda: nm.paste(whole(), 3), UsageError, "the layers must be a list of Layer, found int"),
-        (lambda: nm.relief(whole(), mu_map="a"), UsageError, "--mu-map: weighs the detail map"),
+        (lambda: nm.relief(whole(), mu_map="a"), UsageError, "`mu_map`: weighs the detail map"),
         (
             lambda: nm.relief(whole(), beta_map="a"),
             UsageError,

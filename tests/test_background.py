@@ -218,7 +218,7 @@ def test_a_backdrop_that_is_not_there_is_not_passed_over_in_silence(tmp_path, do
 
 @pytest.mark.parametrize("wanted", ["pink", "", "#12345", "#12345g", "White"])
 def test_a_backdrop_that_cannot_be_meant_is_refused(wanted):
-    with pytest.raises(nm.UsageError, match=r"--background-color .*use one of auto, none, alpha, white.*#7f7fff"):
+    with pytest.raises(nm.UsageError, match=r"`background_color=.*use one of auto, none, alpha, white.*#7f7fff"):
         nm.ReadOptions(background_color=wanted)
 
 
@@ -267,7 +267,7 @@ def test_a_colour_that_is_no_normal_is_background_and_one_that_may_be_is_a_doubt
         pixels = on_backdrop(d.normals, d.inside, color).astype(np.uint8)
         back = nm.read_normal_map(png(tmp_path / f"{color[0]}.png", pixels))
         assert back.decoding.background == background
-    assert "is #c8c8c8; if that is background, say --background-color '#c8c8c8'" in back.decoding.warnings[0]
+    assert "is #c8c8c8; if that is background, say `background_color='#c8c8c8'`" in back.decoding.warnings[0]
 
 
 def test_flat_patches_cut_by_the_edge_are_no_backdrop(tmp_path, png):

@@ -187,7 +187,7 @@ def test_views_share_one_filtering_and_turning_the_mesh_is_turning_the_camera():
     assert front.report.mixture is left.report.mixture
     assert angles(left.original.normals, again.original.normals).mean() < 0.01
     assert angles(left.base.normals, again.base.normals).mean() < 0.5  # patches lie otherwise
-    with pytest.raises(nm.UsageError, match="--view front,left: is several views; use bake_views"):
+    with pytest.raises(nm.UsageError, match="`view='front,left'`: is several views; use bake_views"):
         nm.bake(mesh, nm.BakeOptions(view="front,left"))
 
 
@@ -210,7 +210,7 @@ def test_millimetres_are_those_of_the_width():
     by_share = baked(tiny, {"sigma_s": nm.length(f"{5 / (100 - 9.6) * 100}%")}, width="120mm")
     assert angles(by_width.base.normals, by_share.base.normals).max() < 0.2
     long = joined(sphere(6), sheet(lambda x, y: 0 * x, 8, 1))
-    with pytest.raises(nm.UsageError, match="--sigma-s 5mm: these views have different scales at --width 60mm"):
+    with pytest.raises(nm.UsageError, match="`sigma_s='5mm'`: these views have different scales at `width='60mm'`"):
         nm.bake_views(long, nm.BakeOptions(**NUMPY, view="front,top", width="60mm"), nm.FilterOptions(sigma_s="5mm"))
 
 
@@ -255,12 +255,12 @@ def test_faces_wound_at_random_give_the_same_maps():
 
 def test_views_that_become_the_same_are_refused():
     assert len(nm.bake_views(sphere(6), nm.BakeOptions(**NUMPY, view="front,iso", azimuth=30.0))) == 2
-    with pytest.raises(nm.UsageError, match="--view front,left: --azimuth and --elevation take the place of"):
+    with pytest.raises(nm.UsageError, match="`view='front,left'`: `azimuth` and `elevation` take the place of"):
         nm.BakeOptions(view="front,left", azimuth=10.0)
 
 
 def test_nothing_seen_is_an_error():
-    with pytest.raises(nm.InputError, match="nothing of it is seen in the front view; choose another --view, --pitch"):
+    with pytest.raises(nm.InputError, match="nothing of it is seen in the front view; choose another `view`, `pitch`"):
         baked(sphere(6), pitch="0.001mm", target="50,0,0")
 
 

@@ -100,7 +100,7 @@ BAD_WORDS = [
     ("--steps 0", r"--steps 0: must lie between 1 and 10000"),
     ("--steps 1.5", r"--steps '1\.5': must be a whole number"),
     ("--closeness 0", r"--closeness 0: must lie between"),
-    ("--closeness -1", r"--closeness -1: must lie between"),
+    ("--closeness=-1", r"--closeness=-1: must lie between"),
     ("--scheme sfg", r"\"sfg\" for --scheme"),
     ("--boundary cut", r"\"cut\" for --boundary"),
     ("--sigma-s 0", r"--sigma-s 0: must lie between"),
@@ -177,8 +177,8 @@ def test_compare_to_standard_output(run, place):
         ("", r"nothing to write: say where, such as -o figure\.png"),
         ("-o f.png --report r.txt", r"r\.txt: a report is written as \.json"),
         ("-o f.png --scheme poisson", r"--scheme poisson: is what gSfG is compared with"),
-        ("-o f.png --view up", r"--view 'up': use one of front, back"),
-        ("-o f.png --size 3", r"--size '3': expected columns x rows"),
+        ("-o f.png --view up", r"--view up: use one of front, back"),
+        ("-o f.png --size 3", r"--size 3: expected columns x rows"),
     ],
 )
 def test_compare_refuses(refused, place, words, pattern):

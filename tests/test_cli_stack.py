@@ -133,7 +133,7 @@ def test_files_outside_are_told(run, folder):
         (
             3,
             '[[layer]]\nfile = "plate.exr"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "900px,0"',
-            "scene.toml: b: lies fully off the canvas of 80 x 60 px: .*; place it with at$",
+            "scene.toml: b: lies fully off the canvas of 80 x 60 px: .*; place it with --at$",
         ),
         (
             2,
@@ -152,7 +152,7 @@ def test_words_that_are_wrong(refused, folder, feed):
     scene, out = folder / "scene.toml", folder / "out.png"
     refused(2, "nothing to write: say where", "compose", "stack", scene)
     refused(3, "no.toml: no such file", "compose", "stack", folder / "no.toml", "-o", out)
-    refused(2, "--size 'big': expected columns x rows", "compose", "stack", scene, "-o", out, "--size", "big")
+    refused(2, "--size big: expected columns x rows", "compose", "stack", scene, "-o", out, "--size", "big")
     refused(2, "--width 9px: the size of a pixel follows", "compose", "stack", scene, "-o", out, "--width", "9px")
     refused(2, "plate.exr: is also an input", "compose", "stack", scene, "-o", folder / "plate.exr", "--overwrite")
     refused(2, "wide.png: is also an input", "compose", "stack", scene, "-o", folder / "wide.png", "--overwrite")

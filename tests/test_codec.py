@@ -153,9 +153,9 @@ def test_bits_that_a_format_has_not_are_refused(tmp_path):
         (".exr", "8", "float or half"),
         (".tif", "half", "16 or 8"),
     ):
-        with pytest.raises(nm.UsageError, match=rf"--bits {bits} is not offered for {ending}; use {offered}"):
+        with pytest.raises(nm.UsageError, match=rf"`bits={bits!r}` is not offered for {ending}; use {offered}"):
             nm.write_normal_map(as_map(random_normals(9)), tmp_path / f"map{ending}", nm.WriteOptions(bits=bits))
-    with pytest.raises(nm.UsageError, match="--bits '12': use one of auto, 8, 16, half, float"):
+    with pytest.raises(nm.UsageError, match="`bits='12'`: use one of auto, 8, 16, half, float"):
         nm.WriteOptions(bits="12")
     with pytest.raises(nm.UsageError, match=r"ends in \.jpg; normal maps are written as \.png, \.exr, \.tif"):
         nm.write_normal_map(as_map(random_normals(9)), tmp_path / "map.jpg")
@@ -227,7 +227,7 @@ def test_a_swizzle_brings_the_channels_back(tmp_path, codes, png, swizzle):
 @pytest.mark.parametrize("text", ["r,g", "r,g,g", "x,y,z", "", "r g b", "--r,g,b", "r,g,b,a"])
 def test_a_swizzle_that_cannot_be_meant_is_refused(tmp_path, codes, png, text):
     path = png(tmp_path / "map.png", codes(random_normals(13)))
-    with pytest.raises(nm.UsageError, match=r"--swizzle .*such as r,g,b or -g,r,b"):
+    with pytest.raises(nm.UsageError, match=r"`swizzle=.*such as r,g,b or -g,r,b"):
         nm.decode_normal_map(nm.read_raster(path), nm.ReadOptions(swizzle=text))
 
 

@@ -142,5 +142,5 @@ def test_files_appear_together_or_not_at_all(compared, tmp_path, tree):
 
 
 def test_poisson_is_not_compared_with_itself(mesh):
-    with pytest.raises(UsageError, match=r"--scheme poisson: is what gSfG is compared with; use one of the others"):
+    with pytest.raises(UsageError, match=r"`scheme='poisson'`: is what gSfG is compared with; use one of the others"):
         nm.compare(mesh, DRAWN, reconstruct_options=nm.ReconstructOptions(scheme="poisson"))

@@ -126,7 +126,8 @@ def test_a_pair_beside_three_components_is_taken_by_name_only(tmp_path, picture)
 def test_grey_and_alpha_are_x_and_y_only_where_that_is_said(tmp_path, codes, png):
     normals = facing(6)
     path = png(tmp_path / "map.png", codes(normals, 16)[..., :2])
-    with pytest.raises(nm.InputError, match=r"needs red, green and blue;.*if the two are x and y, say --components xy"):
+    told = r"needs red, green and blue;.*if the two are x and y, say `components='xy'`"
+    with pytest.raises(nm.InputError, match=told):
         nm.read_normal_map(path)
     back = nm.read_normal_map(path, nm.ReadOptions(components="xy", green="up"))
     assert angle_deg(back.normals, normals).max() < 0.05
@@ -233,9 +234,11 @@ def test_swizzles_of_two_components(tmp_path, codes, png, picture):
     two = picture(tmp_path / "two.exr", normals[..., :2], ("R", "G"))
     back = nm.read_normal_map(two, nm.ReadOptions(swizzle="-g,r,b"))
     assert np.abs(back.normals - np.stack([-normals[..., 1], normals[..., 0], normals[..., 2]], -1)).max() < 1e-6
-    with pytest.raises(nm.UsageError, match=r"two.exr: has no blue; take x and y from r and g, such as --swizzle=-g"):
+    with pytest.raises(
+        nm.UsageError, match=r"two.exr: has no blue; take x and y from r and g, such as `swizzle='-g,r,b'`"
+    ):
         nm.read_normal_map(two, nm.ReadOptions(swizzle="b,g,r"))
-    with pytest.raises(nm.UsageError, match=r"--swizzle 'r,g,-b': z is made from x and y and points up; give it no"):
+    with pytest.raises(nm.UsageError, match=r"`swizzle='r,g,-b'`: z is made from x and y and points up; give it no"):
         nm.read_normal_map(two, nm.ReadOptions(swizzle="r,g,-b"))
     shuffled = png(tmp_path / "bgr.png", codes(normals, 16)[..., ::-1].copy())
     back = nm.read_normal_map(shuffled, nm.ReadOptions(components="xy", swizzle="b,g,r"))
@@ -252,7 +255,7 @@ def test_errors_of_two_components(tmp_path, codes, png, picture):
         nm.InputError, match=r"bad.exr: 1 pixel\(s\) hold NaN or infinite values, the first at x=4, y=3"
     ):
         nm.read_normal_map(picture(tmp_path / "bad.exr", bad, ("X", "Y")))
-    with pytest.raises(nm.UsageError, match="--components 'uv': use one of auto, xyz, xy, octahedral"):
+    with pytest.raises(nm.UsageError, match="`components='uv'`: use one of auto, xyz, xy, octahedral"):
         nm.ReadOptions(components="uv")
 
 

@@ -147,9 +147,9 @@ def test_placing_turns_vectors_as_transforming_does(ground):
 def test_a_width_in_mm_sets_the_scale(ground, sticker):
     assert paste(ground, laid(sticker, scale="30mm")).report.layers[0]["box_px"][2] in (60, 61, 62)
     bare = as_map(ground.normals)
-    with pytest.raises(nm.UsageError, match="--scale 30mm: the size of a pixel is not known"):
+    with pytest.raises(nm.UsageError, match="`scale='30mm'`: the size of a pixel is not known"):
         paste(bare, laid(sticker, scale="30mm"))
-    with pytest.raises(nm.UsageError, match="sticker: 5mm: the size of a pixel is not known; say --width 100mm"):
+    with pytest.raises(nm.UsageError, match="sticker: 5mm: the size of a pixel is not known; say `width='100mm'`"):
         paste(bare, laid(sticker, at="5mm,0"))
     assert paste(bare, laid(sticker, at="5mm,5mm"), width=nm.length("40mm")).normal_map.frame.pitch_mm == 0.5
 
@@ -239,7 +239,7 @@ def test_a_canvas_of_its_own(sticker):
 
 
 def test_blend_wants_one_size_or_stretches(ground, sticker):
-    with pytest.raises(nm.InputError, match="sticker is 30 x 20, but ground is 80 x 60; stretch it with --fit"):
+    with pytest.raises(nm.InputError, match="sticker is 30 x 20, but ground is 80 x 60; stretch it with `fit`"):
         nm.blend(ground, sticker)
     fitted = nm.blend(bump_map(60, 80), bump_map(30, 40), nm.BlendOptions(fit=True)).normal_map
     assert fitted.frame.shape == (60, 80)

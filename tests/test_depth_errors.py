@@ -21,13 +21,13 @@ def colored(apart: float) -> nm.RasterImage:
 @pytest.mark.parametrize(
     ("given", "pattern"),
     [
-        ({"jump": "high"}, r"--jump 'high': use auto, none or a height, such as 2px"),
-        ({"smooth": "-1px"}, r"--smooth '-1px': use auto, none or a height"),
-        ({"background": "white"}, r"--background 'white': use one of auto, flat, none"),
-        ({"fov": 170}, r"--fov 170: must lie between 0\.1 and 150"),
-        ({"fov": -5}, r"--fov -5: must lie between"),
-        ({"fov": float("nan")}, r"--fov nan: must lie between 0\.1 and 150, such as 35 \(0 is orthographic\)"),
-        ({"width": "300px"}, r"--width 300px: .* give it in mm, cm or in"),
+        ({"jump": "high"}, r"`jump='high'`: use auto, none or a height, such as 2px"),
+        ({"smooth": "-1px"}, r"`smooth='-1px'`: use auto, none or a height"),
+        ({"background": "white"}, r"`background='white'`: use one of auto, flat, none"),
+        ({"fov": 170}, r"`fov=170`: must lie between 0\.1 and 150"),
+        ({"fov": -5}, r"`fov=-5`: must lie between"),
+        ({"fov": float("nan")}, r"`fov=nan`: must lie between 0\.1 and 150, such as 35 \(0 is orthographic\)"),
+        ({"width": "300px"}, r"`width='300px'`: .* give it in mm, cm or in"),
         ({"depth_scale": "5"}, r"length '5': expected a number with a unit"),
         ({"depth_scale": "0px"}, r"length '0px': must be greater than zero"),
     ],
@@ -39,7 +39,7 @@ def test_options(given: dict[str, Any], pattern: str) -> None:
 
 @pytest.mark.parametrize("flag", ["depth_scale", "jump", "smooth"])
 def test_mm_need_the_size_of_a_pixel(flag: str) -> None:
-    pattern = rf"--{flag.replace('_', '-')} 2mm: image does not say how large a pixel is; give px or %"
+    pattern = rf"`{flag}='2mm'`: image does not say how large a pixel is; give px or %"
     with pytest.raises(nm.UsageError, match=pattern):
         nm.depth_to_normals(picture(RAMP, 8), nm.DepthOptions(**{flag: "2mm"}))
 
@@ -71,9 +71,9 @@ def test_nothing_there(value: float) -> None:
 
 def test_what_the_file_says_is_not_contradicted() -> None:
     height = picture(RAMP, name="h.exr", attributes={"kind": "height", "pitch_mm": "0.5"})
-    with pytest.raises(nm.UsageError, match=r"--invert: h\.exr says itself that it holds height; leave it out"):
+    with pytest.raises(nm.UsageError, match=r"`invert`: h\.exr says itself that it holds height; leave it out"):
         nm.depth_to_normals(height, nm.DepthOptions(invert=True))
-    with pytest.raises(nm.UsageError, match=r"--fov: h\.exr holds heights, which no camera sees in perspective"):
+    with pytest.raises(nm.UsageError, match=r"`fov`: h\.exr holds heights, which no camera sees in perspective"):
         nm.depth_to_normals(height, nm.DepthOptions(fov=40))
     unknown = picture(RAMP, name="h.exr", attributes={"kind": "height"})
     with pytest.raises(nm.UsageError, match=r"h\.exr: holds height in mm but does not say how large a pixel is"):
@@ -85,10 +85,10 @@ def test_what_the_file_says_is_not_contradicted() -> None:
 
 
 def test_cameras() -> None:
-    with pytest.raises(nm.UsageError, match="--depth-scale: white would stand 100 px in front of black, behind a cam"):
+    with pytest.raises(nm.UsageError, match="`depth_scale`: white would stand 100 px in front of black, behind a cam"):
         nm.depth_to_normals(picture(RAMP, 8), nm.DepthOptions(depth_scale="100px", fov=90))
     depth = picture(RAMP - 10, name="d.exr", attributes={"kind": "depth", "pitch_mm": "1"})
-    with pytest.raises(nm.InputError, match=r"d\.exr: holds a depth of -10, which a camera with --fov cannot see"):
+    with pytest.raises(nm.InputError, match=r"d\.exr: holds a depth of -10, which a camera with `fov` cannot see"):
         nm.depth_to_normals(depth, nm.DepthOptions(fov=40, background="none"))
 
 

@@ -40,7 +40,7 @@ def test_the_digest_tells_filters_apart():
 
 
 def test_nothing_that_exists_is_overwritten(file):
-    with pytest.raises(nm.OutputError, match=r"f\.npz: exists already; give another name, or --overwrite"):
+    with pytest.raises(nm.OutputError, match=r"f\.npz: exists already; give another name, or `overwrite`"):
         nm.write_filter_model(small_filter(), file)
     nm.write_filter_model(small_filter(), file, overwrite=True)
     with pytest.raises(nm.UsageError, match=r"f\.bin: learned filters are kept in files that end in \.npz"):

@@ -112,9 +112,9 @@ def test_corner_heights_are_an_exact_curved_background(tmp_path):
 
 def test_wrong_words_and_damaged_files_are_named(tmp_path):
     height = rough(everywhere())
-    with pytest.raises(nm.UsageError, match="--at 'middle': use one of centers, corners"):
+    with pytest.raises(nm.UsageError, match="`at='middle'`: use one of centers, corners"):
         write_height(height, tmp_path / "h.exr", {}, at="middle")
-    with pytest.raises(nm.UsageError, match="--at 'edges': use one of centers, corners"):
+    with pytest.raises(nm.UsageError, match="`at='edges'`: use one of centers, corners"):
         nm.write_relief(nm.Relief(height, everywhere(), None), tmp_path / "h.stl", at="edges")
     assert not list(tmp_path.iterdir())
     said = {"kind": "height", "pitch_mm": "1"}

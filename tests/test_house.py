@@ -165,17 +165,17 @@ def test_every_option_of_a_layer_is_a_flag_of_paste_with_its_default(capsys, mon
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"mu": -1.0}, "--mu -1: must be zero or more"),
-        ({"beta": float("nan")}, "--beta nan: must be zero or more"),
-        ({"delta": float("inf")}, "--delta inf: must be a number"),
-        ({"slope_cap": 0.0}, "--slope-cap 0: must be greater than zero"),
-        ({"tolerance": 0.0}, "--tolerance 0: must lie between 1e-14 and 1"),
-        ({"max_iterations": 0}, "--max-iterations 0: must be at least 1"),
-        ({"width": nm.length("3%")}, "--width 3%: .* give it in mm, cm or in"),
-        ({"fit": "delta"}, "--fit delta: needs --height"),
-        ({"background": "wall"}, "--background 'wall': use one of plane, free, cut, surface"),
-        ({"energy": "eq5"}, "--energy 'eq5': use one of eq6, eq4"),
-        ({"solver": "lu"}, "--solver 'lu': use one of auto, dct, multigrid, amg"),
+        ({"mu": -1.0}, "`mu=-1`: must be zero or more"),
+        ({"beta": float("nan")}, "`beta=nan`: must be zero or more"),
+        ({"delta": float("inf")}, "`delta=inf`: must be a number"),
+        ({"slope_cap": 0.0}, "`slope_cap=0`: must be greater than zero"),
+        ({"tolerance": 0.0}, "`tolerance=0`: must lie between 1e-14 and 1"),
+        ({"max_iterations": 0}, "`max_iterations=0`: must be at least 1"),
+        ({"width": nm.length("3%")}, "`width='3%'`: .* give it in mm, cm or in"),
+        ({"fit": "delta"}, "`fit='delta'`: needs `height`"),
+        ({"background": "wall"}, "`background='wall'`: use one of plane, free, cut, surface"),
+        ({"energy": "eq5"}, "`energy='eq5'`: use one of eq6, eq4"),
+        ({"solver": "lu"}, "`solver='lu'`: use one of auto, dct, multigrid, amg"),
     ],
 )
 def test_relief_options_that_cannot_be_meant(changes, message):
@@ -185,9 +185,9 @@ def test_relief_options_that_cannot_be_meant(changes, message):
 
 def test_read_options_that_cannot_be_meant():
     for color in ("pink", "#12345", "#gggggg"):
-        with pytest.raises(UsageError, match=r"--background-color .*: use one of auto, none, alpha"):
+        with pytest.raises(UsageError, match=r"`background_color=.*`: use one of auto, none, alpha"):
             nm.ReadOptions(background_color=color)
-    with pytest.raises(UsageError, match="--max-megapixels 0: must be greater than zero"):
+    with pytest.raises(UsageError, match="`max_megapixels=0`: must be greater than zero"):
         nm.ReadOptions(max_megapixels=0)
 
 

@@ -10,6 +10,7 @@ import pytest
 
 import nmaptool as nm
 from nmaptool.maps.inspection_rules import RULES
+from nmaptool_cli.mentions import in_flags
 
 SRGB = [(b"sRGB", b"\0"), (b"gAMA", b"\0\0\xb1\x8f")]
 
@@ -89,7 +90,7 @@ def test_each_finding_is_made_by_a_map_made_for_it_and_tells_what_to_do(faulty, 
     assert exact.code == 1
     (finding,) = [f for f in json.loads(exact.out)["findings"] if f["code"] == code]
     assert finding["message"] in told.out
-    assert finding["remedy"] in told.out
+    assert in_flags(finding["remedy"]) in told.out
     assert len(finding["remedy"]) > 10
 
 
@@ -146,7 +147,7 @@ def test_a_remedy_gives_the_true_normals_back(tmp_path, dome, codes, png, run, o
     stored = np.dstack([signs[0] * d.normals[..., order[0]], signs[1] * d.normals[..., order[1]], d.normals[..., 2]])
     path = png(tmp_path / "map.png", np.dstack([codes(stored, 16), (d.inside * 65535).astype(np.uint16)]))
     seen = nm.inspect_map(nm.read_raster(path))
-    swizzles = [m.group(1) for f in seen.findings if (m := re.search(r"--swizzle=(\S+)", f.remedy))]
+    swizzles = [m.group(1) for f in seen.findings if (m := re.search(r"`swizzle='(\S+)'`", f.remedy))]
     if order == (0, 1) and signs[0] == 1:  # as it should be, or with green down, which reading sees to
         assert swizzles == []
         options = {}
@@ -164,13 +165,13 @@ def test_a_remedy_can_be_said_whatever_the_swizzle_was_spelled_like(faulty, swiz
     path, _ = faulty("inverted")
     seen = nm.inspect_map(nm.read_raster(path), nm.ReadOptions(swizzle=swizzle))
     (remedy,) = [f.remedy for f in seen.findings if f.code == "inverted"]
-    nm.inspect_map(nm.read_raster(path), nm.ReadOptions(swizzle=remedy.partition("--swizzle=")[2]))
+    nm.inspect_map(nm.read_raster(path), nm.ReadOptions(swizzle=remedy.partition("`swizzle='")[2].rstrip("'`")))
 
 
 def test_green_given_wrong_is_set_right_by_its_remedy(faulty):
     path, options = faulty("green-wrong")
     (finding,) = nm.inspect_map(nm.read_raster(path), nm.ReadOptions(**options)).findings
-    assert "--green up" in finding.remedy
+    assert "`green='up'`" in finding.remedy
     assert found(path, green="up") == set()
 
 

@@ -201,7 +201,7 @@ def test_the_report_is_that_of_the_layers_unless_another_is_given(layers, tmp_pa
 @pytest.mark.parametrize("name", ["depth", "faces"])
 def test_layers_that_are_not_there(layers, tmp_path, tree, name):
     less = dataclasses.replace(layers, **{"depth_mm" if name == "depth" else name: None})
-    with pytest.raises(UsageError, match=f"--{name}: these layers have no .*only those of a mesh do"):
+    with pytest.raises(UsageError, match=f"`{name}`: these layers have no .*only those of a mesh do"):
         nm.write_layers(less, tmp_path / "m", **{name: True})
     assert tree() == {}
     nm.write_layers(less, tmp_path / "m")  # the sheet has a place for either
@@ -210,7 +210,7 @@ def test_layers_that_are_not_there(layers, tmp_path, tree, name):
 
 def test_face_numbers_too_large_for_a_picture(layers, tmp_path, tree):
     large = dataclasses.replace(layers, faces=layers.faces + (1 << 24))
-    with pytest.raises(LimitError, match="--faces: a mesh of more than 16777216 faces"):
+    with pytest.raises(LimitError, match="`faces`: a mesh of more than 16777216 faces"):
         nm.write_layers(large, tmp_path / "m", faces=True)
     assert tree() == {}
 

@@ -228,10 +228,10 @@ def test_base_and_residual_are_the_original_in_every_bit():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"sigma_s": 5.0}, "--sigma-s 5.0: a learned filter has no parameters; leave it away, or use --filter grnf"),
-        ({"sigma_r": 0.3}, "--sigma-r 0.3: a learned filter has no parameters"),
-        ({"iterations": 3}, "--iterations 3: a learned filter has no parameters"),
-        ({"neighborhood": "ring"}, "--neighborhood ring: a learned filter has no parameters"),
+        ({"sigma_s": 5.0}, "`sigma_s=5.0`: a learned filter has no parameters; leave it out, or use `filter='grnf'`"),
+        ({"sigma_r": 0.3}, "`sigma_r=0.3`: a learned filter has no parameters"),
+        ({"iterations": 3}, "`iterations=3`: a learned filter has no parameters"),
+        ({"neighborhood": "ring"}, "`neighborhood='ring'`: a learned filter has no parameters"),
     ],
 )
 def test_a_learned_filter_takes_no_parameters(changes, message):
@@ -240,9 +240,9 @@ def test_a_learned_filter_takes_no_parameters(changes, message):
 
 
 def test_a_model_belongs_to_the_learned_filter():
-    with pytest.raises(nm.UsageError, match="--model: belongs to --filter learned, not to rnf"):
+    with pytest.raises(nm.UsageError, match="`model`: belongs to `filter='learned'`, not to rnf"):
         nm.decompose_normals(hilly(0), model=small_filter())
-    with pytest.raises(nm.UsageError, match="--model: belongs to --filter learned, not to grnf"):
+    with pytest.raises(nm.UsageError, match="`model`: belongs to `filter='learned'`, not to grnf"):
         nm.bake(hilly(0), filter=nm.FilterOptions(filter="grnf"), model=small_filter())
 
 

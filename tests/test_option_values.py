@@ -32,11 +32,11 @@ def test_none_is_refused_where_an_option_has_a_default(options: type[Options], n
 
 @pytest.mark.parametrize("name", ["background", "energy", "fit", "solver"])
 def test_none_is_no_choice(name: str) -> None:
-    with pytest.raises(nm.UsageError, match=rf"--{name} None: use one of "):
+    with pytest.raises(nm.UsageError, match=rf"`{name}=None`: use one of "):
         nm.ReliefOptions(**{name: None})
 
 
 @pytest.mark.parametrize("feather", [3.0, True, [1]])
 def test_a_feather_is_a_distance(feather: Any) -> None:
-    with pytest.raises(nm.UsageError, match=r"--feather .*: expected a distance, such as 6px"):
+    with pytest.raises(nm.UsageError, match=r"`feather=.*`: expected a distance, such as 6px"):
         nm.LayerOptions(feather=feather)

@@ -170,7 +170,7 @@ def test_all_files_appear_or_none(carved, tmp_path, monkeypatch):
 def test_existing_files_stay_unless_overwrite_is_said(carved, tmp_path):
     path = tmp_path / "a.npy"
     path.write_text("mine")
-    with pytest.raises(OutputError, match="exists already; give another name, or --overwrite"):
+    with pytest.raises(OutputError, match="exists already; give another name, or `overwrite`"):
         nm.write_relief(carved, tmp_path / "b.npy", path)
     assert path.read_text() == "mine"
     assert not (tmp_path / "b.npy").exists()

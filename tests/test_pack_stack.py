@@ -131,7 +131,7 @@ def test_modes_given_to_pack_come_back_in_the_recipe(scene, run, refused):
     assert (bunny.options.mode, bunny.options.strength) == ("pd", 1.5)
     assert bunny.options.at == "20px,10px"
     again = (*words[:-1], scene / "other.psd")
-    refused(2, "--mode 'screen': use one of over, rnm", *again, "--mode", "screen", "--mode", "pd")
+    refused(2, "--mode screen: use one of over, rnm", *again, "--mode", "screen", "--mode", "pd")
     refused(2, "--strength: is given 1 times for 2 maps", *again, "--strength", "0.5")
 
 

@@ -269,7 +269,9 @@ def test_an_exr_one_of_whose_windows_claims_too_much(good, window):
 def test_the_limit_can_be_set(good):
     assert nm.read_normal_map(good["png"], nm.ReadOptions(max_megapixels=0.0093)).frame.shape == (96, 96)
     for path in good.values():
-        with pytest.raises(nm.LimitError, match=r"96 x 96 is .*limit of 0\.009; make it smaller or raise --max-meg"):
+        with pytest.raises(
+            nm.LimitError, match=r"96 x 96 is .*limit of 0\.009; make it smaller or raise `max_megapixels`"
+        ):
             nm.read_normal_map(path, nm.ReadOptions(max_megapixels=0.009))
 
 

@@ -243,9 +243,9 @@ def test_units(read):
 
 
 def test_options_that_cannot_be_meant(tmp_path):
-    with pytest.raises(UsageError, match=r"--unit 'ft': use one of mm, cm, in, m$"):
+    with pytest.raises(UsageError, match=r"`unit='ft'`: use one of mm, cm, in, m$"):
         read_mesh(tmp_path / "missing.obj", unit="ft")
-    with pytest.raises(UsageError, match="--max-faces 0: must be at least 1"):
+    with pytest.raises(UsageError, match="`max_faces=0`: must be at least 1"):
         read_mesh(tmp_path / "missing.obj", max_faces=0)
 
 

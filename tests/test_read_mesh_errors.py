@@ -214,7 +214,7 @@ def test_the_limit(refused, tmp_path):
     }
     cases.update({"b.ply": files.ply(VERTICES, quads), "b.off": files.off(VERTICES, quads)})
     for name, data in cases.items():
-        pattern = r"[34] faces, more than the limit of 3; decimate it, or raise --max-faces$"
+        pattern = r"[34] faces, more than the limit of 3; decimate it, or raise `max_faces`$"
         refused(name, data, pattern, LimitError, max_faces=3) if len(data) else None
         assert len(read_mesh(tmp_path / name, max_faces=4).faces) == 4
 

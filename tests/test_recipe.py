@@ -134,5 +134,5 @@ def test_values_that_no_layer_can_have_are_refused_in_python_too():
     ):
         with pytest.raises(nm.InputError, match=message):
             make()
-    with pytest.raises(nm.UsageError, match="--green 'left'"):
+    with pytest.raises(nm.UsageError, match="`green='left'`"):
         nm.RecipeLayer("a.png", read={"green": "left"})

@@ -52,7 +52,7 @@ def test_a_system_that_cannot_be_solved(monkeypatch):
     ball = nm.clean_mesh(sphere(24))[0]
     flat = nm.Mesh(ball.vertices * [1, 1, 0.1], ball.faces)
     with pytest.raises(
-        ConvergenceError, match=r"poisson: the residual is .* use --scheme gsfg-gradient, or a larger --"
+        ConvergenceError, match=r"poisson: the residual is .* use `scheme='gsfg-gradient'`, or a larger `closeness`"
     ):
         nm.reconstruct(flat, ball.geometry.normals, nm.ReconstructOptions(scheme="poisson", steps=1))
 
@@ -62,18 +62,18 @@ def test_a_system_that_cannot_be_solved(monkeypatch):
     [
         (
             lambda: nm.ReconstructOptions(scheme="sfg"),
-            r"--scheme 'sfg': use one of gsfg-gradient, gsfg-shape, gsfg, p",
+            r"`scheme='sfg'`: use one of gsfg-gradient, gsfg-shape, gsfg, p",
         ),
-        (lambda: nm.ReconstructOptions(boundary="cut"), r"--boundary 'cut': use one of hold, free"),
-        (lambda: nm.ReconstructOptions(steps=0), r"--steps 0: must lie between 1 and 10000, such as 20"),
-        (lambda: nm.ReconstructOptions(closeness=0), r"--closeness 0: must lie between 1e-08 and 10000, such as 0.01"),
-        (lambda: nm.SmoothOptions(detail_gain=11), r"--detail-gain 11: must lie between -10 and 10, such as 0 or 2"),
-        (lambda: nm.SmoothOptions(detail_gain=float("nan")), r"--detail-gain nan: must lie between"),
-        (lambda: nm.CompareOptions(view="up"), r"--view 'up': use one of front, back"),
-        (lambda: nm.CompareOptions(up="x"), r"--up 'x': use one of y, z"),
-        (lambda: nm.CompareOptions(renderer="metal"), r"--renderer 'metal': use one of auto"),
-        (lambda: nm.CompareOptions(size="9"), r"--size '9': expected columns x rows"),
-        (lambda: nm.BakeOptions(geometry="new"), r"--geometry 'new': use one of original, updated"),
+        (lambda: nm.ReconstructOptions(boundary="cut"), r"`boundary='cut'`: use one of hold, free"),
+        (lambda: nm.ReconstructOptions(steps=0), r"`steps=0`: must lie between 1 and 10000, such as 20"),
+        (lambda: nm.ReconstructOptions(closeness=0), r"`closeness=0`: must lie between 1e-08 and 10000, such as 0.01"),
+        (lambda: nm.SmoothOptions(detail_gain=11), r"`detail_gain=11`: must lie between -10 and 10, such as 0 or 2"),
+        (lambda: nm.SmoothOptions(detail_gain=float("nan")), r"`detail_gain=nan`: must lie between"),
+        (lambda: nm.CompareOptions(view="up"), r"`view='up'`: use one of front, back"),
+        (lambda: nm.CompareOptions(up="x"), r"`up='x'`: use one of y, z"),
+        (lambda: nm.CompareOptions(renderer="metal"), r"`renderer='metal'`: use one of auto"),
+        (lambda: nm.CompareOptions(size="9"), r"`size='9'`: expected columns x rows"),
+        (lambda: nm.BakeOptions(geometry="new"), r"`geometry='new'`: use one of original, updated"),
     ],
 )
 def test_options_that_cannot_be_meant(make, message):
@@ -82,5 +82,5 @@ def test_options_that_cannot_be_meant(make, message):
 
 
 def test_a_figure_too_large():
-    with pytest.raises(LimitError, match=r"--size 9000x9000: more than the 16000000 pixels a figure may have"):
+    with pytest.raises(LimitError, match=r"`size='9000x9000'`: more than the 16000000 pixels a figure may have"):
         nm.CompareOptions(size="9000x9000")

@@ -123,7 +123,7 @@ def test_fit_slope_keeps_delta_and_fit_delta_keeps_slopes():
 
 def test_height_below_the_least_names_it():
     original = dome(bumps=1)[0]
-    with pytest.raises(InputError, match=r"--height 0.01mm: changing delta alone does not reach: the least is") as e:
+    with pytest.raises(InputError, match=r"`height='0.01mm'`: changing delta alone does not reach: the least is") as e:
         solve(original, height=nm.length("0.01mm"), fit="delta")
     least = float(str(e.value).split("the least is ")[1].split()[0])
     reached = solve(original, height=nm.Length(least * 1.001, "mm"), fit="delta")

@@ -70,8 +70,8 @@ def test_the_insides_of_letters_are_left_to_the_map():
     assert share_filled(dataclasses.replace(flat, flat_background=False), delta=20.0) > 0.5
     assert share_filled(flat, delta=20.0) < 0.35
     assert abs(share_filled(flat, beta=0.0)) < 0.02
-    assert any("--beta 0 keeps every height" in w for w in solve(flat).report.warnings)
-    assert not any("--beta 0" in w for w in solve(flat, beta=0.0).report.warnings)
+    assert any("`beta=0` keeps every height" in w for w in solve(flat).report.warnings)
+    assert not any("`beta` 0" in w for w in solve(flat, beta=0.0).report.warnings)
 
 
 def test_what_is_not_a_map_is_named():
@@ -86,7 +86,7 @@ def test_what_is_not_a_map_is_named():
         solve(original, mask="mask.png")
     with pytest.raises(UsageError, match="the beta map must be an array of numbers, found str"):
         solve(original, beta_map="m.png")
-    with pytest.raises(UsageError, match="--mu-map: weighs the detail map"):
+    with pytest.raises(UsageError, match="`mu_map`: weighs the detail map"):
         solve(original, mu_map=original.coverage)
     for bad in (np.full((96, 96), np.nan), np.full((96, 96), 60, np.uint8), np.full((96, 96), -0.1)):
         with pytest.raises(InputError, match="the mask must hold values from 0 to 1"):

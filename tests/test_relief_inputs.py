@@ -209,11 +209,11 @@ def test_misfits_are_named():
     with pytest.raises(InputError, match="every pixel is background"):
         solve(dataclasses.replace(original, foreground=np.zeros((96, 96), bool)))
     nothing = dataclasses.replace(original, coverage=np.zeros((96, 96), np.float32))
-    with pytest.raises(InputError, match=r"all of it is background .* say --background-color none"):
+    with pytest.raises(InputError, match=r"all of it is background .* say `background_color='none'`"):
         solve(original, background="surface", surface=nothing)
-    with pytest.raises(UsageError, match="--background surface: needs the curved background"):
+    with pytest.raises(UsageError, match="`background='surface'`: needs the curved background"):
         solve(original, background="surface")
-    with pytest.raises(UsageError, match="--surface: only goes with --background surface, not plane"):
+    with pytest.raises(UsageError, match="`surface`: only goes with `background='surface'`, not plane"):
         solve(original, surface=original)
 
 

@@ -192,7 +192,7 @@ def test_a_curved_background(as_height):
         options = dataclasses.replace(start, **change)
         fresh = nm.relief(original, mask=motif, surface=background, options=options)
         assert_same(session.solve(options), fresh)
-    with pytest.raises(UsageError, match="--surface: only goes with --background surface, not plane"):
+    with pytest.raises(UsageError, match="`surface`: only goes with `background='surface'`, not plane"):
         session.solve(nm.ReliefOptions())
 
 
@@ -254,14 +254,14 @@ def test_an_interrupted_solve_does_no_harm(after, maps):
 def test_a_solve_that_fails_does_no_harm(maps):
     session = nm.ReliefSession(*maps)
     short = dataclasses.replace(START, max_iterations=1, tolerance=1e-12)
-    with pytest.raises(ConvergenceError, match="raise --max-iterations"):
+    with pytest.raises(ConvergenceError, match="raise `max_iterations`"):
         session.solve(short)
     for tight in (dataclasses.replace(START, memory_limit="100kB"), dataclasses.replace(short, memory_limit="100kB")):
         for each in (session, nm.ReliefSession(*maps)):
-            with pytest.raises(LimitError, match="--memory-limit allows 0MB"):
+            with pytest.raises(LimitError, match="`memory_limit` allows 0MB"):
                 each.solve(tight)
     too_low = dataclasses.replace(START, height=nm.length("0.01mm"), fit="delta")
-    with pytest.raises(InputError, match=r"--height 0.01mm: changing delta alone does not reach"):
+    with pytest.raises(InputError, match=r"`height='0.01mm'`: changing delta alone does not reach"):
         session.solve(too_low)
     found = session.solve(dataclasses.replace(START, delta=1.0))
     assert_same(found, nm.relief(*maps, options=dataclasses.replace(START, delta=1.0)))

@@ -78,7 +78,7 @@ def test_what_goes_wrong_is_told():
     rough = nm.Mesh(mesh.vertices + rng.normal(size=mesh.vertices.shape) * 0.6 * mesh.mean_edge, mesh.faces)
     found = nm.smooth(rough, nm.SmoothOptions(6.0), reconstruct_options=nm.ReconstructOptions(closeness=1e-6))
     words = " ".join(found.report.warnings)
-    assert "faces end folded over; a smaller --sigma-s" in words
+    assert "faces end folded over; a smaller `sigma_s`" in words
     assert "the volume changed by" in words
 
 

@@ -176,7 +176,7 @@ def test_auto_takes_the_dct_only_where_it_is_exact():
         QuadSystem(np.ones((9, 7)), beta, np.zeros_like(held)),
     ):
         assert choose(system, "auto") == "multigrid"
-        with pytest.raises(UsageError, match="--solver dct: needs a map without background"):
+        with pytest.raises(UsageError, match="`solver='dct'`: needs a map without background"):
             prepare(system, "dct")
     with pytest.raises(UsageError, match="use one of auto, dct, multigrid, amg"):
         choose(uniform, "lu")

@@ -72,18 +72,20 @@ def test_sizes_in_px_mm_and_percent(bumpy):
     )
     assert by_px == pytest.approx(by_mm) == pytest.approx(by_share)
     unknown = nm.NormalMap(whole.normals, whole.coverage, nm.Frame(128, 128), name="dome.png")
-    with pytest.raises(nm.UsageError, match=r"--sigma-s 2mm: dome.png does not say how large a pixel is; give px or %"):
+    with pytest.raises(
+        nm.UsageError, match=r"`sigma_s='2mm'`: dome.png does not say how large a pixel is; give px or %"
+    ):
         nm.split(unknown, nm.SplitOptions(sigma_s=nm.length("2mm")))
-    with pytest.raises(nm.UsageError, match=r"--sigma-s 0.1px: is 0.1 px here; use at least 0.3px"):
+    with pytest.raises(nm.UsageError, match=r"`sigma_s='0.1px'`: is 0.1 px here; use at least 0.3px"):
         nm.split(whole, nm.SplitOptions(sigma_s=nm.length("0.1px")))
 
 
 def test_options_that_cannot_be_meant():
     for changes, message in (
-        ({"filter": "blur"}, "--filter 'blur': use one of rnf, grnf"),
-        ({"sigma_r": 0.0}, "--sigma-r 0: must lie between 0.01 and 10"),
-        ({"iterations": 0}, "--iterations 0: must lie between 1 and 100"),
-        ({"detail_encoding": "height"}, "--detail-encoding 'height': use one of rotation, slope, difference"),
+        ({"filter": "blur"}, "`filter='blur'`: use one of rnf, grnf"),
+        ({"sigma_r": 0.0}, "`sigma_r=0`: must lie between 0.01 and 10"),
+        ({"iterations": 0}, "`iterations=0`: must lie between 1 and 100"),
+        ({"detail_encoding": "height"}, "`detail_encoding='height'`: use one of rotation, slope, difference"),
     ):
         with pytest.raises(nm.UsageError, match=message):
             nm.SplitOptions(**changes)
@@ -139,7 +141,7 @@ def test_the_command_refuses(refused, bumpy, tmp_path):
     (tmp_path / "full" / "base.exr").touch()
     out = tmp_path / "out"
     refused(2, "nothing to write: say where, such as -o maps", "compose", "split", source)
-    refused(2, "--sigma-s 'wide'|length 'wide'", "compose", "split", source, "-o", out, "--sigma-s", "wide")
+    refused(2, "`sigma_s='wide'`|length 'wide'", "compose", "split", source, "-o", out, "--sigma-s", "wide")
     refused(2, "must lie between 0.01 and 10", "compose", "split", source, "-o", out, "--sigma-r", "-1")
     refused(3, "nothing.png: no such file", "compose", "split", tmp_path / "nothing.png", "-o", out)
     refused(5, "base.exr: exists already", "compose", "split", source, "-o", tmp_path / "full")

@@ -50,21 +50,21 @@ def test_a_blend_mode_added_at_run_time_is_offered(darker, run, monkeypatch):
     for command in ("blend", "paste", "pack"):
         assert "steeper" in run("compose", command, "--help").out, command
     assert '"steeper" takes the steeper normal.' in run("compose", "blend", "--help").out
-    with pytest.raises(UsageError, match=r"--mode 'screen': use one of rnm, .*, overlay, steeper$"):
+    with pytest.raises(UsageError, match=r"`mode='screen'`: use one of rnm, .*, overlay, steeper$"):
         nm.BlendOptions(mode="screen")
-    with pytest.raises(UsageError, match=r"--mode 'screen': use one of over, rnm, .*, steeper$"):
+    with pytest.raises(UsageError, match=r"`mode='screen'`: use one of over, rnm, .*, steeper$"):
         nm.LayerOptions(mode="screen")
     assert '"overlay", "steeper"' in run("compose", "blend", "a.exr", "b.exr", "--mode", "screen", "-o", "c.exr").err
     entry = {"file": "a.png", "mode": "steeper"}
     assert nm.parse_recipe({"layer": [entry]}).layers[0].options.mode == "steeper"
-    with pytest.raises(InputError, match=r"mode 'screen': use one of over, .*, steeper$"):
+    with pytest.raises(InputError, match=r"mode = \"screen\": use one of over, .*, steeper$"):
         nm.parse_recipe({"layer": [{**entry, "mode": "screen"}]})
     assert readme_tables.stale(README) == ["blend modes"]
     assert "| `steeper` | takes the steeper normal |" in readme_tables.filled(README)
 
 
 def test_a_mode_that_was_taken_away_is_refused_again(run):
-    with pytest.raises(UsageError, match=r"--mode 'steeper': use one of rnm"):
+    with pytest.raises(UsageError, match=r"`mode='steeper'`: use one of rnm"):
         nm.BlendOptions(mode="steeper")
     assert "steeper normal" not in run("compose", "blend", "--help").out
 

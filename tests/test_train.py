@@ -40,7 +40,7 @@ def test_a_state_of_another_training_is_refused():
     for others, changes in ((examples(1), {}), (examples(), {"hidden": 5}), (examples(), {"seed": 4})):
         with pytest.raises(
             nm.InputError,
-            match="the state: is of a training with other meshes or options; give the same again, or another --state",
+            match="the state: is of a training with other meshes or options; give the same again, or another `state`",
         ):
             nm.train(others, dataclasses.replace(OPTIONS, **changes), descriptor=DESCRIPTOR, state=state)
 
@@ -89,13 +89,13 @@ def test_what_cannot_be_learned_from():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"stages": 0}, "--stages 0: must lie between 1 and 10"),
-        ({"clusters": 65}, "--clusters 65: must lie between 1 and 64"),
-        ({"hidden": 0}, "--hidden 0: must lie between 1 and 256"),
-        ({"steps": 0}, "--steps 0: must lie between 1 and 100000"),
-        ({"samples": 0}, "--samples 0: must lie between 1 and 10000000"),
-        ({"weight_decay": -1.0}, "--weight-decay -1: must lie between 0 and 1, such as 1e-4"),
-        ({"seed": -1}, "--seed -1: must lie between 0 and 4294967295"),
+        ({"stages": 0}, "`stages=0`: must lie between 1 and 10"),
+        ({"clusters": 65}, "`clusters=65`: must lie between 1 and 64"),
+        ({"hidden": 0}, "`hidden=0`: must lie between 1 and 256"),
+        ({"steps": 0}, "`steps=0`: must lie between 1 and 100000"),
+        ({"samples": 0}, "`samples=0`: must lie between 1 and 10000000"),
+        ({"weight_decay": -1.0}, "`weight_decay=-1`: must lie between 0 and 1, such as 1e-4"),
+        ({"seed": -1}, "`seed=-1`: must lie between 0 and 4294967295"),
     ],
 )
 def test_train_options_that_cannot_be_meant(changes, message):
@@ -107,8 +107,8 @@ def test_train_options_that_cannot_be_meant(changes, message):
     ("changes", "message"),
     [
         ({"sigma_s": ()}, "sigma_s: 0 values, expected 1 to 16"),
-        ({"sigma_s": (0.0,)}, "--sigma_s 0: must lie between 0.1 and 1000"),
-        ({"sigma_r": (0.2, np.nan)}, "--sigma_r nan: must lie between 0.01 and 10"),
+        ({"sigma_s": (0.0,)}, "`sigma`_s 0: must lie between 0.1 and 1000"),
+        ({"sigma_r": (0.2, np.nan)}, "`sigma`_r nan: must lie between 0.01 and 10"),
         ({"passes": 0}, "passes 0: must lie between 1 and 20"),
     ],
 )

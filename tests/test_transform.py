@@ -157,7 +157,7 @@ def test_a_shrunk_map_is_averaged_not_sampled():
 @pytest.mark.parametrize(
     ("how", "message"),
     [
-        ({"crop": "0,0,60px,10px"}, r"--crop 0,0,60px,10px is 60 x 10 px at 0,0, .* picture of 44 x 31 px; .*--pad"),
+        ({"crop": "0,0,60px,10px"}, r"`crop='0,0,60px,10px'` is 60 x 10 px at 0,0, .* picture of 44 x 31 px; .*`pad`"),
         ({"crop": "0,0,1%,1%"}, r"is 0 x 0 px"),
         ({"scale": "0.001"}, None),
     ],
@@ -171,9 +171,9 @@ def test_what_does_not_fit_is_an_input_error(noise, how, message):
 
 
 def test_millimetres_need_a_pitch_and_results_a_limit():
-    with pytest.raises(nm.UsageError, match="3mm: the size of a pixel is not known; say --width 100mm"):
+    with pytest.raises(nm.UsageError, match="3mm: the size of a pixel is not known; say `width='100mm'`"):
         moved(bump_map(), crop="3mm,0,3mm,3mm")
-    with pytest.raises(nm.UsageError, match="--scale 3mm: the size of a pixel is not known"):
+    with pytest.raises(nm.UsageError, match="`scale='3mm'`: the size of a pixel is not known"):
         moved(bump_map(), scale="3mm")
     with pytest.raises(nm.LimitError, match="a result of 24000 x 20000 px is more than the limit of 270 megapixels"):
         moved(bump_map(), scale=100)
@@ -182,6 +182,6 @@ def test_millimetres_need_a_pitch_and_results_a_limit():
 def test_a_stretched_picture_says_what_becomes_of_its_slopes():
     stretched = nm.transform(bump_map(), nm.TransformOptions(resize="480x200")).report.warnings
     assert len(stretched) == 1
-    assert "slopes change by 0.5 across and 1 down; --height-factor 1.41 keeps" in stretched[0]
+    assert "slopes change by 0.5 across and 1 down; `height_factor=1.41` keeps" in stretched[0]
     for how in ({"resize": "480x400"}, {"scale": "2,1", "height_factor": 1.0}, {"rotate": 20, "flip_h": True}):
         assert nm.transform(bump_map(), nm.TransformOptions(**how)).report.warnings == ()

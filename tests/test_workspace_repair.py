@@ -28,16 +28,16 @@ def test_a_workspace_that_nobody_touched():
 
 
 TURNS = {
-    "flip-h": (lambda a: a[:, ::-1], "mirrored left to right", "--flip-h --vectors-only"),
-    "flip-v": (lambda a: a[::-1], "mirrored top to bottom", "--flip-v --vectors-only"),
-    "90": (lambda a: np.rot90(a, 1), "90 degrees counter-clockwise without", "--rotate 90 --vectors-only"),
-    "180": (lambda a: np.rot90(a, 2), "180 degrees", "--rotate 180 --vectors-only"),
-    "270": (lambda a: np.rot90(a, 3), "90 degrees clockwise without", "--rotate -90 --vectors-only"),
-    "transpose": (lambda a: a.swapaxes(0, 1), "clockwise and mirrored", "--rotate -90 --flip-h --vectors-only"),
+    "flip-h": (lambda a: a[:, ::-1], "mirrored left to right", "`flip_h` `vectors_only`"),
+    "flip-v": (lambda a: a[::-1], "mirrored top to bottom", "`flip_v` `vectors_only`"),
+    "90": (lambda a: np.rot90(a, 1), "90 degrees counter-clockwise without", "`rotate=90` `vectors_only`"),
+    "180": (lambda a: np.rot90(a, 2), "180 degrees", "`rotate=180` `vectors_only`"),
+    "270": (lambda a: np.rot90(a, 3), "90 degrees clockwise without", "`rotate=-90` `vectors_only`"),
+    "transpose": (lambda a: a.swapaxes(0, 1), "clockwise and mirrored", "`rotate=-90` `flip_h` `vectors_only`"),
     "antitranspose": (
         lambda a: np.rot90(a, 2).swapaxes(0, 1),
         "counter-clockwise and mirrored",
-        "--rotate 90 --flip-h",
+        "`rotate=90` `flip_h`",
     ),
 }
 
@@ -67,7 +67,7 @@ def test_turned_by_a_free_angle_without_its_vectors(degrees):
     workspace = packed(pixels=turned_freely(packed().layers[0].pixels, degrees))
     assert codes_found(workspace) == {("turned-freely", "bumpy")}
     finding = message(workspace, "turned-freely")
-    told = float(finding.remedy.partition("--rotate ")[2].split()[0])
+    told = float(finding.remedy.partition("`rotate=")[2].partition("`")[0])
     assert told == pytest.approx(degrees, abs=0.7)
     assert ("counter-clockwise" in finding.message) == (degrees > 0)
 

@@ -10,12 +10,12 @@ from pathlib import PurePath
 from typing import Any
 
 from nmaptool.core.errors import InputError, LimitError, UsageError
+from nmaptool.core.mentions import number_text as as_number
 from nmaptool.core.mentions import rendered
-from nmaptool.core.units import offset
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
 from nmaptool.options.fields import Options, kind_of
 from nmaptool.options.kinds import Kind, Switch, Text
-from nmaptool.options.length_kinds import OffsetText, ScaleText
+from nmaptool.options.length_kinds import ScaleText
 from nmaptool.types.recipe import DEEPEST, READ_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
 
 # what the keys take that are no options
@@ -175,11 +175,6 @@ def _value(kind: Kind, value: Any, where: str) -> Any:
         return value
     if not isinstance(value, str):
         raise InputError(f'{where}: found {_shown(value)}, expected text in quotes, such as "{kind.such_as}"')
-    if isinstance(kind, OffsetText):
-        try:
-            return offset(value)
-        except UsageError as error:
-            raise InputError(f"{where}: {error}") from None
     return value
 
 
@@ -208,8 +203,8 @@ def with_recipe_keys(text: str) -> str:
 
     >>> with_recipe_keys("`height_factor=5000`: must lie between -1000 and 1000")
     'height_factor = 5000: must lie between -1000 and 1000'
-    >>> with_recipe_keys("`flip_h=True` is not for `fit='stretch'`")
-    'flip_h = true is not for fit = "stretch"'
+    >>> with_recipe_keys("`flip_h=True` is not for `mode='over'`")
+    'flip_h = true is not for mode = "over"'
     """
     return rendered(text, _key)
 
@@ -218,7 +213,10 @@ def _key(name: str, value: Any) -> str:
     """A key and its value as TOML writes them."""
     if name not in _KEYS:
         return f"`{name}`" if value is None else f"`{name}={value!r}`"
-    return name if value is None else f"{name} = {json.dumps(value, ensure_ascii=False)}"
+    if value is None:
+        return name
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return f"{name} = {as_number(value) if is_number else json.dumps(value, ensure_ascii=False)}"
 
 
 def number_text(number: float) -> str:

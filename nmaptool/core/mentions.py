@@ -7,6 +7,7 @@ A message of the library names an option in backticks, alone or with a value: ``
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
 from collections.abc import Callable
 from typing import Any
@@ -23,7 +24,7 @@ def rendered(text: str, mention: Mention) -> str:
     >>> rendered("use `fit='scale'` or a larger `height`", lambda name, value: f"{name.upper()} {value}")
     'use FIT scale or a larger HEIGHT None'
     """
-    return _MENTION.sub(lambda found: mention(found[1], _value(found[2])), text)
+    return _MENTION.sub(lambda found: mention(found[1], found[2] and _value(found[2])), text)
 
 
 def options_in(text: str) -> tuple[str, ...]:
@@ -35,11 +36,18 @@ def options_in(text: str) -> tuple[str, ...]:
     return tuple(found[1] for found in _MENTION.finditer(text))
 
 
-def _value(text: str | None) -> Any:
-    """What is written after ``name=``; text that is no literal of Python stays text."""
-    if text is None:
-        return None
-    try:
-        return ast.literal_eval(text)
-    except (ValueError, SyntaxError):
-        return text
+def number_text(value: float) -> str:
+    """A number as a person writes it.
+
+    >>> number_text(20000000), number_text(-1e10), number_text(0.25)
+    ('20000000', '-1e+10', '0.25')
+    """
+    return str(value) if isinstance(value, int) else f"{value:g}"
+
+
+def _value(text: str) -> Any:
+    """What is written after ``name=``: a literal of Python, or inf or nan; other text stays text."""
+    for read in (ast.literal_eval, float):
+        with contextlib.suppress(ValueError, SyntaxError, TypeError):
+            return read(text)
+    return text

@@ -151,7 +151,7 @@ def diagnose(normal_map: NormalsLike, *, code_step: float = 2 / 255) -> tuple[st
     >>> y, x = np.mgrid[1:-1:64j, -1:1:64j]
     >>> normals = np.dstack([-x, -y, np.ones_like(x)])
     >>> nm.diagnose(nm.NormalMap.from_array(normals, mask=np.hypot(x, y) < 0.8))
-    ('it looks inverted; for a raised motif try --swizzle=-r,-g,b, for an engraving --delta=-30',)
+    ("it looks inverted; for a raised motif try `swizzle='-r,-g,b'`, for an engraving `delta=-30`",)
     """
     normal_map = as_normal_map(normal_map)
     if normal_map.decoding.green_from == "file":  # it says itself how it is to be read

@@ -117,7 +117,7 @@ class LayerOptions(Options, group="Composing"):
         try:
             across_, down_ = offsets(self.at, (2,), "30%,12mm")
         except UsageError as error:
-            raise UsageError(f"`at`: {error}") from None
+            raise UsageError(f"`at={self.at!r}`: {str(error).removeprefix(f'{self.at!r}: ')}") from None
         return across_, down_
 
     @property

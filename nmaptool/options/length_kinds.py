@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length, Offset, length, offset
 from nmaptool.options.kinds import SignedText, require_number
 
+_T = TypeVar("_T")
 _SMALLEST_SCALE, _LARGEST_SCALE = 1e-3, 1e3
+
+
+def _named(name: str, text: str, read: Callable[[str], _T]) -> _T:
+    """What the text of the option ``name`` stands for; an error names the option."""
+    try:
+        return read(text)
+    except UsageError as error:
+        raise UsageError(f"`{name}={text!r}`: {str(error).partition(': ')[2]}") from None
 
 
 @dataclass(frozen=True)
@@ -21,7 +31,7 @@ class LengthText(SignedText):
 
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
-        value = length(value) if isinstance(value, str) else value
+        value = _named(name, value, length) if isinstance(value, str) else value
         if self.absolute and not value.is_absolute:
             raise UsageError(f"`{name}='{value}'`: the size of a pixel follows from it, so give it in mm, cm or in")
         return value
@@ -57,7 +67,7 @@ class EdgesOrLength(SignedText):
             try:
                 value = float(value)
             except ValueError:
-                value = length(value)
+                value = _named(name, value, length)
         if not isinstance(value, Length):
             require_number(name, value, self.low, self.high, self.such_as)
         elif value.unit == "px":
@@ -75,10 +85,7 @@ class OffsetText(SignedText):
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
         if isinstance(value, str):
-            try:
-                value = offset(value)
-            except UsageError as error:
-                raise UsageError(f"`{name}`: {error}") from None
+            value = _named(name, value, offset)
         if not isinstance(value, Offset):
             raise UsageError(f"`{name}={value!r}`: expected a distance, such as {self.such_as}")
         if value.value < 0:

@@ -133,4 +133,4 @@ def _distances(name: str, text: str, counts: tuple[int, ...], such_as: str) -> t
     try:
         return offsets(text, counts, such_as)
     except UsageError as error:
-        raise UsageError(f"`{name}`: {error}") from None
+        raise UsageError(f"`{name}={text!r}`: {str(error).removeprefix(f'{text!r}: ')}") from None

@@ -1,0 +1,135 @@
+"""The same wrong option, told in the language of Python, of the command line and of a recipe."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import math
+import pathlib
+import re
+import shlex
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+import nmaptool as nm
+from nmaptool.core.errors import UsageError
+from nmaptool.core.mentions import options_in
+from nmaptool.options.fields import Options, kind_of
+from nmaptool.options.kinds import Choice, Count, Number, Positive, Switch, Weight
+from nmaptool.types.recipe import READ_KEYS
+from nmaptool_cli.guard import run_guarded
+from nmaptool_cli.mentions import flag_of, in_flags
+
+CLASSES = [v for name in nm.__all__ if isinstance(v := getattr(nm, name), type) and issubclass(v, Options)]
+ROOT = pathlib.Path(nm.__file__).parent
+RECIPES = {
+    nm.LayerOptions: lambda key, value: {"layer": [{"file": "a.png", key: value}]},
+    nm.GroupOptions: lambda key, value: {"layer": [{"layer": [{"file": "a.png"}], key: value}]},
+    nm.CanvasOptions: lambda key, value: {"canvas": {key: value}, "layer": [{"file": "a.png"}]},
+    nm.ReadOptions: lambda key, value: {"layer": [{"file": "a.png", "read": {key: value}}]},
+}
+
+
+def wrong_value(field: dataclasses.Field[Any]) -> Any:
+    """A value of the right type that the field refuses; None where it takes whatever there is."""
+    match kind_of(field):
+        case Choice():
+            return "rubbish"
+        case Weight() | Positive():
+            return -2.5
+        case Count(low=low):
+            return low - 7
+        case Number(low=low):
+            return math.floor(low) - 7.5 if low > -math.inf else math.inf
+        case None | Switch():
+            return None
+        case kind:
+            try:
+                kind.read(field.name, "rub bish")
+            except UsageError:
+                return "rub bish"
+    return None
+
+
+REFUSED = [
+    pytest.param(options, field.name, value, id=f"{options.__name__}.{field.name}")
+    for options in CLASSES
+    for field in dataclasses.fields(options)
+    if (value := wrong_value(field)) is not None
+]
+REFUSED.append(pytest.param(nm.PackOptions, "bits", 12, id="PackOptions.bits"))
+IN_RECIPES = [
+    case
+    for case in REFUSED
+    if case.values[0] in RECIPES and (case.values[0] is not nm.ReadOptions or case.values[1] in READ_KEYS)
+]
+# parameters of public functions that messages name, beside the fields of options
+PARAMETERS = {"overwrite", "max_faces", "unit", "model", "mu_map", "surface", "state"}
+PARAMETERS |= {"detail", "depth", "faces", "format"}
+
+
+def strings() -> Iterator[tuple[str, str]]:
+    """Every string of the library but docstrings, with its place."""
+    for path in sorted(ROOT.rglob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        docs = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docs:
+                yield f"{path.relative_to(ROOT)}:{node.lineno}", node.value
+
+
+def test_every_class_has_options_that_can_be_wrong() -> None:
+    assert {case.values[0] for case in REFUSED} >= set(CLASSES) - {nm.WriteOptions}
+    assert set(RECIPES) == {case.values[0] for case in IN_RECIPES}
+
+
+@pytest.mark.parametrize(("options", "name", "value"), REFUSED)
+def test_python_names_the_keyword(options: type[Options], name: str, value: Any) -> None:
+    with pytest.raises(UsageError, match=rf"^`{name}=.*?`: \w") as told:
+        options(**{name: value})
+    text = str(told.value)
+    assert told.value.options[0] == name
+    found = text.removeprefix(f"`{name}=").partition("`")[0]
+    assert found == repr(value) if isinstance(value, str) else float(found) == value
+    assert "--" not in text
+
+
+@pytest.mark.parametrize(("options", "name", "value"), REFUSED)
+def test_the_command_line_names_the_flag(options: type[Options], name: str, value: Any, capsys: Any) -> None:
+    assert run_guarded(lambda: options(**{name: value})) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    word = shlex.quote(value) if isinstance(value, str) else f"{value:g}"
+    joined = "=" if word.startswith("-") else " "
+    assert line.startswith(f"nmap: error: {flag_of(name)}{joined}{word}: ")
+    assert "`" not in line
+
+
+@pytest.mark.parametrize(("options", "name", "value"), IN_RECIPES)
+def test_a_recipe_names_the_key(options: type[Options], name: str, value: Any) -> None:
+    with pytest.raises(nm.InputError, match=r"^scene\.toml: ") as told:
+        nm.parse_recipe(RECIPES[options](name, value), name="scene.toml")
+    word = f'"{value}"' if isinstance(value, str) else f"{value:g}"
+    assert f": {name} = {word}: " in str(told.value)
+    assert "--" not in str(told.value)
+    assert "`" not in str(told.value)
+
+
+def test_the_library_names_no_flag() -> None:
+    assert [f"{place}: {text}" for place, text in strings() if re.search(r"--[a-z]", text)] == []
+
+
+def test_options_that_are_mentioned_exist() -> None:
+    """What messages name in backticks are fields of options, or parameters of functions."""
+    known = PARAMETERS | {field.name for options in CLASSES for field in dataclasses.fields(options)}
+    named = {(place, name) for place, text in strings() for name in options_in(text)}
+    assert {(place, name) for place, name in named if name not in known} == set()
+    assert len(named) > 60
+
+
+def test_values_are_told_as_a_shell_takes_them() -> None:
+    assert in_flags("`scale='a b'` and `swizzle='-g,r,b'`") == "--scale 'a b' and --swizzle=-g,r,b"
+    assert in_flags("`overwrite=True`, `beta=0.25`") == "--overwrite, --beta 0.25"
+    assert in_flags("`max_faces=20000000`") == "--max-faces 20000000"
+    assert in_flags("file `a b`.exr stays") == "file `a b`.exr stays"
