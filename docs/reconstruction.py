@@ -121,7 +121,7 @@ def main() -> None:
             nm.write_comparison(comparison, arguments.figures / f"{path.stem}.png", overwrite=True)
         table += rows(path.stem, comparison)
         sweeps += curves(path.stem, comparison)
-        verdicts += [f"- {path.stem}: the paper's claim {verdict.words}" for verdict in comparison.verdicts]
+        verdicts += [f"- {path.stem}: the paper's claim {verdict.summary}" for verdict in comparison.verdicts]
         verdicts.append(f"- {geometry(path.stem, mesh)}")
         tried += trials(path.stem, mesh)
     print(HEAD, "| --- " * HEAD.count(" |") + "|", *table, "", *verdicts, "", sep="\n")
