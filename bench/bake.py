@@ -131,8 +131,8 @@ def main() -> None:
     preface = (
         "Knobbly spheres with fine bumps, drawn at 1000x900 px; the filter takes 5 passes. Seconds are the best of "
         f"{options.repeat} after imports;\n`x` is the ratio to a plain copy of the mesh's arrays. All layers: "
-        "cleaning, filter, mixture, drawing, maps. The peak is that of a process that\nonly makes the mesh and all layers with "
-        "`surface` at sigma_s 3 and supersample 2; 1 GB is 1e9 bytes."
+        "cleaning, filter, mixture, drawing, maps. The peak is that of a process that\nonly makes the mesh and all "
+        "layers with `surface` at sigma_s 3 and supersample 2; 1 GB is 1e9 bytes."
     )
     header = ["stage", *(cell for m in measured for cell in (f"{m.name} s", "x"))]
     whole = table(("from start to exit", "runs", "span s", PEAK), [command])

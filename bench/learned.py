@@ -52,9 +52,7 @@ def main() -> None:
     for mesh, seconds in zip(meshes, measured, strict=True):
         faces = f"{len(mesh.faces)} faces"
         goals.append(
-            line(
-                f"{DESCRIBE}, {faces} compared with one filter", seconds[DESCRIBE] / seconds[SURFACE], _MOST_TIMES, "x"
-            )
+            line(f"{DESCRIBE}, {faces}, against one filter", seconds[DESCRIBE] / seconds[SURFACE], _MOST_TIMES, "x")
         )
         if len(mesh.faces) >= _LARGE:
             goals.append(line(f"{LEARNED}, {faces}", seconds[LEARNED], _MOST_SECONDS, "s"))

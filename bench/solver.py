@@ -81,8 +81,8 @@ def _preface(options: argparse.Namespace, memory: Bandwidth) -> str:
         "Setup is all work before a right-hand side: islands, assembly, hierarchy or factors. Both solves start from "
         f"zero.\nTimes are the best of up to 12 within {options.spend:g} s. Each solver runs in its own process, "
         "with modules loaded; the peak\nexcludes the inputs. Residuals are those of the whole system, computed in "
-        "float64 from the energy, not by the solver.\n`x ours` is the ratio of setup + solve to that of the first of dct, "
-        f"multigrid, amg that solves the case. Left out: runs of more than {options.limit:.0f} s.\n\n{memory}"
+        "float64 from the energy, not by the solver.\n`x ours` is the ratio of setup + solve to that of the first of "
+        f"dct, multigrid, amg that solves the case. Left out: runs of more than {options.limit:.0f} s.\n\n{memory}"
     )
 
 
