@@ -1,4 +1,4 @@
-"""Make the picture of composed reliefs: ``python docs/compositions.py [MESH MESH MESH] [--out FILE]``.
+"""Make the figure of composed reliefs: ``python docs/compositions.py [MESH MESH MESH] [--out FILE]``.
 
 Upper row, from the left: two models on one plate; the details of one pasted on another; a motif on a rolling ground.
 Lower row: a motif on a cylinder; two on a dodecahedron, the second of which continues its edges.

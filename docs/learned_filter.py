@@ -1,6 +1,6 @@
 """Accuracy of the learned filter on held-out meshes: ``python docs/learned_filter.py [--model FILE.npz]``.
 
-The reference for each held-out mesh of ``samples/training`` is its GRNF base with the mesh's own parameters. Prints mean
+The reference for each held-out mesh of ``samples/training`` is its GRNF base with its own parameters. Prints mean
 angles from it to the learned base and to the best RNF base of a grid of common parameters; also the change of the
 learned base when the mesh is rotated, and when each of its faces is divided into four.
 """

@@ -1,6 +1,6 @@
 """The table of docs/decisions/0016-reconstruction.md: ``python docs/reconstruction.py [--figures FOLDER] [MESH ...]``.
 
-Without arguments it uses the sample meshes. It sweeps both schemes on each mesh's own base normals, like ``nmap compare``,
+Without arguments it uses the sample meshes. It sweeps both schemes on each mesh's base normals, like ``nmap compare``,
 compares other settings with the default, and rebuilds a noisy sphere to its true normals.
 """
 
