@@ -18,6 +18,8 @@ GLOBS = (
     "docs/**/*.py",
     "samples/**/*.py",
     "samples/*.sh",
+    "setup.sh",
+    "Makefile",
     "bench/**/*.py",
 )
 FILES = sorted({path for pattern in GLOBS for path in ROOT.glob(pattern)})
