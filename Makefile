@@ -1,10 +1,10 @@
-# make demo   the main job on the shipped samples, results in gallery/
+# make demo   reliefs of the samples, in gallery/
 # make test   every check and test
 # make check  the checks without the tests
 # make bench  speed and memory, as ratios in one run
-# make filter the filter that ships, learned anew
+# make filter retrain the filter in the package
 #
-# Each sets up what it needs first: a virtual environment in .venv, and the system packages for it where it may.
+# Each first sets up a virtual environment in .venv, and the system packages for it if it has the rights.
 
 VENV ?= .venv
 BIN := $(VENV)/bin

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the virtual environment that the Makefile works in; installs the system packages it needs where it may,
+# Creates the virtual environment for the Makefile; installs the system packages it needs if it has the rights,
 # otherwise prints the exact command.
 set -eu
 venv=${1:-.venv}
@@ -12,7 +12,7 @@ for candidate in ${PYTHON:-} python3.13 python3.12 python3.11 python3 python; do
     fi
 done
 if [ -z "${python:-}" ]; then
-    echo "nmaptool needs Python 3.11, 3.12 or 3.13; install one, or say which: make PYTHON=/path/to/python3.12" >&2
+    echo "nmaptool needs Python 3.11, 3.12 or 3.13; install one, or choose one: make PYTHON=/path/to/python3.12" >&2
     exit 1
 fi
 
@@ -22,7 +22,7 @@ if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
     if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
         { apt-get update -q && $install; } || { echo "This failed: $install" >&2; exit 1; }
     else
-        echo "Python's venv module is missing. Run this, then make again:  sudo $install" >&2
+        echo "Python's venv module is missing. Run this, then run make again:  sudo $install" >&2
         exit 1
     fi
 fi
@@ -34,7 +34,7 @@ echo "installing nmaptool into $venv"
 mkdir -p "$venv/typing"
 ln -sfn "$PWD/cli" "$venv/typing/nmaptool_cli"
 
-# drawing meshes needs the libraries of OpenGL (and pyglet one of X), but no graphics card or display
+# rendering meshes needs the OpenGL libraries (and pyglet one of X), but no graphics card or display
 draws='from nmaptool.render import gl
 with gl.drawing():
     pass'
@@ -45,7 +45,7 @@ if ! "$venv/bin/python" -c "$draws" 2>/dev/null; then
     fi
     if ! "$venv/bin/python" -c "$draws" 2>/dev/null; then
         "$venv/bin/python" -c "$draws" 2>&1 | tail -1 >&2
-        echo "Meshes cannot be drawn yet. On Debian and Ubuntu run this, then make again:  sudo $install" >&2
+        echo "OpenGL does not work yet. On Debian and Ubuntu run this, then run make again:  sudo $install" >&2
         exit 1
     fi
 fi

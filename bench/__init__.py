@@ -1,1 +1,1 @@
-"""Speed and memory, measured in one run: `bench.solver` for the solvers, `bench.relief` for the whole command."""
+"""Benchmarks of speed and memory: `bench.solver` for the solvers, `bench.relief` for the whole command."""

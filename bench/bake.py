@@ -1,6 +1,6 @@
-"""What ``nmap bake`` takes, stage by stage, as ratios in one run: ``python -m bench.bake [--mesh FILE]``.
+"""Time of ``nmap bake`` by stage, as ratios in one run: ``python -m bench.bake [--mesh FILE]``.
 
-Nothing heavy may be imported here: a child's peak memory counts from what its parent held when it was started.
+Do not import anything heavy here: a child inherits the peak memory that its parent had when it started.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ PEAK = "peak GB"
 
 @dataclass(frozen=True)
 class Goal:
-    """The most that a figure may be for a mesh of about so many faces; None: of any size."""
+    """Upper limit of a figure for meshes of about this many faces; None: for all sizes."""
 
     figure: str
     most: float
@@ -44,7 +44,7 @@ GOALS = (
 
 @dataclass(frozen=True)
 class Measured:
-    """One mesh: seconds of each stage, and figures of other kinds, by name."""
+    """One mesh: seconds of each stage and other figures, by name."""
 
     name: str
     wanted: int
@@ -55,7 +55,7 @@ class Measured:
 
 
 def _child(*arguments: str) -> tuple[dict[str, object], int]:
-    """What ``bench.bake_stages`` says, run in a process of its own, and the peak of its resident memory in bytes."""
+    """Output of ``bench.bake_stages``, run in its own process, and its peak resident memory in bytes."""
     command = [sys.executable, "-m", "bench.bake_stages", *arguments]
     with tempfile.TemporaryFile() as stated:
         process = subprocess.Popen(command, cwd=Path(__file__).parents[1], stdout=stated)
@@ -68,7 +68,7 @@ def _child(*arguments: str) -> tuple[dict[str, object], int]:
 
 
 def measure(source: str, wanted: int, repeat: int) -> Measured:
-    """The stages from one process, the peak of the whole job from another."""
+    """Measure the stages in one process and the peak of the whole job in another."""
     stages, _ = _child("stages", source, "--repeat", str(repeat))
     _, peak = _child("peak", source)
     seconds = stages["seconds"]
@@ -79,7 +79,7 @@ def measure(source: str, wanted: int, repeat: int) -> Measured:
 
 
 def rows_of(measured: list[Measured]) -> list[list[str]]:
-    """A row a stage: seconds and multiples of a copy of the mesh, for each mesh."""
+    """One row per stage: seconds and multiples of a copy of the mesh, for each mesh."""
     timed = [
         [stage, *(c for m in measured for c in (_cells(m.seconds[stage], m.copy) if stage in m.seconds else ("", "")))]
         for stage in max((m.seconds for m in measured), key=len)
@@ -95,7 +95,7 @@ def _cells(seconds: float, copy: float) -> tuple[str, str]:
 
 
 def goals_of(measured: list[Measured]) -> list[str]:
-    """A line for each goal and mesh that it is for."""
+    """One line for each goal and each of its meshes."""
     lines = []
     for goal in GOALS:
         for m in measured:
@@ -107,7 +107,7 @@ def goals_of(measured: list[Measured]) -> list[str]:
 
 
 def command_row(folder: Path, source: str, times: int) -> list[str]:
-    """``nmap bake`` from the start of the process to its end, on a PLY file."""
+    """``nmap bake`` on a PLY file, from start to exit."""
     path = folder / "mesh.ply"
     _child("file", source, "--output", str(path))
     files = ("-o", str(folder / "maps"), "--overwrite", "--quiet")
@@ -117,10 +117,10 @@ def command_row(folder: Path, source: str, times: int) -> list[str]:
 
 
 def main() -> None:
-    """Measure, print and, with --write, keep."""
+    """Measure, print the results and, with --write, store them."""
     report = Report("bake", __doc__)
-    report.argument("--sizes", type=int, nargs="+", default=SIZES, help="faces of the meshes that are made, about")
-    report.argument("--mesh", help="measure this file as well")
+    report.argument("--sizes", type=int, nargs="+", default=SIZES, help="faces of the generated meshes, about")
+    report.argument("--mesh", help="also measure this file")
     report.argument("--repeat", type=int, default=3, help="times are the best of this many (default 3)")
     options = report.begin()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
@@ -130,9 +130,9 @@ def main() -> None:
         command = command_row(Path(name), "75000", options.repeat)
     preface = (
         "Knobbly spheres with fine bumps, drawn at 1000x900 px; the filter takes 5 passes. Seconds are the best of "
-        f"{options.repeat} after imports,\n`x` is that over a plain copy of the mesh's arrays. All layers: cleaning, "
-        "filter, mixture, drawing, maps. The peak is of a process that\nmakes the mesh and all layers with `surface` "
-        "at sigma_s 3 and supersample 2 and does nothing else; 1 GB is 1e9 bytes."
+        f"{options.repeat} after imports;\n`x` is the ratio to a plain copy of the mesh's arrays. All layers: "
+        "cleaning, filter, mixture, drawing, maps. The peak is that of a process that\nonly makes the mesh and all "
+        "layers with `surface` at sigma_s 3 and supersample 2; 1 GB is 1e9 bytes."
     )
     header = ["stage", *(cell for m in measured for cell in (f"{m.name} s", "x"))]
     whole = table(("from start to exit", "runs", "span s", PEAK), [command])

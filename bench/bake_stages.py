@@ -11,7 +11,7 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy: as the command does
 
-import matplotlib.figure  # noqa: F401 - these are loaded here so that no measured stage pays for them
+import matplotlib.figure  # noqa: F401 - loaded here so that no measured stage includes the import
 import numpy as np
 import pyrender  # noqa: F401
 import scipy.sparse.csgraph  # noqa: F401
@@ -31,14 +31,14 @@ RING = FilterOptions(neighborhood="ring", sigma_s=8.0)
 
 
 def knobbly_sphere(count: int) -> Mesh:
-    """A sphere of 100 mm with knobs and bumps a few edges wide, of about so many faces."""
+    """A sphere of 100 mm and about this many faces, with knobs and bumps a few edges wide."""
     rows = max(4, round((count / 4) ** 0.5))
     cols = 2 * rows
     polar, around = np.meshgrid(
         np.linspace(0, np.pi, rows + 1)[1:-1], np.arange(cols) * 2 * np.pi / cols, indexing="ij"
     )
     knobs = 0.12 * np.sin(3 * polar) * np.cos(4 * around)
-    fine = rows / 12  # twelve rows of faces to a bump
+    fine = rows / 12  # twelve rows of faces per bump
     bumps = 0.5 / fine * np.sin(2 * fine * polar) * np.sin(np.round(2 * fine) * around) * np.sin(polar)
     radius = 50 * (1 + knobs + 0.3 * bumps)
     across = radius * np.sin(polar)
@@ -59,12 +59,12 @@ def knobbly_sphere(count: int) -> Mesh:
 
 
 def load(source: str) -> Mesh:
-    """The mesh of a file, or one made of so many faces."""
+    """Read a mesh, or make one of this many faces."""
     return knobbly_sphere(int(source)) if source.isdecimal() else read_mesh(source)
 
 
 def best(job: Callable[[], object], repeat: int) -> float:
-    """Least seconds of several runs."""
+    """Shortest time of several runs in seconds."""
     seconds = []
     for _ in range(repeat):
         started = time.perf_counter()
@@ -76,7 +76,7 @@ def best(job: Callable[[], object], repeat: int) -> float:
 def stages(mesh: Mesh, repeat: int) -> dict[str, float]:
     """Seconds of each stage."""
 
-    def fresh() -> Mesh:  # one that has nothing worked out yet
+    def fresh() -> Mesh:  # a mesh without cached results
         return Mesh(clean.vertices, clean.faces)
 
     def draw_with(draw: Draw, supersample: int) -> Callable[[], object]:
@@ -119,10 +119,10 @@ def write_ply(path: Path, mesh: Mesh) -> None:
 
 
 def main() -> None:
-    """Do one part and say what came of it as JSON."""
+    """Run one part and print its results as JSON."""
     parser = argparse.ArgumentParser(prog="python -m bench.bake_stages", description=__doc__)
     parser.add_argument("part", choices=("stages", "peak", "file"))
-    parser.add_argument("source", help="faces of a mesh that is made, about, or a file")
+    parser.add_argument("source", help="a file, or the approximate number of faces of a generated mesh")
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--output", type=Path, help="where `file` writes")
     options = parser.parse_args()

@@ -1,4 +1,4 @@
-"""What the machine's memory gives, after STREAM: copy and triad by NumPy in as many threads as there are cores."""
+"""Memory bandwidth of the machine, after STREAM: copy and triad by NumPy with one thread per core."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 _COUNT = 1 << 24  # float64: 134 MB an array, beyond any cache
-_BLOCK = 1 << 16  # long enough for threads, and both steps of a triad find it in the cache
+_BLOCK = 1 << 16  # long enough for threads, short enough for both steps of a triad to stay in the cache
 _REPEATS = 10
 
-# a map is read as normals in float32, a height is written in float64
+# maps are read as float32 normals, heights are written as float64
 MAP_BYTES, HEIGHT_BYTES = 12, 8
 
 
@@ -26,20 +26,20 @@ class Bandwidth:
     triad: float
 
     def once(self, pixels: int) -> float:
-        """Seconds to read a map of this size once and to write its height once."""
+        """Seconds to read a map of this size once and write its heights once."""
         return (MAP_BYTES + HEIGHT_BYTES) * pixels / self.copy
 
     def __str__(self) -> str:
         return (
             f"Memory on {os.cpu_count()} threads, after STREAM: copy {self.copy / 1e9:.1f} GB/s, triad "
-            f"{self.triad / 1e9:.1f} GB/s. To read a map once ({MAP_BYTES} bytes per pixel) and write its\nheight once "
-            f"({HEIGHT_BYTES}) takes {self.once(900_000) * 1e3:.1f} ms at 1000x900 px and "
-            f"{self.once(4096**2) * 1e3:.0f} ms at 4096 px at that; `x once` counts such times."
+            f"{self.triad / 1e9:.1f} GB/s. To read a map once ({MAP_BYTES} bytes per pixel) and write its\nheights "
+            f"once ({HEIGHT_BYTES}) would take {self.once(900_000) * 1e3:.1f} ms at 1000x900 px and "
+            f"{self.once(4096**2) * 1e3:.0f} ms at 4096 px; `x once` is the ratio to that time."
         )
 
 
 def bandwidth() -> Bandwidth:
-    """Measure: the best of some passes over arrays of 134 MB."""
+    """Measure the best of several passes over arrays of 134 MB."""
     a, b, c = (np.full(_COUNT, value) for value in (0.0, 1.0, 2.0))
 
     def copy(block: slice) -> None:

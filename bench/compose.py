@@ -1,6 +1,6 @@
-"""What editing maps takes, against copying them once: ``python -m bench.compose [--size 4096]``.
+"""Time and memory of map editing, compared with one copy: ``python -m bench.compose [--size 4096]``.
 
-Nothing heavy may be imported here: a child's peak memory counts from what its parent held when it was started.
+Do not import anything heavy here: a child inherits the peak memory that its parent had when it started.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ _ROOT = Path(__file__).parents[1]
 
 @dataclass(frozen=True)
 class Job:
-    """One edit, by its name in `bench.compose_jobs`, and what it may take; None: no goal.
+    """One edit, by its name in `bench.compose_jobs`, and its limits; None: no goal.
 
-    ``most_copies`` counts in copies of the maps that go in, made in the same process.
+    ``most_copies`` is in units of one copy of the input maps, measured in the same process.
     """
 
     name: str
@@ -50,7 +50,7 @@ JOBS = (
 
 
 def measure(job: Job, size: int, repeat: int) -> dict[str, float]:
-    """What `bench.compose_jobs` says of a job, run in a process of its own."""
+    """Output of `bench.compose_jobs` for one job, run in its own process."""
     command = [sys.executable, "-m", "bench.compose_jobs", job.name, str(size), str(repeat)]
     done = subprocess.run(command, cwd=_ROOT, check=True, stdout=subprocess.PIPE)
     stated: dict[str, float] = json.loads(done.stdout)
@@ -64,31 +64,30 @@ def _against(figure: float, goal: float | None) -> list[str]:
 
 
 def row_of(job: Job, stated: dict[str, float]) -> list[str]:
-    """Time, time over that of a copy, and peak, each beside its goal."""
+    """Time, its ratio to the time of a copy, and peak, each with its goal."""
     cells = [*_against(stated["seconds"], job.most_seconds), f"{stated['slowest']:.2f}"]
     copies = _against(stated["seconds"] / stated["copy"], job.most_copies)
     return [job.name, *cells, *copies, *_against(stated["images"], job.most_images)]
 
 
 def main() -> None:
-    """Measure, print and, with --write, keep."""
+    """Measure, print the results and, with --write, store them."""
     report = Report("compose", __doc__)
-    report.argument("--size", type=int, default=SIZE, help="pixels on a side of the ground (default 4096)")
+    report.argument("--size", type=int, default=SIZE, help="side of the background in pixels (default 4096)")
     report.argument("--repeat", type=int, default=5, help="times are the best of this many (default 5)")
-    report.argument("--only", default="", help="jobs whose names hold this text")
+    report.argument("--only", default="", help="only jobs whose names contain this text")
     options = report.begin()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
     jobs = [job for job in JOBS if options.only in job.name]
     rows = [row_of(job, measure(job, options.size, options.repeat)) for job in jobs]
     preface = (
-        f"Waves and ripples in float32, {options.size} x {options.size} px; the pasted disc is of half that size, and "
-        "so are four of the layers of\nthe stack; depth pictures are of 30 overlapping half balls. Each job runs "
-        "in a process of its own: seconds are the best of "
-        f"{options.repeat} after imports and inputs, `slowest` the worst of\nthem, `copies` the seconds over those of "
-        "copying the maps that go in into fresh arrays, taken in turns with the job. Results are\nfreed before the "
-        "next run, so that both find memory alike. The peak is that of the process's resident memory over what it\n"
-        "held after imports and inputs, in float images of that size (H x W x 3 float32), what the job returns "
-        "included.\nGoals are upper limits for 4096 px on 2 cores."
+        f"Waves and ripples in float32, {options.size} x {options.size} px; the pasted disc and four layers "
+        "of the stack have half\nthat size; depth images show 30 overlapping hemispheres. Each job runs in its own "
+        f"process. Seconds are the best of {options.repeat} after\nimports and inputs, `slowest` is the longest time, "
+        "`copies` the ratio to copying the input maps into new arrays, measured in\nalternation with the job. Results "
+        "are freed before the next run, so that both start with the same memory. The peak is the growth\nof the "
+        "process's resident memory after imports and inputs, including results, in float images of that size\n"
+        "(H x W x 3 float32). Goals are upper limits for 4096 px on 2 cores."
     )
     header = ("job", "s", "goal s", "slowest s", "copies", "goal", "peak images", "goal images")
     report.end(preface, table(header, rows))

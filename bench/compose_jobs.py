@@ -1,6 +1,6 @@
-"""One edit of maps in a process of its own, for `bench.compose`: ``python -m bench.compose_jobs JOB SIZE REPEAT``.
+"""One edit of maps in its own process, for `bench.compose`: ``python -m bench.compose_jobs JOB SIZE REPEAT``.
 
-Prints JSON: the best and the worst seconds of the job, the best of copying its maps, the peak of memory in images.
+Prints JSON: best and worst seconds of the job, best seconds of copying its maps, peak memory in images.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ _PEAK = 1 if sys.platform == "darwin" else 1024
 
 @dataclass(frozen=True)
 class Prepared:
-    """A job with its inputs made: what runs, and the maps that go in."""
+    """A prepared job: the function to run and its input maps."""
 
     job: Callable[[], object]
     maps: tuple[NDArray[Any], ...]
 
 
 def normals_of(size: int, turn: float) -> Float32:
-    """(size, size, 3) float32 unit normals of waves with ripples, another surface for another turn."""
+    """(size, size, 3) float32 unit normals of waves with ripples; each turn gives a different surface."""
     along = (np.arange(size, dtype=np.float32) / size) * np.float32(2 * np.pi)
     x, y = along[None, :], along[:, None]
     normals = np.empty((size, size, 3), np.float32)
@@ -46,7 +46,7 @@ def normals_of(size: int, turn: float) -> Float32:
 
 
 def map_of(size: int, turn: float, cover: Mask | None = None) -> nm.NormalMap:
-    """A map of `normals_of`, covered everywhere or where ``cover`` says."""
+    """A map of `normals_of`, covered everywhere or as given by ``cover``."""
     normals, coverage = normals_of(size, turn), np.ones((size, size), np.float32)
     if cover is not None:
         coverage[...] = cover
@@ -55,7 +55,7 @@ def map_of(size: int, turn: float, cover: Mask | None = None) -> nm.NormalMap:
 
 
 def disc_of(size: int) -> Mask:
-    """(size, size) bool: a disc that leaves a margin."""
+    """(size, size) bool: a disc with a margin."""
     at = np.arange(size) - (size - 1) / 2
     inside: Mask = np.hypot(at[None, :], at[:, None]) < 0.48 * size
     return inside
@@ -146,7 +146,7 @@ def _seconds(job: Callable[[], object]) -> float:
 
 
 def _resident() -> int:
-    """Bytes of memory that the process holds now; the peak so far where the system does not tell."""
+    """Bytes of memory in use by the process; the peak so far if the system does not report it."""
     status = Path("/proc/self/statm")
     if status.exists():
         return int(status.read_text().split()[1]) * resource.getpagesize()
@@ -154,7 +154,7 @@ def _resident() -> int:
 
 
 def peak_of(job: Callable[[], object]) -> int:
-    """Bytes by which the process grows at most while the job runs, looked at every millisecond."""
+    """Largest growth of the process in bytes during the job, sampled every millisecond."""
     before, most = _resident(), 0
     done = threading.Event()
 
@@ -178,7 +178,7 @@ def main() -> None:
     words = name.split(", ")
     prepared = PREPARE[words[0]](words, size)
     small = PREPARE[words[0]](words, 64)
-    small.job()  # what is imported when it is used is no part of the job
+    small.job()  # keeps lazy imports out of the job
     peak = peak_of(prepared.job)
     jobs, copies = [], []
     for _ in range(repeat):

@@ -1,6 +1,6 @@
-"""Where one method of ours overtakes another: ``python -m bench.crossover [--sizes 64 128 256 512 1024 2048 4096]``.
+"""Where one of our methods overtakes another: ``python -m bench.crossover [--sizes 64 128 256 512 1024 2048 4096]``.
 
-The choice of ``--solver auto`` is read from these tables.
+``--solver auto`` chooses by these tables.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Results = dict[tuple[Case, str], Outcome]
 
 
 def kinds(side: int) -> list[Case]:
-    """Every mask, and the motif, a thin mask and the full rectangle with other weights and betas."""
+    """Every mask; also the motif, a thin mask and the full rectangle with other weights and betas."""
     masks = [Case(side, side, family) for family in FAMILIES]
     betas = [Case(side, side, f, beta=b) for f in ("statue", "tree", "lines 20%") for b in (1.0, 1e-5, 0.0)]
     backgrounds = [Case(side, side, background=background) for background in ("plane", "free")]
@@ -51,7 +51,7 @@ def _cell(outcome: Outcome) -> str:
 
 
 def fastest(results: Results, case: Case) -> tuple[str, float] | None:
-    """The method of least time and its seconds."""
+    """The fastest method and its seconds."""
     totals = [(results[case, name].total(0), name) for name in METHODS]
     known = [(total, name) for total, name in totals if total is not None]
     return (min(known)[1], min(known)[0]) if known else None
@@ -87,7 +87,7 @@ def by_size(results: Results, sizes: list[int]) -> str:
 
 
 def iterations(results: Results, sizes: list[int]) -> str:
-    """Iterations of multigrid by kind and size, and whether they are as few as they are meant to be."""
+    """Iterations of multigrid by kind and size, and whether they stay within the limit."""
     counts: list[int] = []
     missed = 0
     rows = []
@@ -110,20 +110,20 @@ def iterations(results: Results, sizes: list[int]) -> str:
 
 
 def main() -> None:
-    """Measure, print and, with --write, keep."""
+    """Measure, print the results and, with --write, store them."""
     report = Report("crossover", __doc__)
     sizes = [64, 128, 256, 512, 1024, 2048, 4096]
     report.argument("--sizes", type=int, nargs="+", default=sizes, help="pixels on a side")
-    report.argument("--limit", type=float, default=30, help="most seconds for one method on one case (default 30)")
+    report.argument("--limit", type=float, default=30, help="time limit per method and case, seconds (default 30)")
     report.argument("--spend", type=float, default=0.3, help="seconds of repeats (default 0.3)")
     options = report.begin()
     options.sizes.sort()
     patience = Patience(options.limit)
     results: Results = {}
     preface = (
-        f"Milliseconds of setup and one solve to {_TOLERANCE:g}, in brackets the iterations; `...` would take over "
-        f"{options.limit:.0f} s. `dct + CG`\nis no method of the library. `auto` is the time of `--solver auto` over "
-        "that of the fastest. Methods of one row share a process."
+        f"Milliseconds of setup and one solve to {_TOLERANCE:g}, iterations in brackets; `...` would take more than "
+        f"{options.limit:.0f} s. `dct + CG`\nis not a method of the library. `auto` is the time of `--solver auto` "
+        "divided by that of the fastest. The methods of a row share a process."
     )
     print(preface)
     body = [preface]
@@ -134,7 +134,7 @@ def main() -> None:
         body.append(f"### {side} px\n\n{table(header, rows_of(results, kinds(side)))}")
         print(f"\n{body[-1]}", flush=True)
     regrets = [each for case, name in results if name == "auto" and (each := _regret(results, case)) is not None]
-    worst = f"`auto` takes at most {max(regrets):.2f} times what the fastest takes." if regrets else "auto: no times"
+    worst = f"`auto` takes at most {max(regrets):.2f} times as long as the fastest." if regrets else "auto: no times"
     body += [by_size(results, options.sizes), iterations(results, options.sizes), worst, report.surroundings()]
     print("", *body[-4:], sep="\n\n")
     report.write("\n\n".join([body[-1], *body[:-1]]))

@@ -1,6 +1,6 @@
-"""A pass over the finest level in bands of NumPy, beside one compiled by Numba: ``python -m bench.kernels [--write]``.
+"""A pass over the finest level in bands of NumPy, compared with Numba: ``python -m bench.kernels [--write]``.
 
-Numba is no dependency; where it is not installed, its columns stay empty.
+Numba is not a dependency; if it is not installed, its columns are empty.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ print(imported - loaded, time.perf_counter() - begun)
 
 
 def best(work: Callable[[], object], repeats: int) -> float:
-    """Least milliseconds."""
+    """Shortest time in milliseconds."""
     least = np.inf
     for _ in range(repeats):
         started = time.perf_counter()
@@ -67,10 +67,10 @@ def best(work: Callable[[], object], repeats: int) -> float:
 
 
 def compiled(folder: Path) -> tuple[Callable[[Float32, Float32, Float32], None], float, float]:
-    """The pass by Numba; seconds to import Numba, and to the end of a first call from its cache, in a new process."""
+    """The pass by Numba; seconds to import Numba and to finish a first cached call, in a new process."""
     alone = folder / "alone.py"
     alone.write_text(_COMPILED + _ALONE, encoding="utf-8")
-    for _ in range(2):  # the first fills the cache
+    for _ in range(2):  # the first call fills the cache
         stated = subprocess.run([sys.executable, str(alone)], check=True, stdout=subprocess.PIPE, text=True).stdout
     module = folder / "compiled_pass.py"
     module.write_text(_COMPILED, encoding="utf-8")
@@ -84,7 +84,7 @@ def compiled(folder: Path) -> tuple[Callable[[Float32, Float32, Float32], None],
 
 
 def row_of(rows: int, cols: int, numba_pass: Callable[..., None] | None, repeats: int) -> list[str]:
-    """Milliseconds of both on one size, the same numbers in and out."""
+    """Milliseconds of both on one size, with the same inputs and outputs."""
     weight = statue(rows, cols)
     system = QuadSystem(weight, corner_sum(weight).astype(np.float32) / 4, np.zeros((rows + 1, cols + 1), bool))
     finest = Finest(system, np.float32)
@@ -106,11 +106,11 @@ def row_of(rows: int, cols: int, numba_pass: Callable[..., None] | None, repeats
 
 
 def main() -> None:
-    """Measure, print and, with --write, keep."""
+    """Measure, print the results and, with --write, store them."""
     report = Report("kernels", __doc__)
     report.argument("--repeat", type=int, default=40, help="times are the best of this many (default 40)")
     options = report.begin()
-    body = ["One pass of two 2x2 box sums over the finest level in float32, in milliseconds, the best of several."]
+    body = ["One pass of two 2x2 box sums over the finest level in float32, in milliseconds; best of several runs."]
     with tempfile.TemporaryDirectory() as name:
         numba_pass = None
         if importlib.util.find_spec("numba") is None:
@@ -118,8 +118,8 @@ def main() -> None:
         else:
             numba_pass, imported, called = compiled(Path(name))
             body.append(
-                f"In a new process, importing Numba takes {imported:.2f} s, the first call of this one function from "
-                f"its cache {called:.2f} s."
+                f"In a new process, importing Numba takes {imported:.2f} s, the first cached call of this function "
+                f"{called:.2f} s."
             )
         rows = [row_of(*size, numba_pass, options.repeat) for size in SIZES]
     body.append(table(["pixels", "bands of NumPy", "Numba", "times"], rows))

@@ -1,4 +1,4 @@
-"""The learned filter beside the surface filter, as ratios in one run: ``python -m bench.learned [--mesh FILE]``."""
+"""The learned filter compared with the surface filter, in one run: ``python -m bench.learned [--mesh FILE]``."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from nmaptool.types.mesh import Mesh
 
 SIZES = (20_000, 75_000, 300_000)
 SURFACE = "surface filter, sigma_s 3, 5 passes"
-DESCRIBE = "15 filtered normals a face"
+DESCRIBE = "15 filtered normals per face"
 LEARNED = "learned filter, 3 stages"
 _MOST_SECONDS, _LARGE = 60.0, 250_000
 _MOST_TIMES = 15.0
 
 
 def measure(mesh: Mesh, repeat: int) -> dict[str, float]:
-    """Seconds of each."""
+    """Seconds of each filter."""
     learned = nm.FilterOptions(filter="learned")
 
     def describe() -> None:
@@ -35,10 +35,10 @@ def measure(mesh: Mesh, repeat: int) -> dict[str, float]:
 
 
 def main() -> None:
-    """Measure, print and, with --write, keep."""
+    """Measure, print the results and, with --write, store them."""
     report = MeshReport("learned", __doc__)
     options = report.begin()
-    decompose_clean(clean_mesh(load("2000"))[0], nm.FilterOptions(filter="learned"))  # loads what the first one loads
+    decompose_clean(clean_mesh(load("2000"))[0], nm.FilterOptions(filter="learned"))  # loads modules before timing
     meshes = [clean_mesh(load(source))[0] for source in options.mesh or map(str, SIZES)]
     measured = [measure(mesh, options.repeat) for mesh in meshes]
     rows = []
@@ -52,12 +52,12 @@ def main() -> None:
     for mesh, seconds in zip(meshes, measured, strict=True):
         faces = f"{len(mesh.faces)} faces"
         goals.append(
-            line(f"{DESCRIBE}, {faces}, beside one filter", seconds[DESCRIBE] / seconds[SURFACE], _MOST_TIMES, "x")
+            line(f"{DESCRIBE}, {faces}, against one filter", seconds[DESCRIBE] / seconds[SURFACE], _MOST_TIMES, "x")
         )
         if len(mesh.faces) >= _LARGE:
             goals.append(line(f"{LEARNED}, {faces}", seconds[LEARNED], _MOST_SECONDS, "s"))
     report.end(
-        f"Seconds are the best of {options.repeat}, set-up included; `x` is that over the surface filter's.",
+        f"Seconds are the best of {options.repeat}, including set-up; `x` is the ratio to the surface filter.",
         table(header, rows),
         *goals,
     )

@@ -1,4 +1,4 @@
-"""The files that `bench.relief` works on: ``python -m bench.map_files COLSxROWS MOTIF.png THIN.png FULL.png``."""
+"""The input files of `bench.relief`: ``python -m bench.map_files COLSxROWS MOTIF.png THIN.png FULL.png``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from bench.masks import lines
 
 
 def main() -> None:
-    """Write a map of a motif, one of thin lines and one without background as 16-bit PNG; print what they cover."""
+    """Write a map of a motif, one of thin lines and one without background as 16-bit PNG; print their coverage."""
     size, motif, thin, full = sys.argv[1:]
     cols, rows = (int(side) for side in size.split("x"))
     made = scene(rows, cols)

@@ -1,6 +1,6 @@
-"""Made-up inputs of any size: a statue of overlapping domes with holes in it, before rolling ground.
+"""Synthetic inputs of any size: a statue of overlapping domes with holes, in front of rolling ground.
 
-Everything is placed in shares of the longer side, so the picture is the same at every resolution.
+Positions are fractions of the longer side, so the image is the same at every resolution.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _DOMES, _HOLES = 30, 12
 
 
 class Disc(NamedTuple):
-    """A dome or a hole, in shares of the longer side, y up."""
+    """A dome or a hole, in fractions of the longer side, y up."""
 
     x: float
     y: float
@@ -28,7 +28,7 @@ class Disc(NamedTuple):
 
 
 def outline(size: tuple[float, float]) -> tuple[list[Disc], list[Disc]]:
-    """The domes that make up the motif and the holes in it, for a picture of these shares of its longer side."""
+    """The domes of the motif and its holes, for an image of this size in fractions of its longer side."""
     random = np.random.default_rng(_MOTIF_SEED)
 
     def place(low: float, high: float) -> tuple[float, float]:
@@ -41,7 +41,7 @@ def outline(size: tuple[float, float]) -> tuple[list[Disc], list[Disc]]:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A picture's normals and where its motif is.
+    """The normals of an image and its motif.
 
     Attributes
     ----------
@@ -54,17 +54,17 @@ class Scene:
     motif: Mask
 
     def over_ground(self) -> nm.NormalMap:
-        """Defined everywhere, so that every background mode has something to do; the motif is the foreground."""
+        """Defined everywhere, so that every background mode applies; the motif is the foreground."""
         frame = nm.Frame(*self.motif.shape)
         return nm.NormalMap(self.normals, np.ones(frame.shape, np.float32), frame, self.motif)
 
     def cut_out(self) -> nm.NormalMap:
-        """Defined on the motif only, as files with alpha are."""
+        """Defined on the motif only, like files with alpha."""
         normals = np.where(self.motif[..., None], self.normals, np.array(FLAT, np.float32))
         return nm.NormalMap(normals, self.motif.astype(np.float32), nm.Frame(*self.motif.shape))
 
     def all_surface(self) -> nm.NormalMap:
-        """Motif and ground alike are surface."""
+        """Motif and ground are both surface."""
         frame = nm.Frame(*self.motif.shape)
         return nm.NormalMap(self.normals, np.ones(frame.shape, np.float32), frame)
 
@@ -76,14 +76,14 @@ def scene(rows: int, cols: int, ripple_turn: float = 0.0) -> Scene:
     ----------
     rows, cols : int
     ripple_turn : float
-        Direction of the fine ripples in radians: another value makes other normals on the same motif.
+        Direction of the fine ripples in radians; each value gives different normals on the same motif.
     """
     p, q, motif = surface(rows, cols, ripple_turn)
     return Scene(unit(np.dstack([-p, -q, np.ones_like(p)])), motif)
 
 
 def surface(rows: int, cols: int, ripple_turn: float = 0.0, band: slice = slice(None)) -> tuple[Float64, Float64, Mask]:
-    """Slopes p and q of motif and ground, and where the motif is, on a band of rows of the picture."""
+    """Slopes p and q of motif and ground, and the motif's mask, for a band of rows of the image."""
     longer = max(rows, cols)
     x = (np.arange(cols) + 0.5) / longer
     y = (rows - np.arange(rows)[band, None] - 0.5) / longer  # up
@@ -112,12 +112,12 @@ def _around(disc: Disc, x: Float64, y: Float64) -> tuple[slice, slice]:
 
 
 def _raise_dome(top: Float64, p: Float64, q: Float64, x: Float64, y: Float64, dome: Disc) -> None:
-    """Put one half sphere there; where it is in front of what is there, its slopes are seen."""
+    """Add one half sphere; its slopes are visible where it is in front."""
     box = _around(dome, x, y)
     top, p, q, x, y = top[box], p[box], q[box], x[box[1]], y[box[0]]
     below = dome.radius**2 - (x - dome.x) ** 2 - (y - dome.y) ** 2
     height = np.sqrt(np.maximum(below, 1e-9))
-    # each dome stands at its own height: the jumps between them leave normals that no surface has, as real maps do
+    # domes have different heights: the jumps between them give non-integrable normals, as in real maps
     seen = (below > 0) & (dome.lift + height > top)
     top[seen] = (dome.lift + height)[seen]
     p[seen] = (-(x - dome.x) / height)[seen]

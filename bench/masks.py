@@ -1,7 +1,7 @@
-"""Masks and face weights that solvers are tried on, at any size: solid, thin, ragged and torn.
+"""Masks and face weights for solver tests, at any size: solid, thin, ragged and fragmented.
 
 Masks are (side, side) float32 of 0 and 1, weights (H, W) float32 of at most 1, the same at every call. Solid shapes
-grow with the side; thin ones stay 1 to 5 px wide, whatever the side is.
+scale with the side; thin ones stay 1 to 5 px wide.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def gaps(side: int) -> Float32:
 
 
 def comb(side: int) -> Float32:
-    """Teeth 2 to 40 px wide with gaps of one pixel, held together by a back of 1/20 of the side."""
+    """Teeth 2 to 40 px wide with gaps of one pixel, joined by a back of 1/20 of the side."""
     random = np.random.default_rng(3)
     cuts = np.cumsum(random.integers(3, 42, side // 3))
     out = full(side)
@@ -75,7 +75,7 @@ def comb(side: int) -> Float32:
 
 
 def bridge(side: int) -> Float32:
-    """Two plates that nothing joins but a bridge one pixel wide."""
+    """Two plates joined only by a bridge one pixel wide."""
     out = np.zeros((side, side), np.float32)
     edge, inner, outer = side // 16, side * 7 // 16, side * 9 // 16
     out[edge:-edge, edge:inner] = 1
@@ -85,7 +85,7 @@ def bridge(side: int) -> Float32:
 
 
 def hair(side: int) -> Float32:
-    """The statue with some 300 wavy tendrils of 1 to 3 px that grow out of it."""
+    """The statue with some 300 wavy tendrils 1 to 3 px wide."""
     random = np.random.default_rng(4)
     head = _statue(side, side)
     inside = np.flatnonzero(head)
@@ -116,7 +116,7 @@ def tree(side: int) -> Float32:
 
 
 def lines(side: int, covered: float = 0.2) -> Float32:
-    """Straight lines from anywhere to anywhere, 1 to 5 px wide, that cover this share of the picture."""
+    """Random straight lines, 1 to 5 px wide, that cover this share of the image."""
     random = np.random.default_rng(6)
     # 0.52: mean distance of two random points in a unit square
     count = max(round(-np.log(1 - covered) * side / (3 * 0.52)), 1)
@@ -125,14 +125,14 @@ def lines(side: int, covered: float = 0.2) -> Float32:
 
 
 def spiral(side: int, width: int = 2) -> Float32:
-    """One corridor of 1 to 3 px wound around itself with walls of one pixel: the longest way there is."""
+    """One spiral corridor of 1 to 3 px with walls of one pixel: the longest possible path."""
     out = np.zeros((side, side), np.float32)
     step = width + 1
     for ring in range((side // 2 + step - 1) // step):
         low, high = ring * step, side - ring * step
         if high - low < width:
             break
-        out[low : low + width, max(low - step, 0) : high] = 1  # the top begins at the ring outside
+        out[low : low + width, max(low - step, 0) : high] = 1  # the top starts at the outer ring
         out[low:high, high - width : high] = 1
         out[high - width : high, low:high] = 1
         out[low + step : high, low : low + width] = 1
@@ -140,13 +140,13 @@ def spiral(side: int, width: int = 2) -> Float32:
 
 
 def maze(side: int, width: int = 2) -> Float32:
-    """Corridors of 1 to 3 px between walls of one pixel: a way, and only one, from anywhere to anywhere."""
+    """Corridors of 1 to 3 px between walls of one pixel, with exactly one path between any two places."""
     step = width + 1
     cells = max((side + 1) // step, 1)
     out = np.zeros((cells * step, cells * step), np.float32)
     rooms = out.reshape(cells, step, cells, step)
     rooms[:, :width, :, :width] = 1
-    # every cell opens to the one below or to its right, at the far edges to the only one there is
+    # every cell opens to the one below or to its right; at the far edges only one exists
     right = np.random.default_rng(7).random((cells, cells)) < 0.5
     right[-1], right[:, -1] = True, False
     rooms[:, :width, :, width] = right[:, None, :]
@@ -160,12 +160,12 @@ def maze(side: int, width: int = 2) -> Float32:
 
 
 def noise(side: int, covered: float = 0.6) -> Float32:
-    """Every pixel by chance."""
+    """Random pixels."""
     return (np.random.default_rng(8).random((side, side), np.float32) < covered).astype(np.float32)
 
 
 def checkerboard(side: int) -> Float32:
-    """Pixels that touch at their corners only."""
+    """Pixels that touch only at their corners."""
     odd = (np.arange(side) % 2).astype(bool)
     return (odd[:, None] ^ odd).astype(np.float32)
 
@@ -194,7 +194,7 @@ FAMILIES: dict[str, Family] = SOLID | THIN
 
 
 def spanning(shape: tuple[int, int], span: float, grain: int = 1) -> Float32:
-    """Log-normal weights from 1/span to 1, each the same on a square of ``grain`` px."""
+    """Log-normal weights from 1/span to 1, constant on squares of ``grain`` px."""
     cells = -(-shape[0] // grain), -(-shape[1] // grain)
     drawn = np.random.default_rng(9).standard_normal(cells, np.float32)
     np.clip(drawn, -3, 3, out=drawn)
@@ -205,7 +205,7 @@ def spanning(shape: tuple[int, int], span: float, grain: int = 1) -> Float32:
 
 
 def mu_map(shape: tuple[int, int]) -> Float32:
-    """The weights 1 + mu of a mu that trembles by a tenth, as a mu map from a scan does; at most 1."""
+    """The weights 1 + mu for a mu that varies by a tenth, like a mu map from a scan; at most 1."""
     drawn = np.random.default_rng(10).standard_normal(shape, np.float32)
     np.clip(drawn, -3, 3, out=drawn)
     drawn *= 0.1
@@ -235,7 +235,7 @@ def _statue(rows: int, cols: int) -> Picture:
 
 
 def _wavy(x: float, y: float, heading: float, length: float, random: np.random.Generator) -> Polyline:
-    """A line that bends at random on its way."""
+    """A randomly bent line."""
     count = max(int(length / 12), 2)
     headings = heading + np.cumsum(random.normal(0, 0.12, count))
     steps = np.stack([np.cos(headings), np.sin(headings)], axis=1) * length / count
@@ -244,11 +244,11 @@ def _wavy(x: float, y: float, heading: float, length: float, random: np.random.G
 
 
 def _strokes(side: int, by_width: Sequence[Sequence[Polyline]]) -> Picture:
-    """Lines drawn 1, 2, 3... px wide. OpenCV's own thick lines are wider than they say."""
+    """Lines drawn 1, 2, 3... px wide. OpenCV's own thick lines are wider than requested."""
     out = np.zeros((side, side), np.uint8)
     for width, strokes in enumerate(by_width, 1):
         layer = np.zeros((side, side), np.uint8)
-        for points in strokes:  # together, they would be filled where they cross
+        for points in strokes:  # drawn together, they would be filled where they cross
             cv2.polylines(layer, [points], False, 1)
         kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
         np.maximum(out, cv2.dilate(layer, kernel), out=out)

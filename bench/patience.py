@@ -1,4 +1,4 @@
-"""What is not worth waiting for, judged by what was measured before."""
+"""Skips slow measurements, based on earlier ones."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from bench.systems import Case
 
 
 class Patience:
-    """Leaves out what would take longer than the limit, judged by what was measured before."""
+    """Skips runs that would exceed the time limit, based on earlier measurements."""
 
     def __init__(self, limit: float) -> None:
         self._limit = limit
@@ -15,12 +15,12 @@ class Patience:
         self._alike: dict[tuple[object, ...], float] = {}
 
     def lacks(self, case: Case, solver: str) -> bool:
-        """Whether this would take too long: at the rate on the same mask, else at the best rate so far."""
+        """Whether a run would take too long, at the rate on the same mask or else the best rate so far."""
         rate = self._alike.get(self._kind(case, solver), self._rates.get(solver, 0.0))
         return rate * case.pixels > self._limit
 
     def learn(self, case: Case, solver: str, outcome: Outcome) -> None:
-        """Keep the seconds per pixel."""
+        """Store the seconds per pixel."""
         took = self._limit * 1.01 if outcome.failure.startswith("over") else outcome.seconds
         if took and (outcome.answers or outcome.failure.startswith("over")):
             rate = took / case.pixels

@@ -1,6 +1,6 @@
-"""Resident memory of this process: what it holds now, and the most it held since a moment.
+"""Resident memory of this process: current use and peak since a given moment.
 
-Where the system does not tell the former (only Linux does), a peak counts from the start of the process.
+Only Linux reports the current use; on other systems, a peak counts from the start of the process.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ _STATUS, _CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 
 def begin() -> int:
-    """Give back what is free, forget the peak so far; bytes held now."""
+    """Release free memory and reset the peak; return the bytes in use."""
     try:
         ctypes.CDLL(None).malloc_trim(0)
         _CLEAR.write_text("5")
@@ -25,7 +25,7 @@ def begin() -> int:
 
 
 def peak() -> int:
-    """Most bytes held since `begin`."""
+    """Peak bytes since `begin`."""
     if _STATUS.exists():
         return _read("VmHWM")
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)

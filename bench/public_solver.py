@@ -1,8 +1,8 @@
-"""A public normal-integration solver beside ours, where it is installed: ``pip install dbini-torch torch``.
+"""A public normal-integration solver compared with ours, if it is installed: ``pip install dbini-torch torch``.
 
-dbini-torch is bilateral normal integration (Cao et al., ECCV 2022) for PyTorch. With k = 0 its two sides weigh the same
-and one step of it is a linear least-squares problem like ours, on pixels instead of their corners. Run as a program it
-is the child that measures it.
+dbini-torch is bilateral normal integration (Cao et al., ECCV 2022) for PyTorch. With k = 0 its two sides have equal
+weights and one step is a linear least-squares problem like ours, on pixels instead of their corners. Run as a program,
+this module is the child process that measures it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _TOLERANCE = 1e-6
 
 
 def compare(limit: float, spend: float) -> str:
-    """One line on how long it takes and how long we take on the same motif."""
+    """One line with its time and ours on the same motif."""
     if importlib.util.find_spec(PACKAGE) is None:
         return "dbini-torch, a public normal-integration solver, is not installed here."
     try:
@@ -36,12 +36,12 @@ def compare(limit: float, spend: float) -> str:
     for name, outcome in zip(("multigrid", "amg"), outcomes, strict=True):
         total = outcome.total(0)
         if total is not None:
-            return f"{line}; {name} {total:.3f} s, setup included: {seconds / total:.0f} times as fast."
+            return f"{line}; {name} {total:.3f} s, including setup: {seconds / total:.0f} times as fast."
     return f"{line}."
 
 
 def main() -> None:
-    """The child: seconds of one linear step on the normals of the motif."""
+    """The child process: seconds of one linear step on the normals of the motif."""
     import torch
     from dbini_torch import bilateral_normal_integration
 

@@ -1,4 +1,4 @@
-"""What the solvers are meant to reach on two cores, and whether they do."""
+"""Goals of the solvers on two cores, and whether they meet them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ def line(what: str, found: float | None, most: float, unit: str) -> str:
 
 
 def checks(results: Results) -> list[str]:
-    """A line for each goal."""
+    """One line per goal."""
     large, small = Case(4096, 4096), Case(1024, 1024)
     return [
         line("a motif at 1000x900 px, setup and solve to 1e-6", _worst(results, _MOTIFS, 0), 0.12, "s"),
-        line("the same beside amg with its assembly, as a share of its time", _share(results), 1 / 15, "of it"),
+        line("the same as a share of the time of amg with assembly", _share(results), 1 / 15, "of it"),
         line("a motif at 1000x900 px, setup and solve to 1e-10", _worst(results, _MOTIFS, 1), 0.25, "s"),
         line("the motif at 4096 px, setup and solve to 1e-6", _total(results, large, "multigrid", 0), 2.5, "s"),
         line("its memory beyond the input", _bytes_per_pixel(results, large), 60, "bytes per pixel"),

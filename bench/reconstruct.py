@@ -1,4 +1,4 @@
-"""Rebuilding meshes to their base normals, as ratios in one run: ``python -m bench.reconstruct [--mesh FILE]``."""
+"""Time to rebuild meshes to their base normals, as ratios in one run: ``python -m bench.reconstruct [--mesh FILE]``."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ def measure(mesh: Mesh, repeat: int) -> tuple[dict[str, float], dict[str, float]
 
 
 def main() -> None:
-    """Measure, print and, with --write, keep."""
+    """Measure, print the results and, with --write, store them."""
     report = MeshReport("reconstruct", __doc__)
     options = report.begin()
-    nm.reconstruct(*_small())  # loads what is loaded with the first
+    nm.reconstruct(*_small())  # loads modules before timing
     meshes = [clean_mesh(load(source))[0] for source in options.mesh or map(str, SIZES)]
     measured = [measure(mesh, options.repeat) for mesh in meshes]
     rows = []
@@ -55,8 +55,8 @@ def main() -> None:
     report.end(
         (
             f"Meshes rebuilt to their base normals (surface, sigma_s 3). Seconds are the best of {options.repeat}, "
-            "set-up included; `x` is that over\nthe five passes of the ring filter; degrees are what normals are still "
-            "off, on average over the surface."
+            "including set-up; `x` is the ratio to\nthe five passes of the ring filter; degrees are the remaining "
+            "deviation of the normals, averaged over the surface."
         ),
         table(header, rows),
         *goals,

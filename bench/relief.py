@@ -1,6 +1,6 @@
-"""The whole command from start to exit, in time and memory: ``python -m bench.relief [--size 1000x900]``.
+"""Time and memory of the whole command from start to exit: ``python -m bench.relief [--size 1000x900]``.
 
-Nothing heavy may be imported here: a child's peak memory counts from what its parent held when it was started.
+Do not import anything heavy here: a child inherits the peak memory that its parent had when it started.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MOST_BYTES = 1.2e9
 
 @dataclass(frozen=True)
 class Job:
-    """One command line of ``nmap``, how often it runs and what it may take; None: no goal."""
+    """One command line of ``nmap``, its number of runs and its limits; None: no goal."""
 
     name: str
     arguments: tuple[str, ...]
@@ -36,14 +36,14 @@ class Job:
 
 @dataclass(frozen=True)
 class Runs:
-    """Wall seconds of each run, and the largest peak of them in bytes."""
+    """Wall seconds of each run, and their largest peak in bytes."""
 
     seconds: tuple[float, ...]
     peak: int
 
 
 def jobs_in(folder: Path, masked: Path, thin: Path, full: Path) -> tuple[Job, ...]:
-    """Everything that is measured."""
+    """All jobs."""
 
     def relief(name: str, map_path: Path, most_seconds: float, *more: str) -> Job:
         report = folder / f"{name}.json"
@@ -66,9 +66,9 @@ def run(job: Job) -> Runs:
     Raises
     ------
     RuntimeError
-        If it exits with anything but 0; says what it wrote to stderr.
+        If the exit code is not 0; the message includes its stderr.
     """
-    # beside this interpreter, for "nmap" on the PATH may be the network scanner
+    # next to this interpreter, because "nmap" on the PATH may be the network scanner
     command = [str(Path(sysconfig.get_path("scripts")) / "nmap"), *job.arguments]
     seconds, peaks = [], []
     for _ in range(job.times):
@@ -86,7 +86,7 @@ def run(job: Job) -> Runs:
 
 
 def make_maps(size: str, *paths: Path) -> tuple[float, float]:
-    """Write the inputs from a process of their own; what motif and thin lines cover of the picture."""
+    """Write the inputs in a separate process; return the coverage of motif and thin lines."""
     made = subprocess.run(
         [sys.executable, "-m", "bench.map_files", size, *map(str, paths)],
         cwd=Path(__file__).parents[1],
@@ -104,7 +104,7 @@ def _against(figure: float, goal: float | None) -> list[str]:
 
 
 def row_of(job: Job, runs: Runs) -> list[str]:
-    """Median time, its span and the peak, each beside its goal."""
+    """Median time, its range and the peak, each with its goal."""
     wall = median(runs.seconds)
     span = f"{min(runs.seconds):.2f}-{max(runs.seconds):.2f}"
     peak_goal = None if job.most_bytes is None else job.most_bytes / 1e9
@@ -113,16 +113,16 @@ def row_of(job: Job, runs: Runs) -> list[str]:
 
 
 def account_of(job: Job, report: Path) -> list[str]:
-    """What the last run of a relief says of itself."""
+    """Figures from the report of the last run."""
     stated = json.loads(report.read_text(encoding="utf-8"))
     seconds = [f"{stated['seconds'][part]:.2f}" for part in ("setup", "solve")]
     return [job.name, stated["solver"], f"{stated['unknowns']:,}", *seconds, str(stated["iterations"])]
 
 
 def main() -> None:
-    """Measure, print and, with --write, keep."""
+    """Measure, print the results and, with --write, store them."""
     report = Report("relief", __doc__)
-    report.argument("--size", default="1000x900", help="pixels across and down (default 1000x900)")
+    report.argument("--size", default="1000x900", help="columns x rows in pixels (default 1000x900)")
     options = report.begin()
     rows, layer_reports = [], []
     with tempfile.TemporaryDirectory() as name:
@@ -135,12 +135,12 @@ def main() -> None:
                 layer_reports.append(account_of(job, job.report))
     preface = (
         f"`nmap` with its defaults on 16-bit PNG of {options.size} px; the motif covers {share:.0%} of it (alpha), "
-        f"the thin lines {thin_share:.0%},\nthe full frame has no background. From the start of the process to its "
-        "end: median of the wall times, and the largest peak of\nresident memory. Goals are upper limits for 1000x900 "
+        f"the thin lines {thin_share:.0%},\nthe full frame has no background. Measured from process start to "
+        "exit: median wall time and the largest peak of\nresident memory. Goals are upper limits for 1000x900 "
         "px; 1 GB is 1e9 bytes."
     )
     header = ("job", "runs", "wall s", "span s", "goal s", "of goal", "peak GB", "goal GB", "of goal")
-    account_header = ("of which, by its own report", "solver", "unknowns", "setup s", "solve s", "iterations")
+    account_header = ("from its own report", "solver", "unknowns", "setup s", "solve s", "iterations")
     report.end(preface, table(header, rows), table(account_header, layer_reports))
 
 

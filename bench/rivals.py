@@ -1,6 +1,6 @@
-"""Every solver behind one call: the library's own and those it is measured against.
+"""A common interface to all solvers: the library's own and the ones compared with it.
 
-Those that are not dependencies of the library take part where they are installed. On Debian and Ubuntu:
+Solvers that are not dependencies of the library are measured if they are installed. On Debian and Ubuntu:
 ``apt-get install libsuitesparse-dev`` and ``pip install "scikit-sparse<0.5"`` (0.5 needs SuiteSparse 7) for CHOLMOD,
 ``pip install pypardiso`` for MKL's PARDISO.
 """
@@ -21,12 +21,12 @@ from nmaptool.solver.islands import Islands
 from nmaptool.solver.system import vertex_share
 
 OURS = ("multigrid", "dct", "amg")
-Solve = Callable[[Float64, float], tuple[Float64, int]]  # of a load and a tolerance: heights and iterations
+Solve = Callable[[Float64, float], tuple[Float64, int]]  # from a load and a tolerance to heights and iterations
 _MOST_ITERATIONS = 20_000
 
 
 def ours(method: str) -> Callable[[QuadSystem], Solve]:
-    """The library with a method of its own."""
+    """The library with one of its methods."""
 
     def make(system: QuadSystem) -> Solve:
         solver = prepare(system, method)
@@ -41,7 +41,7 @@ def ours(method: str) -> Callable[[QuadSystem], Solve]:
 
 
 def _assembled(system: QuadSystem) -> tuple[sparse.csr_matrix, Mask]:
-    """The matrix without held vertices and without one vertex of each part that nothing holds."""
+    """The matrix without held vertices and without one vertex of each free part."""
     unknown = system.unknown & ~Islands(system).anchors
     return assemble(system, unknown), unknown
 
@@ -60,7 +60,7 @@ def superlu(system: QuadSystem) -> Solve:
     from scipy.sparse.linalg import splu
 
     matrix, unknown = _assembled(system)
-    # symmetric mode takes the diagonal as pivots: half the time of splu's default here, and the matrix allows it
+    # symmetric mode uses diagonal pivots, which the matrix allows: half the time of splu's default here
     factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     return _direct(unknown, factors.solve)
 
@@ -104,13 +104,13 @@ def _conjugate_gradients(apply: Any, unknown: Mask, preconditioner: Any) -> Solv
 
 
 def jacobi(system: QuadSystem) -> Solve:
-    """SciPy's conjugate gradients, divided by the diagonal."""
+    """SciPy's conjugate gradients with the diagonal as preconditioner."""
     matrix, unknown = _assembled(system)
     return _conjugate_gradients(matrix, unknown, sparse.diags(1 / matrix.diagonal()))
 
 
 def smoothed_aggregation(system: QuadSystem) -> Solve:
-    """Pyamg's other hierarchy, preconditioning conjugate gradients."""
+    """Conjugate gradients with pyamg's aggregation hierarchy as preconditioner."""
     import pyamg
 
     matrix, unknown = _assembled(system)
@@ -127,7 +127,7 @@ def smoothed_aggregation(system: QuadSystem) -> Solve:
 
 
 def dct_preconditioned(system: QuadSystem) -> Solve:
-    """Conjugate gradients on the library's operator; a rectangle with mean weights, solved by cosines, before them."""
+    """Conjugate gradients on the library's operator, preconditioned by a cosine transform with mean weights."""
     from scipy.sparse.linalg import LinearOperator
 
     rows, cols = system.weight.shape

@@ -1,6 +1,6 @@
-"""One solver on one system in a process of its own, so that its memory is its own and its time can be limited.
+"""One solver on one system in its own process, to separate its memory and limit its time.
 
-`measure` is what the parent calls; run as a program it is the child: jobs come in as JSON, results go out line by line.
+The parent calls `measure`. Run as a program, this module is the child: it reads jobs as JSON and prints result lines.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _MOST_RUNS = 12
 
 @dataclass(frozen=True)
 class Job:
-    """A solver by its name in `bench.rivals.SOLVERS`, on a case, to each tolerance from zero, on one setup."""
+    """A solver, by its name in `bench.rivals.SOLVERS`, on a case: one setup, one solve from zero per tolerance."""
 
     case: Case
     solver: str
@@ -32,7 +32,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Answer:
-    """One solve. ``peak`` is the most bytes held until its end, set-up included, beyond the inputs."""
+    """One solve. ``peak`` is the peak in bytes beyond the inputs, including set-up."""
 
     solve: float
     iterations: int
@@ -42,7 +42,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a job: seconds and answers, None where a tolerance was not reached; or why there is nothing."""
+    """Result of a job: seconds and answers, None for a tolerance that was not reached; or the failure."""
 
     setup: float = 0.0
     answers: tuple[Answer | None, ...] = ()
@@ -50,7 +50,7 @@ class Outcome:
     failure: str = ""
 
     def total(self, which: int) -> float | None:
-        """Seconds of setup and one solve, if there are."""
+        """Seconds of setup and one solve, if known."""
         answer = None if self.failure else self.answers[which]
         return None if answer is None else self.setup + answer.solve
 
@@ -61,7 +61,7 @@ class Outcome:
 
 
 def child(module: str, limit: float, asked: str = "") -> subprocess.CompletedProcess[str]:
-    """Run a module in a new process, with text for its standard input; TimeoutExpired after ``limit`` seconds."""
+    """Run a module in a new process with text as its standard input; TimeoutExpired after ``limit`` seconds."""
     return subprocess.run(
         [sys.executable, "-m", module],
         check=False,
@@ -74,15 +74,15 @@ def child(module: str, limit: float, asked: str = "") -> subprocess.CompletedPro
 
 
 def measure(jobs: Sequence[Job], limit: float, spend: float) -> list[Outcome]:
-    """Carry out jobs one after the other in one new process.
+    """Run jobs one after the other in one new process.
 
     Parameters
     ----------
     jobs : sequence of Job
     limit : float
-        Seconds after which the process is ended; jobs that are not done by then have that as their failure.
+        Time limit of the process in seconds; jobs not done by then report this as their failure.
     spend : float
-        Seconds to spend on repeats of each job; the least times count.
+        Seconds to spend on repeats of each job; the shortest times count.
     """
     asked = json.dumps({"spend": spend, "jobs": [dataclasses.asdict(job) for job in jobs]})
     late = f"over {limit:.0f} s"
@@ -111,7 +111,7 @@ def _carry_out(job: Job, problem: Problem, spend: float) -> Outcome:
     from nmaptool.core.errors import LimitError, UsageError
 
     try:
-        # once in small, so that no measured set-up pays for what is loaded or started with the first one
+        # a small run first, so that no measured set-up includes one-time loading
         small = state(dataclasses.replace(job.case, rows=48, cols=48))
         maker(job.solver)(small.system)(small.load, 1e-3)
         best = _once(job, problem)
@@ -131,7 +131,7 @@ def _carry_out(job: Job, problem: Problem, spend: float) -> Outcome:
 
 
 def _better(one: Outcome, other: Outcome) -> Outcome:
-    """The lesser time of each part; memory and the rest are of the first run, which found the process clean."""
+    """The shorter time of each part; memory and the rest come from the first run, in the clean process."""
     pairs = zip(one.answers, other.answers, strict=True)
     answers = tuple(a and b and dataclasses.replace(a, solve=min(a.solve, b.solve)) for a, b in pairs)
     return dataclasses.replace(one, setup=min(one.setup, other.setup), answers=answers)
@@ -141,7 +141,7 @@ def _once(job: Job, problem: Problem) -> Outcome:
     from bench.rivals import maker
     from nmaptool.core.errors import ConvergenceError
 
-    system = dataclasses.replace(problem.system)  # a new one keeps nothing that an earlier solver left in its caches
+    system = dataclasses.replace(problem.system)  # a new one has no caches from an earlier solver
     answers: list[Answer | None] = []
     before = peak.begin()
     started = time.perf_counter()
@@ -164,13 +164,13 @@ def _once(job: Job, problem: Problem) -> Outcome:
 
 
 def main() -> None:
-    """The child."""
+    """The child process."""
     asked: dict[str, Any] = json.load(sys.stdin)
     stated: tuple[Case, Problem] | None = None
     for entry in asked["jobs"]:
         job = Job(Case(**entry["case"]), entry["solver"], tuple(entry["tolerances"]))
         if stated is None or stated[0] != job.case:
-            stated = None  # the old one goes before the new one comes
+            stated = None  # free the old one before making the new one
             stated = job.case, state(job.case)
         outcome = _carry_out(job, stated[1], asked["spend"])
         print(json.dumps(dataclasses.asdict(outcome)), flush=True)

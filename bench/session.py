@@ -1,4 +1,4 @@
-"""A live preview: reliefs of one map again and again while a slider moves: ``python -m bench.session [--side 512]``."""
+"""A live preview: repeated reliefs of one map while a slider moves: ``python -m bench.session [--side 512]``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MASKS = ("statue", "full", "tree", "lines 20%", "noise")
 
 
 def moved(slider: str, start: nm.ReliefOptions) -> Iterator[nm.ReliefOptions]:
-    """Options that differ from one another by a small move of one slider."""
+    """Options for a series of small moves of one slider."""
     for step in range(1, _STEPS + 1):
         value = {
             "mu": 0.1 * 1.05**step,
@@ -44,13 +44,13 @@ def measure(maps: tuple[nm.NormalMap, nm.NormalMap], start: nm.ReliefOptions) ->
     taken = {"first": [seconds(start)]}
     for slider in _SLIDERS:
         seconds(start)
-        # the first move is let go: from there on, heights are known to be linear in delta
+        # skip the first move: it solves for both parts of the heights, linear in delta
         taken[slider] = [seconds(options) for options in moved(slider, start)][1:]
     return taken
 
 
 def maps_of(family: str, side: int) -> tuple[nm.NormalMap, nm.NormalMap]:
-    """A map and its detail, on a mask."""
+    """A map and its detail on a mask."""
     first, second = scene(side, side), scene(side, side, ripple_turn=1.0)
     if family == "full":
         return first.all_surface(), second.all_surface()
@@ -59,12 +59,12 @@ def maps_of(family: str, side: int) -> tuple[nm.NormalMap, nm.NormalMap]:
 
 
 def main() -> None:
-    """Measure, print and, with --write, keep."""
+    """Measure, print the results and, with --write, store them."""
     report = Report("session", __doc__)
-    report.argument("--side", type=int, default=512, help="pixels on a side (default 512)")
+    report.argument("--side", type=int, default=512, help="side in pixels (default 512)")
     options = report.begin()
     rows, worst = [], dict.fromkeys(_SLIDERS, 0.0)
-    measure(maps_of("statue", 64), nm.ReliefOptions(background="cut"))  # loads what is loaded with the first
+    measure(maps_of("statue", 64), nm.ReliefOptions(background="cut"))  # loads modules before timing
     for family in MASKS:
         maps = maps_of(family, options.side)
         for background in ("cut",) if family == "full" else ("cut", "plane"):
@@ -81,8 +81,8 @@ def main() -> None:
             rows.append([f"{family} {background}", *cells])
     preface = (
         f"`nm.ReliefSession` at {options.side} px with two maps and a tolerance of {nm.ReliefOptions().tolerance:g}: "
-        f"milliseconds of the first relief,\nthen of a relief after a slider has moved a little: the median of "
-        f"{_STEPS - 1} and, in brackets, the least."
+        f"milliseconds of the first relief,\nthen of a relief after a small slider move: the median of "
+        f"{_STEPS - 1} and, in brackets, the minimum."
     )
     report.end(
         preface,

@@ -1,4 +1,4 @@
-"""The solvers side by side on the same systems: ``python -m bench.solver [--sizes 512 1024 2048 4096]``."""
+"""All solvers on the same systems: ``python -m bench.solver [--sizes 512 1024 2048 4096]``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Results = dict[tuple[Case, str], Outcome]
 
 
 def groups_of(sizes: list[int], side: int) -> dict[str, list[Case]]:
-    """What is measured, by title; thin masks and weights at one size."""
+    """The measured cases, by title; thin masks and weights at one size."""
 
     def square(family: str = "statue", weights: str = "one", beta: float = 0.001) -> Case:
         return Case(side, side, family, beta=beta, weights=weights)
@@ -39,7 +39,7 @@ def groups_of(sizes: list[int], side: int) -> dict[str, list[Case]]:
 
 
 def reference(results: Mapping[tuple[Case, str], Outcome], case: Case) -> Outcome | None:
-    """What a user gets: the cosine transform where it does, else multigrid, else amg."""
+    """The user's result: the cosine transform if it applies, else multigrid, else amg."""
     for name in ("dct", "multigrid", "amg"):
         outcome = results.get((case, name))
         if outcome is not None and any(outcome.answers):
@@ -48,7 +48,7 @@ def reference(results: Mapping[tuple[Case, str], Outcome], case: Case) -> Outcom
 
 
 def row_of(case: Case, solver: str, outcome: Outcome, best: Outcome | None, memory: Bandwidth) -> list[str]:
-    """One line of the table."""
+    """One row of the table."""
     named = [str(case), solver]
     if outcome.failure:
         return [*named, outcome.failure, *[""] * 11]
@@ -78,11 +78,11 @@ _HEADER = (
 
 def _preface(options: argparse.Namespace, memory: Bandwidth) -> str:
     return (
-        "Setup is everything before a right-hand side: islands, assembly, hierarchy or factors. Both solves start from "
-        f"zero.\nTimes are the best of up to 12 within {options.spend:g} s. Each solver runs in a process of its own, "
-        "loaded beforehand; its peak\nis what it adds to the inputs. Residuals are of the whole system, in float64 and "
-        "from the energy, not as the solver says.\n`x ours` is setup + solve over that of the first of dct, multigrid, "
-        f"amg that solves it. Left out: what would take over {options.limit:.0f} s.\n\n{memory}"
+        "Setup is all work before a right-hand side: islands, assembly, hierarchy or factors. Both solves start from "
+        f"zero.\nTimes are the best of up to 12 within {options.spend:g} s. Each solver runs in its own process, "
+        "with modules loaded; the peak\nexcludes the inputs. Residuals are those of the whole system, computed in "
+        "float64 from the energy, not by the solver.\n`x ours` is the ratio of setup + solve to that of the first of "
+        f"dct, multigrid, amg that solves the case. Left out: runs of more than {options.limit:.0f} s.\n\n{memory}"
     )
 
 
@@ -101,7 +101,7 @@ def sample(cases: list[Case], chosen: list[str], patience: Patience, options: ar
 
 
 def _shown(results: Results) -> list[tuple[Case, str]]:
-    """Without the cosine transform where it cannot be, and without what is not there at all."""
+    """Leave out the cosine transform where it does not apply, and solvers that are not installed."""
     hidden = ("cannot", "not there", "not installed")
     return [key for key, outcome in results.items() if outcome.failure not in hidden]
 
@@ -113,16 +113,16 @@ def _missing(results: Results) -> str:
 
 def _report() -> Report:
     report = Report("solver", __doc__)
-    report.argument("--sizes", type=int, nargs="+", default=[512, 1024, 2048, 4096], help="pixels on a side")
-    report.argument("--side", type=int, default=1024, help="of thin masks and of weights (default 1024)")
+    report.argument("--sizes", type=int, nargs="+", default=[512, 1024, 2048, 4096], help="sides in pixels")
+    report.argument("--side", type=int, default=1024, help="side of thin masks and of weights (default 1024)")
     report.argument("--solvers", nargs="+", choices=[*SOLVERS, "auto"], default=list(SOLVERS))
-    report.argument("--limit", type=float, default=200, help="most seconds for one solver on one case")
+    report.argument("--limit", type=float, default=200, help="time limit for one solver on one case, seconds")
     report.argument("--spend", type=float, default=2, help="seconds of repeats (default 2)")
     return report
 
 
 def main() -> None:
-    """Measure, print and, with --write, keep."""
+    """Measure, print the results and, with --write, store them."""
     report = _report()
     options = report.begin()
     memory = bandwidth()

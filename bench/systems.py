@@ -1,4 +1,4 @@
-"""The linear systems that solvers are measured on, as `nmaptool.relief` states them, and the check of an answer."""
+"""The linear systems for the solver benchmarks, built as in `nmaptool.relief`, and the check of an answer."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ class Case:
     ----------
     rows, cols : int
     family : str
-        Of `bench.masks.FAMILIES`; those but "full" and "statue" are square.
+        One of `bench.masks.FAMILIES`; all but "full" and "statue" are square.
     background : {"plane", "free", "cut"}
-        What is around the motif, as for `nmap relief --background`.
+        Background of the motif, as for `nmap relief --background`.
     beta : float
-        As it is meant at 1000 px on the longer side.
+        Value at 1000 px on the longer side.
     weights : str
-        Of `bench.masks.WEIGHTS`.
+        One of `bench.masks.WEIGHTS`.
     """
 
     rows: int
@@ -62,7 +62,7 @@ class Problem:
 
 
 def state(case: Case) -> Problem:
-    """The problem that goes by this name."""
+    """The problem of this name."""
     mask = _mask(case)
     weight = WEIGHTS[case.weights]((case.rows, case.cols))
     if case.background != "free":
@@ -86,7 +86,7 @@ def _mask(case: Case) -> Float32:
 
 
 def _aimed(weight: Float32) -> tuple[Float32, Float32]:
-    """Slopes of the statue of `bench.maps`, capped, times the weight of each face."""
+    """Capped slopes of the statue of `bench.maps`, multiplied by the weight of each face."""
     p, q = np.empty_like(weight), np.empty_like(weight)
     for first in range(0, weight.shape[0], _ROWS_AT_ONCE):
         band = slice(first, first + _ROWS_AT_ONCE)
@@ -97,12 +97,12 @@ def _aimed(weight: Float32) -> tuple[Float32, Float32]:
 
 
 def unknowns(system: QuadSystem) -> Mask:
-    """(H+1, W+1) bool: vertices to solve for, found without leaving anything in the system's caches."""
+    """(H+1, W+1) bool: unknown vertices, determined without filling the system's caches."""
     return ~system.held & (touching_vertices(system.weight > 0) | (system.beta > 0))
 
 
 def relative_residual(problem: Problem, z: Float64) -> float:
-    """|load - A z| / |load| over all unknowns, in float64 throughout and from Eq. 6 itself: no solver's word for it."""
+    """|load - A z| / |load| over all unknowns, in float64 and directly from Eq. 6, independent of the solver."""
     system, load = problem.system, problem.load
     rows = system.beta.shape[0]
     left = right = 0.0

@@ -1,4 +1,4 @@
-"""How results are laid out: tables, what they were measured on, and the sections of results.md."""
+"""Layout of results: tables, description of the machine, sections of results.md."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from pathlib import Path
 RESULTS = Path(__file__).with_name("results.md")
 _PACKAGES = ("numpy", "scipy", "pyamg")
 _TITLE = (
-    "# Speed and memory, measured\n\nMade by `python -m bench.solver --write`, and likewise by `bench.crossover`, "
+    "# Measured speed and memory\n\nMade by `python -m bench.solver --write` and likewise by `bench.crossover`, "
     "`bench.kernels`, `bench.session`,\n`bench.relief`, `bench.bake`, `bench.compose`, `bench.reconstruct` and "
     "`bench.learned`."
 )
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table with its columns lined up; the first column is text, the others are right-aligned."""
+    """A Markdown table with aligned columns; the first column is text, the others are right-aligned."""
     widths = [max(len(cell) for cell in column) for column in zip(header, *rows, strict=True)]
     rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
 
@@ -35,7 +35,7 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 class Neighborhood:
-    """What a run is measured on, from its start to `describe`: machine, versions, and who else used the cores.
+    """The conditions of a run, from its start to `describe`: machine, versions, and load by other processes.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Neighborhood:
         self._others = _seconds_of_others()
 
     def describe(self) -> str:
-        """Markdown lines on the run."""
+        """Markdown lines that describe the run."""
         packages = ", ".join(f"{name} {version(name)}" for name in _PACKAGES)
         return "\n".join(
             [
@@ -62,14 +62,14 @@ class Neighborhood:
     def _others_now(self) -> str:
         now = _seconds_of_others()
         if now is None or self._others is None:
-            return "what other processes took meanwhile is not known on this system"
+            return "this system does not report the load by other processes"
         wall = time.perf_counter() - self._started
         busy = max(now - self._others, 0.0) / wall
         return f"other processes kept {busy:.2f} cores busy on average during the {wall:.0f} s of the run"
 
 
 def _seconds_of_others() -> float | None:
-    """Processor seconds so far of everything but this process and its finished children; None where not known."""
+    """CPU seconds so far of all processes except this one and its finished children; None if unknown."""
     stat = Path("/proc/stat")
     if not stat.exists():
         return None
@@ -80,14 +80,14 @@ def _seconds_of_others() -> float | None:
 
 
 def cpu_model() -> str:
-    """The processor by its name."""
+    """Name of the processor."""
     info = Path("/proc/cpuinfo")
     named = re.search(r"^model name\s*:\s*(.+)$", info.read_text(), re.M) if info.exists() else None
     return named[1] if named else platform.machine()
 
 
 def write_section(name: str, body: str) -> None:
-    """Put a section into results.md in place of the one of the same name; the others stay."""
+    """Replace the section of the same name in results.md; the others stay."""
     text = RESULTS.read_text(encoding="utf-8") if RESULTS.exists() else ""
     sections = dict(part.split("\n", 1) for part in re.split(r"^## ", text, flags=re.M)[1:])
     sections[name] = body

@@ -1,8 +1,8 @@
-"""Make the picture of composed reliefs: ``python docs/compositions.py [MESH MESH MESH] [--out FILE]``.
+"""Make the figure of composed reliefs: ``python docs/compositions.py [MESH MESH MESH] [--out FILE]``.
 
-From the left, above: two models on one plate; the details of one pasted on the other; a motif on a rolling ground.
-Below: a motif on a cylinder; one on a dodecahedron, whose edges run on into it without a step.
-Without meshes it takes those of the samples.
+Upper row, from the left: two models on one plate; the details of one pasted on another; a motif on a rolling ground.
+Lower row: a motif on a cylinder; two on a dodecahedron, the second of which continues its edges.
+Without arguments it uses the sample meshes.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def dodecahedron() -> nm.NormalMap:
 
 
 def rolling_ground(rise: float) -> nm.NormalMap:
-    """A surface that rolls up and down."""
+    """A surface with rolling hills."""
     y, x = np.mgrid[0:MAP_PX, 0:MAP_PX] / MAP_PX
     p, q = rise * np.cos(18 * x + 2 * np.sin(4 * y)), rise / 3 * np.sin(9 * y)
     normals = np.dstack([-p, -q, np.ones_like(p)])
@@ -74,7 +74,7 @@ def carved(composed: nm.Composition) -> Picture:
 
 
 def on_surface(surface: nm.NormalMap, motif: nm.Layer) -> Picture:
-    """A relief of the motif alone; the ground keeps its own height."""
+    """A relief of the motif; the background keeps its own height."""
     composed = nm.paste(surface, [motif])
     options = nm.ReliefOptions(background="surface", beta=0.002, delta=25)
     return shaded(nm.relief(composed.normal_map, mask=composed.placed, surface=surface, options=options))

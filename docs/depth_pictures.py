@@ -1,7 +1,7 @@
-"""Make pictures of depth pictures: ``python docs/depth_pictures.py [IMAGE...] [--out FILE]``.
+"""Make the figure of depth images: ``python docs/depth_pictures.py [IMAGE...] [--out FILE]``.
 
-Each in a row: the depth picture, its normals, the jumps that were found, and a relief of 2 mm. Without pictures it
-draws one in 8 bits: a flower and a ball in a stepped frame.
+One row per image: the depth image, its normals, the jumps found, and a relief of 2 mm. Without arguments it
+draws an 8-bit image: a flower and a ball in a stepped frame.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def ellipsoid(x: Heights, y: Heights, across: float, along: float, angle: float,
 
 
 def flower_in_a_frame(side: int = DRAWN_PX) -> nm.RasterImage:
-    """An 8-bit depth picture of overlapping rounded shapes, brighter nearer."""
+    """An 8-bit depth image of overlapping rounded shapes; nearer is brighter."""
     y, x = (np.mgrid[:side, :side] + 0.5) * 200 / side - 100
     edge = 100 - np.maximum(np.abs(x), np.abs(y))
     heights = np.select([edge < 4, edge < 9, edge < 14], [18.0, 12.0, 6.0], 0.0)
@@ -50,15 +50,15 @@ def flower_in_a_frame(side: int = DRAWN_PX) -> nm.RasterImage:
 
 
 def fitted(picture: NDArray[np.generic]) -> Picture:
-    """The picture in colour, SIDE_PX high."""
+    """The image in colour, SIDE_PX high."""
     colored = np.repeat(picture[..., None], 3, axis=2) if picture.ndim == 2 else picture
     width = round(SIDE_PX * colored.shape[1] / colored.shape[0])
     return cv2.resize(colored.astype(np.uint8), (width, SIDE_PX), interpolation=cv2.INTER_AREA)
 
 
 def strip(image: nm.RasterImage) -> Picture:
-    """A depth picture, its normals, its jumps and its relief."""
-    # a plate: what else is flat, such as a frame, is then not pulled to a height either
+    """A depth image, its normals, its jumps and its relief."""
+    # a plate: the relief then does not pull other flat parts either, such as a frame
     result = nm.depth_to_normals(image, nm.DepthOptions(background="flat"))
     relief = nm.relief(result.normal_map, options=nm.ReliefOptions(height=nm.length("2mm")))
     grey = image.pixels[..., 0].astype(np.float64)
@@ -68,14 +68,14 @@ def strip(image: nm.RasterImage) -> Picture:
 
 
 def padded(strips: list[Picture]) -> list[Picture]:
-    """The same width for all."""
+    """Pad all strips to the same width."""
     width = max(picture.shape[1] for picture in strips)
     return [np.pad(p, ((0, 0), (0, width - p.shape[1]), (0, 0)), constant_values=255) for p in strips]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("images", nargs="*", type=Path, help="depth pictures")
+    parser.add_argument("images", nargs="*", type=Path, help="depth images")
     parser.add_argument("--out", type=Path, default=PICTURES / "depth.jpg")
     given = parser.parse_args()
     images = [nm.read_raster(path) for path in given.images] or [flower_in_a_frame()]

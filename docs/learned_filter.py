@@ -1,8 +1,8 @@
-"""How good the learned filter is on meshes it never saw: ``python docs/learned_filter.py [--model FILE.npz]``.
+"""Accuracy of the learned filter on held-out meshes: ``python docs/learned_filter.py [--model FILE.npz]``.
 
-For each held-out mesh of ``samples/training``: mean angles to the base that the GRNF filter with parameters of the
-mesh's own gives, of the learned base and of the best of a grid of RNF filters with parameters common to all; how much
-the learned base turns when the mesh is turned, and when each of its faces is divided in four.
+The reference for each held-out mesh of ``samples/training`` is its GRNF base with its own parameters. Prints mean
+angles from it to the learned base and to the best RNF base of a grid of common parameters; also the change of the
+learned base when the mesh is rotated, and when each of its faces is divided into four.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SEED = 0
 
 
 def mean_angle(one: Float64, other: Float64) -> float:
-    """Degrees between directions, averaged over the faces."""
+    """Mean angle between directions over all faces, in degrees."""
     chord = np.linalg.norm(directions(one) - directions(other), axis=1)
     return float(np.degrees(2 * np.arcsin((chord / 2).clip(0, 1))).mean())
 
@@ -38,7 +38,7 @@ def directions(vectors: Float64) -> Float64:
 
 
 def divided(mesh: nm.Mesh) -> nm.Mesh:
-    """Each face in four, the four of a face one after the other."""
+    """Divide each face into four; the four parts of a face are consecutive."""
     corners = mesh.corners
     a, b, c = (corners[:, k] for k in range(3))
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
@@ -56,7 +56,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--model", type=Path)
     parser.add_argument("--seed", type=int, default=SEED)
-    parser.add_argument("--quick", action="store_true", help="neither turned nor divided")
+    parser.add_argument("--quick", action="store_true", help="skip the rotated and divided meshes")
     given = parser.parse_args()
     model = nm.shipped_filter() if given.model is None else nm.read_filter_model(given.model)
     learned = nm.FilterOptions(filter="learned")

@@ -1,7 +1,7 @@
 """Bases of held-out meshes side by side: ``python docs/learned_picture.py [FILE.jpg]``.
 
-A row a mesh: as it is; the base of the default filter; that of ``--filter grnf``; that of ``--filter learned``. None of
-them is given a parameter.
+One row per mesh: the mesh; the base of the default filter, of ``--filter grnf`` and of ``--filter learned``, all
+without parameters.
 """
 
 from __future__ import annotations

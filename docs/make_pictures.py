@@ -1,4 +1,4 @@
-"""Make the pictures of the docs from the samples: ``python docs/make_pictures.py``."""
+"""Make the figures of the docs from the samples: ``python docs/make_pictures.py``."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def sample(name: str) -> nm.NormalMap:
 
 
 def shaded(original: str, detail: str | None = None, side: int = 300, **changes: Any) -> Picture:
-    """A square preview of one relief."""
+    """A square preview of a relief."""
     beside = {k: changes.pop(k) for k in ("mask", "surface") if k in changes}
     layer = sample(detail) if detail is not None else None
     relief = nm.relief(sample(original), layer, options=nm.ReliefOptions(**changes), **beside)
@@ -62,7 +62,7 @@ def gallery() -> Picture:
 
 
 def parameters() -> Picture:
-    """One parameter growing along each row: mu, beta, delta; the same height scale within a row."""
+    """One parameter increases along each row: mu, beta, delta; rows have a common height scale."""
     layers = ("medal_original", "medal_detail")
     return rows(
         [
@@ -85,7 +85,7 @@ def colors(normal_map: nm.NormalMap) -> Picture:
 
 
 def capture(side: int = 400) -> Picture:
-    """The portrait: its three maps, the relief that keeps its detail, the relief of its structure."""
+    """The portrait: its three maps, the relief with its detail, the relief of its structure."""
     mesh = nm.read_mesh(SAMPLES / "portrait.ply")
     camera = nm.BakeOptions(size=f"{2 * side}x{2 * side}", shading="smooth")
     layers = nm.bake(mesh, camera, nm.FilterOptions(sigma_s=2.0))
@@ -97,7 +97,7 @@ def capture(side: int = 400) -> Picture:
 
 
 def smoothing(side: int = 400) -> Picture:
-    """The portrait as it is, without its detail, with half of it, with more of it."""
+    """The portrait unchanged, without its detail, with half of it, with more of it."""
     mesh = nm.read_mesh(SAMPLES / "portrait.ply")
     camera, detail = nm.BakeOptions(size=f"{2 * side}x{2 * side}", shading="smooth"), nm.FilterOptions(sigma_s=1.5)
     meshes = [mesh, *(nm.smooth(mesh, nm.SmoothOptions(gain), detail).mesh for gain in (0.0, 0.5, 1.4))]
@@ -106,7 +106,7 @@ def smoothing(side: int = 400) -> Picture:
 
 
 def divided(mesh: nm.Mesh) -> nm.Mesh:
-    """Each face in four, at the middles of its edges: the same surface."""
+    """Divide each face into four at its edge midpoints: the same surface."""
     a, b, c = (mesh.corners[:, k] for k in range(3))
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     corners = np.stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca], axis=1).reshape(-1, 3)
@@ -114,7 +114,7 @@ def divided(mesh: nm.Mesh) -> nm.Mesh:
 
 
 def refinement(side: int = 360) -> Picture:
-    """Base of one surface, as it is and with its faces divided twice: ring above, surface below."""
+    """Base of one surface, unchanged and with its faces divided twice: ring above, surface below."""
     mesh = nm.read_mesh(SAMPLES / "rings.ply")
     meshes = (mesh, divided(divided(mesh)))
     camera = nm.BakeOptions(size=f"{side}x{side}")

@@ -1,4 +1,4 @@
-"""The lists in README.md that come from tables in the code: python docs/readme_tables.py writes them anew."""
+"""Update the lists in README.md from tables in the code: ``python docs/readme_tables.py``."""
 
 import re
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ _LIST = re.compile(r"(<!-- list: ([a-z ]+) -->\n)(.*?)(<!-- end of list -->)", r
 
 
 def lists() -> dict[str, str]:
-    """The lines of each list, as the tables are now."""
+    """The current lines of each list."""
     formats = {
         "normal maps": NORMAL_MAP_FORMATS.items(),
         "reliefs": RELIEF_FORMATS.items(),
@@ -29,19 +29,19 @@ def _rows(head: str, entries: Iterator[tuple[str, str]]) -> str:
 
 
 def filled(text: str) -> str:
-    """A page with its lists as the tables are now.
+    """A page with its lists updated from the tables.
 
     Raises
     ------
     KeyError
-        If the page has a list of another name.
+        If the page has a list of unknown name.
     """
     now = lists()
     return _LIST.sub(lambda found: f"{found[1]}{now[found[2]]}{found[4]}", text)
 
 
 def stale(text: str) -> list[str]:
-    """The lists that a page lacks, or that differ from the tables."""
+    """The lists that are missing from a page or differ from the tables."""
     shown = {name: rows for _, name, rows, _ in _LIST.findall(text)}
     return [name for name, rows in lists().items() if shown.get(name) != rows]
 

@@ -1,7 +1,7 @@
 """The table of docs/decisions/0016-reconstruction.md: ``python docs/reconstruction.py [--figures FOLDER] [MESH ...]``.
 
-Without meshes, the shipped ones. Both schemes are swept on each mesh's own base normals, as by ``nmap compare``; other
-settings are tried beside the default; a noisy sphere is rebuilt to its true normals.
+Without arguments it uses the sample meshes. It sweeps both schemes on each mesh's base normals, like ``nmap compare``,
+compares other settings with the default, and rebuilds a noisy sphere to its true normals.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ HEAD = "| mesh | scheme | normals off | vertices rms | Hausdorff | folded | volu
 
 
 def rows(name: str, comparison: nm.Comparison) -> list[str]:
-    """A row a contender."""
+    """One row per contender."""
     share = 100 / comparison.diagonal_mm
     out = []
     for each in comparison.contenders.values():
@@ -38,7 +38,7 @@ def rows(name: str, comparison: nm.Comparison) -> list[str]:
 
 
 def curves(name: str, comparison: nm.Comparison) -> list[str]:
-    """The sweeps, a row a point."""
+    """The sweeps, one row per point."""
     share = 100 / comparison.diagonal_mm
     return [
         f"| {name} | {curve} | {p.steps} | {'' if p.closeness is None else f'{p.closeness:g}'} | {p.normal_deg:.2f} | "
@@ -49,7 +49,7 @@ def curves(name: str, comparison: nm.Comparison) -> list[str]:
 
 
 def geometry(name: str, mesh: nm.Mesh) -> str:
-    """What ``nmap bake --geometry updated`` changes in the base map of the front view."""
+    """Changes by ``nmap bake --geometry updated`` in the base map of the front view."""
     from nmaptool.core.vectors import mean_angle_deg
 
     original, updated = (nm.bake(mesh, nm.BakeOptions(geometry=g)) for g in ("original", "updated"))
@@ -72,7 +72,7 @@ SPHERE = (("gsfg-gradient", 20), ("gsfg", 20), ("gsfg", 100), ("poisson", 1), ("
 
 
 def trials(name: str, mesh: nm.Mesh) -> list[str]:
-    """Other settings beside the default ones."""
+    """Results of other settings and of the default ones."""
     clean = nm.clean_mesh(mesh)[0]
     split = nm.decompose_normals(clean)
     out = []
@@ -89,7 +89,7 @@ def trials(name: str, mesh: nm.Mesh) -> list[str]:
 
 
 def sphere() -> list[str]:
-    """What is left of noise on a sphere that is rebuilt to its true normals, as a share of it (root mean squares)."""
+    """Remaining share of the noise on a sphere rebuilt to its true normals (root mean squares)."""
     import trimesh
 
     ball = trimesh.creation.icosphere(5)
@@ -121,7 +121,7 @@ def main() -> None:
             nm.write_comparison(comparison, arguments.figures / f"{path.stem}.png", overwrite=True)
         table += rows(path.stem, comparison)
         sweeps += curves(path.stem, comparison)
-        verdicts += [f"- {path.stem}: the paper's claim {verdict.words}" for verdict in comparison.verdicts]
+        verdicts += [f"- {path.stem}: the paper's claim {verdict.summary}" for verdict in comparison.verdicts]
         verdicts.append(f"- {geometry(path.stem, mesh)}")
         tried += trials(path.stem, mesh)
     print(HEAD, "| --- " * HEAD.count(" |") + "|", *table, "", *verdicts, "", sep="\n")

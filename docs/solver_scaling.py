@@ -1,7 +1,7 @@
 """Time and memory of the solvers by size: ``python docs/solver_scaling.py [--measure] [--most-megapixels 268]``.
 
-Draws pictures/solver_scaling.png from solver_scaling.json. With --measure it first measures, each point in a process of
-its own, and keeps what it finds in that file; points of other sizes and methods stay there.
+Draws pictures/solver_scaling.png from solver_scaling.json. With --measure it first measures, each point in its
+own process, and stores the results in that file; points of other sizes and methods stay there.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from nmaptool.core.memory import available_bytes  # noqa: E402
 DATA = Path(__file__).with_name("solver_scaling.json")
 PICTURE = ROOT / "docs" / "pictures" / "solver_scaling.png"
 TOLERANCE = 1e-8
-_MOST_BYTES = 60  # per pixel, drawn as a line to measure by
+_MOST_BYTES = 60  # per pixel, drawn as a reference line
 SIDES = (512, 1024, 2048, 4096, 8192, 16384)
 CURVES = {
     "dct, full rectangle": ("dct", "full", "#4c72b0", "o"),
@@ -38,7 +38,7 @@ Points = dict[str, dict[str, dict[str, Any]]]  # of a curve and a side
 
 
 def measured(options: argparse.Namespace) -> Points:
-    """Every curve as far as limits and memory allow."""
+    """All curves, as far as limits and memory allow."""
     patience = Patience(options.limit)
     found: Points = {}
     for name, (method, family, _, _) in CURVES.items():
@@ -83,7 +83,7 @@ def _said(outcome: Outcome) -> str:
 
 
 def draw(data: dict[str, Any]) -> None:
-    """Two panels over the number of pixels: seconds and bytes."""
+    """Two panels by number of pixels: seconds and bytes."""
     import matplotlib as mpl
 
     mpl.use("Agg")
@@ -129,13 +129,15 @@ def draw(data: dict[str, Any]) -> None:
 
 
 def main() -> None:
-    """Measure if asked to, and draw."""
+    """Measure if requested, and draw."""
     parser = argparse.ArgumentParser(prog="python docs/solver_scaling.py", description=__doc__)
-    parser.add_argument("--measure", action="store_true", help="measure anew instead of drawing what is kept")
+    parser.add_argument("--measure", action="store_true", help="measure again instead of drawing the stored results")
     methods = list(dict.fromkeys(method for method, *_ in CURVES.values()))
-    parser.add_argument("--methods", nargs="+", choices=methods, default=methods, help="to measure (default: all)")
+    parser.add_argument(
+        "--methods", nargs="+", choices=methods, default=methods, help="methods to measure (default: all)"
+    )
     parser.add_argument("--most-megapixels", type=float, default=269, help="largest size (default 269: all)")
-    parser.add_argument("--limit", type=float, default=400, help="most seconds for one point (default 400)")
+    parser.add_argument("--limit", type=float, default=400, help="time limit for one point, seconds (default 400)")
     parser.add_argument("--spend", type=float, default=2, help="seconds of repeats for one point (default 2)")
     options = parser.parse_args()
     data: dict[str, Any] = json.loads(DATA.read_text()) if DATA.exists() else {"points": {}}
@@ -151,7 +153,7 @@ def main() -> None:
             data["points"].setdefault(name, {}).update(points)
         DATA.write_text(json.dumps(data, indent=1, sort_keys=True) + "\n", encoding="utf-8")
     if "once_s_per_megapixel" not in data:
-        parser.error(f"there is no {DATA.name} yet: --measure makes it")
+        parser.error(f"{DATA.name} does not exist yet: create it with --measure")
     draw(data)
 
 

@@ -1,18 +1,18 @@
 #!/bin/sh
-# The main job on the shipped samples: meshes to maps, maps to reliefs. Usage: sh samples/demo.sh FOLDER
+# Makes maps of the sample meshes and reliefs of all samples. Usage: sh samples/demo.sh FOLDER
 set -eu
 samples=$(dirname "$0")
 gallery=${1:-gallery}
 mkdir -p "$gallery"
 
-echo "== three meshes to original, base and detail maps, and those to reliefs"
+echo "== original, base and detail maps of three meshes, and their reliefs"
 for mesh in portrait vase rings; do
     nmap bake "$samples/$mesh.ply" -o "$gallery/$mesh" --shading smooth --sigma-s 2 --plot "$gallery/${mesh}_plot.png" --overwrite
     nmap relief "$gallery/$mesh/original.exr" --detail "$gallery/$mesh/detail.exr" --mu 0.5 --height 4mm \
         -o "$gallery/$mesh.stl" --preview "$gallery/$mesh.png" --report "$gallery/$mesh.json" --overwrite
 done
 
-echo "== the same without any parameter: a filter learned from many meshes"
+echo "== the same without parameters: a filter trained on many meshes"
 nmap bake "$samples/vase.ply" -o "$gallery/vase_learned" --shading smooth --filter learned --overwrite
 nmap relief "$gallery/vase_learned/base.exr" --height 4mm \
     -o "$gallery/vase_learned.stl" --preview "$gallery/vase_learned.png" --overwrite
@@ -21,14 +21,14 @@ echo "== the structure alone: the base map"
 nmap relief "$gallery/portrait/base.exr" --height 4mm \
     -o "$gallery/portrait_base.stl" --preview "$gallery/portrait_base.png" --overwrite
 
-echo "== the portrait without its detail, and with twice as much of it"
+echo "== the portrait without its detail, and with 1.4 times as much"
 nmap smooth "$samples/portrait.ply" -o "$gallery/portrait_smooth.stl" --sigma-s 1.5 --report "$gallery/portrait_smooth.json" --overwrite
 nmap smooth "$samples/portrait.ply" -o "$gallery/portrait_crisp.stl" --sigma-s 1.5 --detail-gain 1.4 --overwrite
 nmap bake "$gallery/portrait_crisp.stl" -o "$gallery/portrait_crisp" --shading smooth --sigma-s 2 --overwrite
 nmap relief "$gallery/portrait_crisp/original.exr" --height 4mm \
     -o "$gallery/portrait_crisp_relief.stl" --preview "$gallery/portrait_crisp.png" --overwrite
 
-echo "== maps that have no mesh: look them over, split one into base and detail"
+echo "== maps without a mesh: inspect them, split one into base and detail"
 for map in medal_original medal_detail shell leaf_on_roll; do
     nmap inspect "$samples/$map.png"
 done
@@ -48,7 +48,7 @@ echo "== a leaf on a rolled background"
 nmap relief "$samples/leaf_on_roll.png" --mask "$samples/leaf_mask.png" --background surface --surface "$samples/roll.png" \
     --width 60mm --height 3mm -o "$gallery/leaf.stl" --preview "$gallery/leaf.png" --overwrite
 
-echo "== maps composed: a recipe of a medal and a shell; a head, mirrored, and a vase, turned, on one plate"
+echo "== composed maps: a recipe of a medal and a shell; a mirrored head and a rotated vase on one plate"
 nmap compose stack "$samples/scene.toml" -o "$gallery/scene.exr" --curl "$gallery/scene_curl.png" --overwrite
 nmap relief "$gallery/scene.exr" --height 3mm -o "$gallery/scene.stl" --preview "$gallery/scene.png" --overwrite
 nmap compose transform "$gallery/portrait/original.exr" -o "$gallery/mirrored.exr" --flip-h --pad 40%,0,0,0 --overwrite

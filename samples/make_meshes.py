@@ -1,4 +1,4 @@
-"""Make the sample meshes, in mm, y up and meant to be seen from +z: ``python samples/make_meshes.py FOLDER``.
+"""Make the sample meshes, in mm, y up, front towards +z: ``python samples/make_meshes.py FOLDER``.
 
 A turned vase with chased ornament, the head of a young woman with dressed hair, and three linked rings.
 """

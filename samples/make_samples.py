@@ -1,7 +1,7 @@
 """Make the sample maps from analytic surfaces: ``python samples/make_samples.py FOLDER``.
 
 A rosette medal (original, base and detail layers, 16-bit with alpha), a scallop shell (8-bit on white with soft edges,
-as maps are met in the wild), and a leaf on a rolled background (the whole, the background alone, the leaf's mask).
+as real maps often have), and a leaf on a rolled background (the whole, the background alone, the leaf's mask).
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def smooth_step(value: Array, low: float, high: float) -> Array:
 
 
 def petal_reach(angle: Array) -> Array:
-    """How far from the centre the petals reach in a direction."""
+    """Length of the petals from the centre in a direction."""
     return 0.30 + 0.42 * np.abs(np.cos(4 * angle)) ** 0.7
 
 

@@ -23,7 +23,7 @@ HAIRLINE = np.array([(-30, -17), (-20, -13), (-9, -6), (-5, -1), (2, 6), (12, 12
 
 
 def rods(p: Array, points: Sequence[Point] | Array, radii: Sequence[float]) -> Array:
-    """Rods from point to point."""
+    """Rods between successive points."""
     made = [rod(p, *points[k : k + 2], *radii[k : k + 2]) for k in range(len(points) - 1)]
     return np.minimum.reduce(made)
 
@@ -72,7 +72,7 @@ def mouth(p: Array) -> Array:
 
 
 def ear(p: Array) -> Array:
-    """A bowl with a rolled rim and a lobe, tilted back and turned out."""
+    """A bowl with a rolled rim and a lobe, tilted back and outwards."""
     f = ball(p, (18.0, -4, -3), (2.4, 8.2, 5.4))
     rim = [(17.6, -3.5, 1.6), (19.6, 1.5, 0.8), (20.6, 4, -3.5), (20.6, 1.5, -7.6), (19.8, -5, -7.0), (18.4, -10, -2.6)]
     f = join(f, rods(p, rim, (1.0, 1.2, 1.3, 1.3, 1.2, 1.8)), 1.2)
@@ -81,7 +81,7 @@ def ear(p: Array) -> Array:
 
 
 def hair_parts(points: Array) -> dict[str, Array]:
-    """Fields of the parts that the hair must tell apart."""
+    """Fields of the parts that the hair treats separately."""
     p = np.concatenate([np.abs(points[:, :1]), points[:, 1:]], axis=1)
     face = join(join(brow_and_eyes(p), nose(p), 2.2), mouth(p), 3.5)
     cap = ball(p, HAIR_CENTRE, (21.4, 21.6, 26.4))

@@ -1,4 +1,4 @@
-"""What the sample meshes share: grids of triangles, normals, smooth steps, and a compact PLY file."""
+"""Common parts of the sample meshes: grids of triangles, normals, smooth steps, and a compact PLY file."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ def between(value: Array, low: float, high: float, soft: float) -> Array:
 
 
 def bump(value: Array) -> Array:
-    """A half-round: 1 at 0, 0 from -1 and 1 outwards."""
+    """A half-round: 1 at 0, 0 at and beyond -1 and 1."""
     return np.sqrt((1 - value**2).clip(0, None))
 
 
 def strip_faces(heights: Array, middles: Array) -> Faces:
-    """Triangles of a grid that closes along its columns, each square cut along the diagonal that fits its middle.
+    """Triangles of a grid that closes along its columns; each square is cut along the diagonal that fits its middle.
 
-    Where both fit, diagonals alternate, so that no slant is favoured. "Fit" has a margin far from any tie: which way a
-    square is cut does not hang on the last bit of a sine.
+    If both fit, diagonals alternate, so that no direction is favoured. "Fit" has a wide margin, so that rounding
+    errors do not change the cut.
     """
     rows, cols = heights.shape
     i, j = (a.ravel() for a in np.meshgrid(np.arange(rows - 1), np.arange(cols), indexing="ij"))
@@ -47,12 +47,12 @@ def strip_faces(heights: Array, middles: Array) -> Faces:
 
 
 def torus_faces(heights: Array, middles: Array) -> Faces:
-    """Triangles of a grid that closes both ways."""
+    """Triangles of a grid that closes in both directions."""
     return strip_faces(np.vstack([heights, heights[:1]]), middles) % np.int32(heights.size)
 
 
 def vertex_normals(vertices: Array, faces: Faces) -> Array:
-    """Unit normals, the mean of the faces' by area."""
+    """Unit normals, the area-weighted mean of the face normals."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     cross = np.cross(b - a, c - a)
     total = np.stack([np.bincount(faces.T.ravel(), np.tile(cross[:, k], 3), len(vertices)) for k in range(3)], 1)
@@ -60,7 +60,7 @@ def vertex_normals(vertices: Array, faces: Faces) -> Array:
 
 
 def write_ply(path: Path, vertices: Array, faces: Faces) -> None:
-    """Binary PLY with 16-bit indices: 13 bytes to a face, where STL takes 50."""
+    """Binary PLY with 16-bit indices: 13 bytes per face instead of 50 in STL."""
     if len(vertices) > 65535:
         raise ValueError(f"{path.name}: {len(vertices)} vertices, 16-bit indices reach 65535")
     header = (

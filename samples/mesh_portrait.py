@@ -1,8 +1,8 @@
-"""A head in the manner of old coins: blended solids for the form, chased hair upon it.
+"""A head in the style of old coins: blended solids for the form, with chased hair.
 
-The form is a signed field, negative inside; its surface comes from marching cubes, is evened out, and then the hair is
-cut along its normals, finer than the cubes. x is the sitter's left, y up, z to the front of the face until ``portrait``
-turns the head.
+The form is a signed field, negative inside; its surface comes from marching cubes and is evened out; the
+hair displaces it along its normals, finer than the cubes. x is the sitter's left, y up, z to the front of the face
+until ``portrait`` turns the head.
 """
 
 from __future__ import annotations
@@ -12,21 +12,21 @@ from mesh_head import BUN, EYE, HAIR_CENTRE, ROLL, hair_parts, head
 from mesh_parts import Array, Faces, Mesh, between, smooth_step, vertex_normals
 from skimage.measure import marching_cubes
 
-TURN = 62  # degrees from full face
-CLOSE = ((EYE, 7.0), ((2.5, -18.8, 22.5), 5.5))  # centre and reach of the places with the finest form
-# (place, spacing) of the cubes in mm: fine where the face is
+TURN = 62  # degrees from frontal view
+CLOSE = ((EYE, 7.0), ((2.5, -18.8, 22.5), 5.5))  # centre and radius of the areas with the finest form
+# (position, spacing) of the cubes in mm: fine at the face
 ACROSS = ((0, 0.95), (12, 1.05), (24, 1.25))
 UPRIGHT = ((-50, 2.4), (-30, 1.6), (-24, 1.05), (-14, 0.95), (6, 0.95), (12, 1.2), (36, 1.3))
 DEPTH = ((-44, 1.5), (0, 1.3), (12, 1.05), (34, 0.9))
 
 
 def mirrored(points: Array) -> Array:
-    """Points of both halves of the head on its left."""
+    """Mirror points of both halves of the head to its left."""
     return np.concatenate([np.abs(points[:, :1]), points[:, 1:]], axis=1)
 
 
 def ruled(spacing: tuple[tuple[float, float], ...], start: float) -> Array:
-    """Places from ``start`` to the end of the table, as far apart as it says."""
+    """Positions from ``start`` to the end of the table, with the spacing given there."""
     at, step = zip(*spacing, strict=True)
     places = [start]
     while places[-1] < at[-1]:
@@ -35,12 +35,12 @@ def ruled(spacing: tuple[tuple[float, float], ...], start: float) -> Array:
 
 
 def cubes() -> Mesh:
-    """Marching cubes over the field; one half is computed and mirrored."""
+    """Marching cubes on one half of the field, mirrored to the other."""
     half, y, z = ruled(ACROSS, 0.42), ruled(UPRIGHT, -49.0), ruled(DEPTH, -44.0)
     grid = np.meshgrid(half, y, z, indexing="ij")
     field = head(np.stack([a.ravel() for a in grid], 1)).reshape(grid[0].shape)
     field = np.concatenate([field[::-1], field])
-    # a cube's corner never lies so near the surface that the last bit of a sine decides its side, or a sliver is cut
+    # keep corners of cubes away from the surface, to avoid slivers and sides that depend on rounding
     field = np.where(np.abs(field) < 0.05, np.where(field < 0, -0.05, 0.05), field)
     places, faces, _, _ = marching_cubes(field, 0.0)
     x = np.concatenate([-half[::-1], half])
@@ -56,7 +56,7 @@ def field_and_slope(points: Array, step: float = 0.02) -> tuple[Array, Array]:
 
 
 def evened(vertices: Array, faces: Faces, rounds: int) -> Array:
-    """Vertices moved among their neighbours along the surface, and back onto it."""
+    """Vertices smoothed along the surface and projected back onto it."""
     ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     count = np.bincount(ends[:, 0], minlength=len(vertices))[:, None]
     for turn in range(rounds):
@@ -70,10 +70,10 @@ def evened(vertices: Array, faces: Faces, rounds: int) -> Array:
 
 
 def refined(vertices: Array, faces: Faces) -> Mesh:
-    """Faces around the eyes and the mouth cut in four, those along the border of these places in two."""
+    """Faces around the eyes and the mouth cut into four, those along the border of these areas into two."""
     fold = mirrored(vertices)
     inside = np.logical_or.reduce([np.linalg.norm(fold - centre, axis=1) < reach for centre, reach in CLOSE])
-    ends = np.stack([faces, np.roll(faces, -1, axis=1)], -1)  # edge k leaves corner k
+    ends = np.stack([faces, np.roll(faces, -1, axis=1)], -1)  # edge k starts at corner k
     key = (ends.min(axis=2).astype(np.int64) * len(vertices) + ends.max(axis=2)).ravel()
     cut = inside[ends].all(axis=2)
     edges, number = np.unique(key[cut.ravel()], return_inverse=True)
@@ -92,7 +92,7 @@ def refined(vertices: Array, faces: Faces) -> Mesh:
 
 
 def groove(phase: Array) -> Array:
-    """Round locks with sharp creases between them: 1 on a lock, 0 in a crease, one lock to a unit of phase."""
+    """Round locks with sharp creases between them: 1 on a lock, 0 in a crease, one lock per unit of phase."""
     return np.abs(np.cos(np.pi * phase)) ** 0.8
 
 
@@ -106,7 +106,7 @@ def polar(points: Array, centre: Array) -> tuple[Array, Array, Array]:
 
 
 def along_roll(points: Array) -> tuple[Array, Array]:
-    """Arc length along the roll of hair, and angle around it, of the nearest place on its centre line."""
+    """Arc length along the roll of hair, and angle around it, of the nearest point on its centre line."""
     fold = mirrored(points)
     t = np.linspace(0, len(ROLL) - 1, 121)
     line = np.stack([np.interp(t, np.arange(len(ROLL)), ROLL[:, k]) for k in range(3)], 1)

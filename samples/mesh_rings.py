@@ -1,4 +1,4 @@
-"""Three rings linked as on the arms of the Borromei: no two are linked, yet the three cannot be parted."""
+"""Borromean rings: no two of the three are linked, but all three together are."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 from mesh_parts import Array, Faces, Mesh, torus_faces
 
 RADIUS, TUBE = 24.0, 4.2  # mm
-SWAY = 6.6  # how far a ring passes over and under the others: enough that ornament never touches
-ROWS, COLUMNS = 144, 28  # whole numbers of both to each stud, strand and band
+SWAY = 6.6  # height of a ring above and below the others: enough to keep ornaments apart
+ROWS, COLUMNS = 144, 28  # whole numbers of both per stud, strand and band
 Pattern = Callable[[Array, Array], Array]
 
 
@@ -39,8 +39,8 @@ def ring(which: int, pattern: Pattern, winding: int) -> tuple[Array, Faces]:
     height = pattern(along, around)
     faces = torus_faces(height, pattern(along + half_row, around + half_column))
     centre = np.pi / 2 + 2 * np.pi / 3 * which
-    angle = along[:, 0] + centre + np.pi  # from the side that faces the middle of the three
-    # the crossings lie 30 and 90 degrees from that side, where this sine is over, under, over, under
+    angle = along[:, 0] + centre + np.pi  # from the side that faces the centre of the three
+    # the crossings are 30 and 90 degrees from that side, where this sine goes over, under, over, under
     line = np.stack([RADIUS * np.cos(angle), RADIUS * np.sin(angle), SWAY * np.sin(3 * along[:, 0])], -1)
     line[:, :2] += RADIUS / np.sqrt(3) * np.array([np.cos(centre), np.sin(centre)])
     forward = np.stack([-RADIUS * np.sin(angle), RADIUS * np.cos(angle), 3 * SWAY * np.cos(3 * along[:, 0])], -1)

@@ -6,7 +6,7 @@ import numpy as np
 from mesh_parts import Array, Mesh, between, bump, smooth_step, strip_faces
 from scipy.interpolate import CubicSpline
 
-COLUMNS = 160  # whole numbers to a leaf, a bay of the scroll, a flute and a strand of the rope
+COLUMNS = 160  # whole numbers per leaf, bay of the scroll, flute and strand of the rope
 # radius and height in mm along the section, then the rows up to the next point
 SECTION = (
     (7.0, 0.0, 1),
@@ -42,7 +42,7 @@ SECTION = (
     (6.4, 49.0, 1),
     (3.0, 48.0, 0),
 )
-BELLY = (14.6, 37.5)  # heights between which each ornament lies
+BELLY = (14.6, 37.5)  # height range of each ornament
 SCROLL = (48.0, 58.0)
 ROPE = (59.4, 63.4)
 NECK = (65.4, 85.6)
@@ -59,7 +59,7 @@ def section_rows() -> tuple[Array, Array]:
 
 
 def leaf(across: Array, along: Array) -> Array:
-    """Height of a leaf from its root (along 0) to its tip (1); across is -1 to 1 between neighbours."""
+    """Height of a leaf; along is 0 at its root and 1 at its tip, across is -1 to 1 between neighbours."""
     width = 0.96 * (1 - along.clip(0, 1) ** 3)
     share = np.abs(across) / np.maximum(width, 1e-3)
     edge = smooth_step(1.1 - share, 0, 0.35) * smooth_step(1 - along, 0, 0.1)
@@ -83,7 +83,7 @@ def scroll(turn: Array, y: Array) -> Array:
     wave = 3.4 * np.sin(8 * np.pi * turn)
     slope = np.hypot(1, 3.4 * np.cos(8 * np.pi * turn) * 4 / 26)
     stem = 0.9 * bump((q - wave) / slope / 1.2)
-    side = np.where((8 * turn) % 2 < 1, -1.0, 1.0)  # a flower to each half wave, on the stem's hollow side
+    side = np.where((8 * turn) % 2 < 1, -1.0, 1.0)  # a flower per half wave, on the concave side of the stem
     dx, dy = ((8 * turn) % 1 - 0.5) * 2 * np.pi * 26 / 8, q - side * 1.7
     r, angle = np.hypot(dx, dy), np.arctan2(dx, side * dy)
     petals = 1.1 * bump(r / (3.3 + 0.9 * np.cos(5 * angle)) - 0.35) * (0.6 + 0.4 * np.cos(5 * angle))
@@ -100,7 +100,7 @@ def rope(turn: Array, y: Array, band: tuple[float, float], height: float, strand
 
 
 def flutes(turn: Array, y: Array) -> Array:
-    """Hollows around the neck, round at their ends."""
+    """Flutes around the neck with round ends."""
     across = (20 * turn) % 1 * 2 - 1
     ends = np.minimum(y - NECK[0], NECK[1] - y)
     depth = bump(across / 0.86) * smooth_step(ends - 1.6 * (1 - bump(across)), 0.4, 2.4)

@@ -1,4 +1,4 @@
-"""Solids as fields that are negative inside, and how they grow together."""
+"""Solids as fields that are negative inside, and smooth unions of them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Point = Sequence[float]
 
 
 def join(a: Array, b: Array, soft: float) -> Array:
-    """Both, with a fillet ``soft`` mm wide."""
+    """Union with a fillet ``soft`` mm wide."""
     blend = (soft - np.abs(a - b)).clip(0, None)
     return np.minimum(a, b) - blend * blend / (4 * soft)
 
@@ -30,7 +30,7 @@ def ball(p: Array, centre: Point, radii: Point | float) -> Array:
 
 
 def rod(p: Array, a: Point, b: Point, start: float, end: float) -> Array:
-    """A round rod from a to b that tapers."""
+    """A tapered round rod from a to b."""
     a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
     t = ((p - a) @ (b - a) / ((b - a) @ (b - a))).clip(0, 1)
     off = p - a - t[:, None] * (b - a)

@@ -1,4 +1,4 @@
-"""The meshes to learn from; parameters as `choose_parameters` found them."""
+"""The training meshes; parameters found by `choose_parameters`."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ TRAINING = (
         rim=(0.5, 1.5),
         finer=(6, 0.3, 4),
     ),
-    # grown forms
+    # organic forms
     Entry("blob scales", "organic", lump((20, 18, 15), 0.6), (3, 0.5, 4), scales(7), 0.8),
     Entry("head locks", "organic", solid(head, 0.53), (1.5, 0.2, 4), locks((0, 0.6, -1), 34, 0.05), 0.9, hair),
     Entry("torso fur", "organic", solid(torso, 0.56), (2, 0.4, 4), fur(3), 0.6, trunk),
@@ -156,7 +156,7 @@ TRAINING = (
     Entry("cloth woven", "ornament", folded((72, 72)), (3, 0.4, 4), laid(weave, 4), 0.8, noise=0.05),
     Entry("cloth cells long", "ornament", folded((120, 40), "other"), (3, 0.5, 4), both(cells(9), noise(4), 0.3), 0.7),
     Entry("horn rings", "ornament", lambda rng: horn(150, 32), (3, 0.2, 4), laid(rings, 6), 0.6, clear_of_tips),
-    # nothing to take off
+    # without ornament
     Entry("gear", "plain", extruded(gear(12, 11, 8.6), 4, 0.5), KEPT),
     Entry("steps", "plain", spun(STEPS, 70, 0.85, "one"), KEPT),
     Entry("vessels", "plain", solid(vessels, 0.55), KEPT),

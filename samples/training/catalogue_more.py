@@ -1,4 +1,4 @@
-"""More meshes to learn from: simple forms under many patterns of many sizes; parameters as found by a coarse search."""
+"""More training meshes: simple forms with many patterns of many sizes; parameters found by a coarse search."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ MORE = (
     Entry("spool bricks", "creased", spun(SPOOL, 56, 0.72, "one"), (2, 0.2, 6), laid(bricks, 4), 0.6),
     Entry("cog ripples", "creased", extruded(gear(7, 11, 8), 4, 0.66), (4, 0.2, 4), ripples(5, (0, 0, 2)), 0.2),
     Entry("post grain", "creased", extruded(polygon(5, 5), 18, 0.54), (12, 0.4, 4), grain(4, (0.05, 0.1, 1)), 0.4),
-    # coarse, and the same once finer
+    # coarse, and the same with one subdivision
     Entry("small ball studs", "ornament", oval(800, (10, 9, 8)), (4, 0.7, 4), studs(5), 0.7, finer=(8, 0.7, 4)),
     Entry(
         "small wedge grooves",
@@ -140,7 +140,7 @@ MORE = (
         rim=(0.5, 1.5),
         finer=(12, 0.4, 4),
     ),
-    # nothing to take off
+    # without ornament
     Entry("capsule", "plain", capsule(36, 0.9), KEPT),
     Entry("stone of many facets", "plain", cut(1800, *FACETS), KEPT),
     Entry("coarse cog", "plain", extruded(gear(26, 12, 10.4), 3, 0.75), KEPT),

@@ -1,6 +1,6 @@
 """The parameters of each mesh: ``python samples/training/choose_parameters.py [training|held_out] [NAME ...]``.
 
-Of a few sizes, likenesses and passes those are printed whose GRNF base comes nearest to the form without its ornament;
+Prints the combination of sizes, likenesses and passes whose GRNF base is nearest to the form without its ornament;
 faces at creases count double.
 """
 
@@ -40,7 +40,7 @@ def crease_faces(mesh: TrainingMesh) -> NDArray[np.bool_]:
 
 
 def angles(mesh: TrainingMesh, given: nm.Mesh, size: float, likeness: float, weights: Array) -> Tried:
-    """For all passes: the score of the GRNF base, and the mean angles of the GRNF and of the RNF base."""
+    """For each number of passes: the score of the GRNF base, and mean angles of the GRNF and RNF bases."""
     assert mesh.clean_normals is not None
     geometry, areas = given.geometry, given.geometry.areas
     gather = gather_surface(given, size * given.mean_edge, likeness)

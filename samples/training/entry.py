@@ -1,4 +1,4 @@
-"""What a catalogue says of one mesh."""
+"""Entry of the catalogue for one mesh."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from ornament import Ornament, Rng
 from surface import Array, Surface
 
-KEPT = (0.25, 0.2, 4)  # a filter that leaves a mesh as it is
+KEPT = (0.25, 0.2, 4)  # a filter that does not change a mesh
 
 
 @dataclass(frozen=True)
 class Entry:
-    """How one mesh is made: sizes are in edges, ``slope`` is what nine in ten ornamented faces stay below."""
+    """Definition of one mesh: sizes are in edges; nine in ten ornamented faces have slopes below ``slope``."""
 
     name: str
     group: str
@@ -24,4 +24,4 @@ class Entry:
     where: Callable[[Array], Array] | None = None  # over vertices: 1 where there is ornament
     rim: tuple[float, float] | None = None  # edges from a crease within which ornament fades in
     noise: float = 0.0
-    finer: tuple[float, float, int] | None = None  # parameters of its version with four times the faces
+    finer: tuple[float, float, int] | None = None  # parameters of its version with four times as many faces

@@ -1,4 +1,4 @@
-"""Forms for a catalogue: given their sizes now, made when the random numbers are there."""
+"""Forms for a catalogue: sizes are given now, random numbers later."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from solids import animal, blob, bracket, disk_part, head, shell, torso, vessels
 from surface import Array, Surface
 from tessellation import Bounds, Field, cubes, sharpened
 
-# the boxes that solids lie in
+# bounding boxes of the solids
 _BOUNDS: dict[Field, tuple[Bounds, Bounds]] = {
     animal: ((-21, -16, -8), (19, 16, 8)),
     bracket: ((-13, -11, -10), (13, 13, 10)),
@@ -26,24 +26,24 @@ _BOUNDS: dict[Field, tuple[Bounds, Bounds]] = {
 
 
 def block(size: Bounds, spacing: float, radius: float = 0.0, diagonal: str = "both") -> Form:
-    """A box, its edges rounded where a radius is given."""
+    """A box; a radius rounds its edges."""
     return lambda rng: box(size, spacing, radius, diagonal)
 
 
 def extruded(
     outline: Array, height: float, spacing: float, top: Callable[[Array], Array] | None = None, diagonal: str = "both"
 ) -> Form:
-    """A prism over an outline, whose top is level where nothing else is given."""
+    """A prism over an outline; its top is level by default."""
     return lambda rng: prism(outline, height, spacing, rng, top, diagonal)
 
 
 def spun(section: Sequence[Any] | Array, cols: int, spacing: float, diagonal: str = "both") -> Form:
-    """A section turned about an axis."""
+    """A section rotated about an axis."""
     return lambda rng: turned(section, cols, spacing, rng, diagonal)
 
 
 def solid(field: Field, spacing: float, rounds: int = 3, creased: bool = False) -> Form:
-    """One of the solids by marching cubes; where it is creased, its vertices are moved onto the creases."""
+    """One of the solids by marching cubes; vertices near creases are moved onto them."""
 
     def form(rng: Rng) -> Surface:
         surface = cubes(field, *_BOUNDS[field], spacing, rounds)
@@ -53,7 +53,7 @@ def solid(field: Field, spacing: float, rounds: int = 3, creased: bool = False) 
 
 
 def lump(half: Bounds, spacing: float, balls: int = 7, spread: float = 7.0, rounds: int = 3) -> Form:
-    """Balls that flow into each other, within a box of this half size."""
+    """Merged balls within a box of this half size."""
     low = (-half[0], -half[1], -half[2])
     return lambda rng: cubes(blob(rng, balls, spread), low, half, spacing, rounds)
 

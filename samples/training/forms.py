@@ -1,4 +1,4 @@
-"""Base forms made of grids and filled outlines: boxes, prisms, turned and drawn forms, balls, and open sheets."""
+"""Base forms made of grids and filled outlines: boxes, prisms, revolved and extruded forms, balls, and open sheets."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def prism(
     top: Callable[[Array], Array] | None = None,
     diagonal: str = "both",
 ) -> Surface:
-    """An outline, counter-clockwise, drawn out along z; ``top`` is its upper end's height over ``height``."""
+    """A counter-clockwise outline extruded along z; ``top`` is the height of its upper end above ``height``."""
     ring = resampled(np.asarray(outline, dtype=float), spacing, closed=True)
     rows = max(2, round(height / spacing)) + 1
     plane, cap = filled(ring, spacing, rng)
@@ -80,7 +80,7 @@ def gear(teeth: int, outer: float, inner: float) -> Array:
 
 
 def turned(section: Sequence[Point], cols: int, spacing: float, rng: Rng, diagonal: str = "both") -> Surface:
-    """A section of radii and heights, from below up, turned about y; both ends are closed by discs."""
+    """A section of radii and heights, from bottom to top, rotated about y; discs close both ends."""
     line = resampled(np.asarray(section, dtype=float), spacing)
     turn = 2 * np.pi * np.arange(cols) / cols
     r, y = line[:, :1], np.broadcast_to(line[:, 1:], (len(line), cols))
@@ -99,7 +99,7 @@ def turned(section: Sequence[Point], cols: int, spacing: float, rng: Rng, diagon
 
 
 def curved(points: Sequence[Point], count: int) -> Array:
-    """A smooth curve through points, as many places on it as asked for, evenly far apart."""
+    """A smooth curve through points, sampled at the requested number of equidistant positions."""
     from scipy.interpolate import CubicSpline
 
     p = np.asarray(points, dtype=float)
@@ -110,7 +110,7 @@ def curved(points: Sequence[Point], count: int) -> Array:
 
 
 def drawn(line: Array, radii: Array, cols: int, closed: bool = False, diagonal: str = "both") -> Surface:
-    """A tube along a line of places; a closed one meets itself, an open one ends in points."""
+    """A tube along a line; a closed one meets itself, an open one ends in points."""
     ahead = np.roll(line, -1, axis=0) - np.roll(line, 1, axis=0) if closed else np.gradient(line, axis=0)
     ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
     side = np.empty_like(line)
@@ -120,7 +120,7 @@ def drawn(line: Array, radii: Array, cols: int, closed: bool = False, diagonal: 
         here = before - ahead[k] * (before @ ahead[k])
         side[k] = here / np.linalg.norm(here)
     turn = 2 * np.pi * np.arange(cols) / cols + np.zeros((len(line), 1))
-    if closed:  # what the frame has turned by when it comes back is made up for along the way
+    if closed:  # distributes the rotation of the frame around a closed line along its length
         last = side[-1] - ahead[0] * (side[-1] @ ahead[0])
         off = np.arctan2(np.cross(side[0], last) @ ahead[0], side[0] @ last)
         turn = turn - off * (np.arange(len(line)) / len(line))[:, None]
@@ -150,7 +150,7 @@ def knot(turns: int, winds: int, count: int, radius: float = 10.0, wide: float =
 
 
 def globe(directions: Array, radius: Callable[[Array], Array]) -> Surface:
-    """A form seen whole from its middle: a distance for each direction; triangles between irregular places."""
+    """A star-shaped form: a distance for each direction; triangles between irregular points."""
     return Surface(directions * radius(directions)[:, None], hull_faces(directions))
 
 

@@ -1,4 +1,4 @@
-"""The meshes to judge with; parameters as `choose_parameters` found them."""
+"""The held-out meshes; parameters found by `choose_parameters`."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def dome(d: Array) -> Array:
 
 
 def snail() -> Surface:
-    """A tube that winds outward and grows."""
+    """A tube that winds outward and widens."""
     return drawn(curved(SPIRAL, 260), np.linspace(0.7, 4.0, 260), 30)
 
 

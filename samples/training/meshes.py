@@ -1,10 +1,10 @@
-"""Meshes to train and to judge a learned mesh filter with, each with the parameters that suit it.
+"""Meshes to train and evaluate a learned mesh filter, each with suitable parameters.
 
     sys.path[:0] = ["samples", "samples/training"]
     from meshes import held_out_meshes, training_meshes
 
-A mesh is a base form, an ornament raised on it, and for some the noise of a scanner. Since the form is known without
-the ornament, so are the normals that a filter should give: ``clean_normals``.
+A mesh is a base form with an ornament and in some cases scanner noise. The form without the ornament gives the normals
+that a filter should give: ``clean_normals``.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from tessellation import halved
 
 @dataclass(frozen=True, eq=False)
 class TrainingMesh:
-    """A mesh and what a GRNF filter needs to take its ornament off.
+    """A mesh and the GRNF parameters that remove its ornament.
 
     Attributes
     ----------
     name : str
-        Ends with ``+`` where each face of another mesh was cut in four.
+        Ends with ``+`` if each face of another mesh was cut into four.
     vertices : (N, 3) float64
     faces : (M, 3) int32
     sigma_s : float
@@ -38,7 +38,7 @@ class TrainingMesh:
     sigma_r : float
     iterations : int
     group : str
-        ``creased``, ``organic``, ``ornament`` or ``plain``, which has nothing to take off.
+        ``creased``, ``organic``, ``ornament`` or ``plain``, which has no ornament.
     clean_normals : (M, 3) float64
         Normals of the faces before ornament and noise.
     """
@@ -68,7 +68,7 @@ def heights_of(entry: Entry, surface: Surface, rng: Rng) -> Array:
 
 
 def calmed(surface: Surface, heights: Array, steepest: float = 70.0) -> Array:
-    """Heights evened out where they would turn a face by more than an angle, as they do where the form is cramped."""
+    """Heights smoothed where they would rotate a face by more than an angle, as in narrow parts of the form."""
     for _ in range(12):
         turned = angle_deg(Surface(surface.raised(heights), surface.faces).face_normals, surface.face_normals)
         bad = surface.faces[turned > steepest]
@@ -81,7 +81,7 @@ def calmed(surface: Surface, heights: Array, steepest: float = 70.0) -> Array:
 
 
 def made(entry: Entry, seed: int) -> list[TrainingMesh]:
-    """The mesh of an entry, and its finer version where it has one."""
+    """The mesh of an entry, and its finer version if it has one."""
     rng = np.random.default_rng([seed, zlib.crc32(entry.name.encode())])
     surface = entry.form(rng)
     heights = heights_of(entry, surface, rng)
@@ -96,10 +96,10 @@ def made(entry: Entry, seed: int) -> list[TrainingMesh]:
 
 
 def training_meshes(seed: int) -> list[TrainingMesh]:
-    """Meshes to learn from, the same for the same seed."""
+    """Training meshes, the same for the same seed."""
     return [mesh for entry in (*TRAINING, *MORE) for mesh in made(entry, seed)]
 
 
 def held_out_meshes(seed: int) -> list[TrainingMesh]:
-    """Meshes to judge with: other forms, ornaments and tessellations together than those to learn from."""
+    """Held-out meshes: other combinations of forms, ornaments and tessellations than in training."""
     return [mesh for entry in HELD_OUT for mesh in made(entry, seed)]

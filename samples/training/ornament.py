@@ -1,4 +1,4 @@
-"""Patterns that raise and sink a surface: solid ones over places in space, flat ones over coordinates along it."""
+"""Patterns that displace a surface: solid ones as functions of position, flat ones of coordinates along it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LETTERS = {
 
 
 def waves(points: Array, wave: float, rng: Rng, count: int = 48) -> Array:
-    """Noise of one size: plane waves of one length in all directions."""
+    """Noise of one size: plane waves of one wavelength in all directions."""
     way = rng.normal(size=(count, points.shape[1]))
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     way *= rng.uniform(0.8, 1.25, (count, 1))
@@ -41,7 +41,7 @@ def noise(wave: float) -> Ornament:
 
 
 def fractal(wave: float, octaves: int = 3, gain: float = 0.5) -> Ornament:
-    """Noise in several sizes, each half of the last."""
+    """Noise in several sizes, each half the previous one."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         return sum((gain**k * waves(s.vertices, wave * s.edge / 2**k, rng) for k in range(octaves)), np.zeros(1))
@@ -55,7 +55,7 @@ def hammered(wave: float) -> Ornament:
 
 
 def chased(wave: float, width: float = 0.3) -> Ornament:
-    """Winding grooves side by side, ``width`` of a wave wide."""
+    """Adjacent winding grooves; ``width`` is a fraction of a wave."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         way = rng.normal(size=3) * (0.4, 1, 0.4)
@@ -85,7 +85,7 @@ def locks(axis: tuple[float, float, float], count: int, twist: float = 0.0, sway
 def laid(pattern: Flat, wave: float, tall: float = 1.0) -> Ornament:
     """A flat pattern along a surface's own coordinates; a wave is ``tall`` times as long as wide.
 
-    Around a closed form go an even number of waves.
+    A closed form has an even number of waves around it.
     """
 
     def heights(s: Surface, rng: Rng) -> Array:
@@ -108,14 +108,14 @@ def flutes(u: Array, v: Array) -> Array:
 
 
 def weave(u: Array, v: Array) -> Array:
-    """Bands over and under each other."""
+    """Interwoven bands."""
     warp = np.abs(np.sin(np.pi * u)) * (1.2 + np.cos(np.pi * (v + np.floor(u))))
     weft = np.abs(np.sin(np.pi * v)) * (1.2 - np.cos(np.pi * (u + np.floor(v))))
     return np.maximum(warp, weft)
 
 
 def bricks(u: Array, v: Array) -> Array:
-    """Stones in courses, each half a stone further than the last, with joints between them."""
+    """Courses of stones, each offset by half a stone, with joints between them."""
     row = np.floor(v)
     across = np.abs((u / 2 + row / 2) % 1 - 0.5) * 4
     along = np.abs(v % 1 - 0.5) * 2
@@ -134,7 +134,7 @@ def rings(u: Array, v: Array) -> Array:
 
 
 def tiles(u: Array, v: Array) -> Array:
-    """Roof tiles: rows that end in a drop, each row cut across half a tile further on."""
+    """Roof tiles: rows that end in a drop, each offset by half a tile."""
     row = np.floor(v)
     return (
         (0.8 + 0.2 * (v % 1))
@@ -144,7 +144,7 @@ def tiles(u: Array, v: Array) -> Array:
 
 
 def writing(text: str) -> Flat:
-    """Raised letters, one to a wave, again and again, each line begun two letters further on."""
+    """Repeated raised letters, one per wave; each line starts two letters later."""
     bitmaps = [np.pad(np.array(list(LETTERS[c]), float).reshape(7, 5)[::-1], ((2, 1), (1, 1))) for c in text]
     line = gaussian_filter(np.kron(np.hstack(bitmaps), np.ones((4, 4))), 1.6, mode="wrap")
 
@@ -157,7 +157,7 @@ def writing(text: str) -> Flat:
 
 
 def both(one: Ornament, two: Ornament, share: float = 0.5) -> Ornament:
-    """Two ornaments over each other, ``share`` of the height is the second's."""
+    """Two ornaments added; the second has ``share`` of the height."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         a, b = one(s, rng), two(s, rng)

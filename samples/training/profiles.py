@@ -1,4 +1,4 @@
-"""Outlines, sections and heights of the catalogue's own forms, and where on them ornament goes."""
+"""Outlines, sections and heights of the catalogue's own forms, and the areas with ornament."""
 
 from __future__ import annotations
 
@@ -124,6 +124,6 @@ def horn(count: int, cols: int) -> Surface:
 
 
 def clear_of_tips(p: Array) -> Array:
-    """All of the horn but its ends."""
+    """The horn without its ends."""
     near = np.minimum(*(np.linalg.norm(p - np.array(end, dtype=float), axis=1) for end in (HORN[0], HORN[-1])))
     return smooth_step(near, 3.0, 6.0)

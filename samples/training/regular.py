@@ -1,4 +1,4 @@
-"""Patterns that repeat: studs, grooves, ripples, grain, stones and dimples in space, and flat ones to be laid."""
+"""Patterns that repeat: studs, grooves, ripples, grain, stones and dimples in space, and flat ones."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Way = tuple[float, float, float]
 
 
 def studs(wave: float, way: Way = (0.36, 0.48, 0.8)) -> Ornament:
-    """Bumps and hollows in turn in three directions: a product of sines."""
+    """Alternating bumps and hollows in three directions: a product of sines."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         phase = 2 * np.pi / (wave * s.edge) * (s.vertices @ axes(way).T) + rng.uniform(0, 2 * np.pi, 3)
@@ -23,7 +23,7 @@ def studs(wave: float, way: Way = (0.36, 0.48, 0.8)) -> Ornament:
 
 
 def axes(way: Way) -> Array:
-    """Three directions at right angles, ``way`` the first."""
+    """Three perpendicular directions, the first along ``way``."""
     one = np.asarray(way, dtype=float) / np.linalg.norm(way)
     two = np.cross(one, np.eye(3)[np.argmin(np.abs(one))])
     two /= np.linalg.norm(two)
@@ -41,7 +41,7 @@ def grooves(wave: float, way: Way, width: float = 0.35) -> Ornament:
 
 
 def ripples(wave: float, centre: Way = (0, 0, 0)) -> Ornament:
-    """Rings around a place, as of a stone in water."""
+    """Rings around a point, like ripples in water."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         return np.cos(2 * np.pi / (wave * s.edge) * np.linalg.norm(s.vertices - np.array(centre, dtype=float), axis=1))
@@ -50,7 +50,7 @@ def ripples(wave: float, centre: Way = (0, 0, 0)) -> Ornament:
 
 
 def grain(wave: float, way: Way = (0.1, 1, 0.05), sway: float = 0.5) -> Ornament:
-    """Wood: sleeves around an axis beside the form, that wander; steeper on one side than on the other."""
+    """Wood: wavy sleeves around an axis beside the form, steeper on one side than on the other."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         along, one, two = (s.vertices @ axes(way).T).T
@@ -75,7 +75,7 @@ def stones(wave: float, joint: float = 0.16) -> Ornament:
 
 
 def dimples(count: int, size: float = 0.42) -> Ornament:
-    """A golf ball's hollows, ``size`` of the way between them wide, over a form around the origin."""
+    """Golf ball dimples over a form around the origin; ``size`` is their width as a fraction of their spacing."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         way = s.vertices / np.linalg.norm(s.vertices, axis=1, keepdims=True)
@@ -86,7 +86,7 @@ def dimples(count: int, size: float = 0.42) -> Ornament:
 
 
 def wound(pattern: Flat, across: int, along: int) -> Ornament:
-    """A flat pattern on a form whose coordinates both go from 0 to 1 and close: so many waves around each way."""
+    """A flat pattern on a form whose two coordinates go from 0 to 1 and close: numbers of waves around each."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         assert s.uv is not None
@@ -96,7 +96,7 @@ def wound(pattern: Flat, across: int, along: int) -> Ornament:
 
 
 def eggs(u: Array, v: Array) -> Array:
-    """Bumps and hollows in turn; two of them to two waves."""
+    """Alternating bumps and hollows, two per two waves."""
     return np.sin(np.pi * u) * np.sin(np.pi * v)
 
 
@@ -117,7 +117,7 @@ def honeycomb(u: Array, v: Array) -> Array:
 
 
 def fish(u: Array, v: Array) -> Array:
-    """Round scales in rows, each row half a scale further on and over the next."""
+    """Round scales in rows; each row is offset by half a scale and overlaps the next."""
     total = np.zeros(u.shape)
     for row in (0, 1, 2):
         base = np.floor(v) - row
@@ -134,7 +134,7 @@ def chevrons(u: Array, v: Array) -> Array:
 
 
 def screw(u: Array, v: Array) -> Array:
-    """Hollow flutes that go around."""
+    """Flutes around the form."""
     return -(np.abs(np.cos(np.pi * (u + 0.5 * v))) ** 1.5)
 
 

@@ -1,4 +1,4 @@
-"""Patterns that sit at places spread over a surface: bosses, pores, cells, scales and combed fur."""
+"""Patterns at points scattered over a surface: bosses, pores, cells, scales and combed fur."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from surface import Array, Surface, smooth_step
 
 
 def spread(points: Array, gap: float, rng: Rng) -> NDArray[np.int64]:
-    """Numbers of points no two of which lie within ``gap``, and between which no other has room."""
+    """Indices of a maximal set of points with distances of at least ``gap``."""
     free, chosen = np.ones(len(points), bool), []
     near = cKDTree(points).query_ball_point(points, gap, return_sorted=True)
     for place in rng.permutation(len(points)):
@@ -22,14 +22,14 @@ def spread(points: Array, gap: float, rng: Rng) -> NDArray[np.int64]:
 
 
 def distances(s: Surface, wave: float, rng: Rng, count: int) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
-    """Distances to the nearest places in waves, which of the places, and the places' vertices."""
+    """Distances to the nearest points in waves, indices of those points, and the points' vertices."""
     places = spread(s.vertices, 0.8 * wave * s.edge, rng)
     away, which = cKDTree(s.vertices[places]).query(s.vertices, k=count)
     return away / (wave * s.edge), which, places
 
 
 def bosses(wave: float, size: float = 0.45) -> Ornament:
-    """Round bosses with bare surface between them."""
+    """Round bosses separated by bare surface."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         away = distances(s, wave, rng, 1)[0]
@@ -48,7 +48,7 @@ def pores(wave: float, size: float = 0.4) -> Ornament:
 
 
 def cells(wave: float, joint: float = 0.3) -> Ornament:
-    """Cushions with joints between them, as of pebbles or crackle."""
+    """Cushions with joints between them, like pebbles or crackle."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         away = distances(s, wave, rng, 2)[0]
@@ -79,7 +79,7 @@ def scales(wave: float, way: tuple[float, float, float] = (0, -1, 0)) -> Ornamen
 
 
 def fur(width: float, length: float = 5.0, way: tuple[float, float, float] = (0, -1, 0)) -> Ornament:
-    """Random strands combed along a direction, ``width`` edges wide and ``length`` times as long."""
+    """Random strands combed along a direction, ``width`` edges wide and ``length`` times that long."""
 
     def heights(s: Surface, rng: Rng) -> Array:
         reach = max(2.2, width) * s.edge

@@ -1,4 +1,4 @@
-"""Forms of simple proportions, each a function of the random numbers its irregular tessellation needs."""
+"""Simple forms, each a function of the random numbers for its irregular tessellation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SPOOL = ((9, 0), (9, 3), (5, 6), (5, 14), (9, 17), (9, 20))
 
 
 def oval(count: int, radii: Bounds, cut: str = "irregular", power: float = 2.0) -> Form:
-    """An ellipsoid, or with a higher power one nearer to a box, of irregular, even or uneven triangles."""
+    """An ellipsoid, or with a higher power a boxier form, with irregular, even or uneven triangles."""
 
     def form(rng: np.random.Generator) -> Surface:
         way = {
@@ -78,7 +78,7 @@ def dish(outline: Array, spacing: float, depth: float, jitter: float = 0.35) -> 
 
 
 def planes(normals: Array, offsets: Array) -> Callable[[Array], Array]:
-    """Field of what lies behind all planes."""
+    """Field of the intersection of half-spaces."""
     unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     return lambda p: np.asarray((p @ unit.T - offsets).max(axis=1))
 
@@ -90,7 +90,7 @@ def carved(field: Callable[[Array], Array], reach: Bounds, spacing: float) -> Fo
 
 
 def cut(count: int, normals: Array, offsets: Array, ratio: float = 1.0) -> Form:
-    """A body behind planes, seen from its middle: irregular triangles, or ones ``ratio`` times as dense at its top."""
+    """A convex body bounded by planes: irregular triangles, optionally ``ratio`` times as dense at its top."""
     field = planes(normals, offsets)
     unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
@@ -110,7 +110,7 @@ def bars(p: Array) -> Array:
 
 
 def ziggurat(p: Array) -> Array:
-    """Square steps one on another, each turned a little."""
+    """Stacked square steps, each slightly rotated."""
     total = np.full(len(p), np.inf)
     for k, (half, low, high) in enumerate(((9, -8, -3), (6.4, -3.5, 2), (3.8, 1.5, 7))):
         c, s = np.cos(0.25 * k + 0.1), np.sin(0.25 * k + 0.1)

@@ -1,4 +1,4 @@
-"""Base forms that grow together: fields, negative inside, of heads, bodies, animals, vessels and machine parts."""
+"""Smoothly merged base forms: fields, negative inside, of heads, bodies, animals, vessels and machine parts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Rng = np.random.Generator
 
 
 def dilated(p: Array, rods: Sequence[tuple[Point, Point, float, float]], soft: float) -> Array:
-    """Rods that grow together."""
+    """Merged rods."""
     total = rod(p, *rods[0])
     for one in rods[1:]:
         total = join(total, rod(p, *one), soft)
@@ -21,12 +21,12 @@ def dilated(p: Array, rods: Sequence[tuple[Point, Point, float, float]], soft: f
 
 
 def mirrored(p: Array) -> Array:
-    """Places of both halves on the side where x is positive."""
+    """Positions of both halves, mirrored to positive x."""
     return np.concatenate([np.abs(p[:, :1]), p[:, 1:]], axis=1)
 
 
 def blob(rng: Rng, count: int = 7, spread: float = 7.0) -> Callable[[Array], Array]:
-    """Balls in a heap that have run together."""
+    """A heap of merged balls."""
     centres = rng.uniform(-1, 1, (count, 3)) * spread * (1.1, 0.9, 0.6)
     sizes = rng.uniform(4, 7.5, count)
 

@@ -1,4 +1,4 @@
-"""What all training meshes share: a surface with its pattern's coordinates, and what can be measured on it."""
+"""A surface with pattern coordinates, and measurements on it, for all training meshes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Faces = NDArray[np.int32]
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Triangles, with coordinates ``uv`` along the surface where its form has some; u repeats after ``period``."""
+    """Triangles, with coordinates ``uv`` along the surface if its form has them; u repeats after ``period``."""
 
     vertices: Array
     faces: Faces
@@ -24,7 +24,7 @@ class Surface:
 
     @cached_property
     def crosses(self) -> Array:
-        """(M, 3): normals of the faces, as long as twice their areas."""
+        """(M, 3): normals of the faces, with lengths of twice their areas."""
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
         return np.cross(b - a, c - a)
 
@@ -35,14 +35,14 @@ class Surface:
 
     @cached_property
     def thinness(self) -> Array:
-        """(M,): height of each face over its longest edge, by that edge; 0.87 at best."""
+        """(M,): height of each face over its longest edge, divided by that edge; at most 0.87."""
         corners = self.vertices[self.faces]
         longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
         return np.linalg.norm(self.crosses, axis=1) / longest**2
 
     @cached_property
     def normals(self) -> Array:
-        """(N, 3): of the vertices, the mean of the faces' by their angles."""
+        """(N, 3): vertex normals, the angle-weighted mean of the face normals."""
         total = np.zeros_like(self.vertices)
         for k in range(3):
             here, one, two = (self.vertices[self.faces[:, (k + step) % 3]] for step in range(3))
@@ -54,7 +54,7 @@ class Surface:
 
     @cached_property
     def edges(self) -> NDArray[np.int64]:
-        """(E, 2): vertices of each edge, once, the lower first."""
+        """(E, 2): vertices of each edge, once, in ascending order."""
         ends = np.sort(np.concatenate([self.faces[:, [0, 1]], self.faces[:, [1, 2]], self.faces[:, [2, 0]]]), axis=1)
         return np.unique(ends, axis=0).astype(np.int64)
 
@@ -78,7 +78,7 @@ class Surface:
         return smooth_step(cKDTree(points).query(self.vertices)[0] / self.edge, start, end)
 
     def slopes(self, heights: Array) -> Array:
-        """(M,): how steep a height over the surface is on each face."""
+        """(M,): slope of a height over the surface on each face."""
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))
         ha, hb, hc = (heights[self.faces[:, k], None] for k in range(3))
         along = ha * (c - b) + hb * (a - c) + hc * (b - a)

@@ -15,7 +15,7 @@ Bounds = tuple[float, float, float]
 
 
 def grid(rows: int, cols: int, diagonal: str, *, ring: bool = False, closed: bool = False) -> Faces:
-    """Triangles of a grid of vertices; a ring closes along its columns, a closed one along its rows too.
+    """Triangles of a grid of vertices; a ring closes along its columns, a closed grid also along its rows.
 
     Squares are cut along "one" diagonal, the "other", or "both" in turn.
     """
@@ -30,7 +30,7 @@ def grid(rows: int, cols: int, diagonal: str, *, ring: bool = False, closed: boo
 
 
 def welded(parts: list[tuple[Array, Faces, Array]], spacing: float) -> Surface:
-    """Parts (vertices, faces, uv) joined where their vertices meet; of two uv the first part's is kept."""
+    """Parts (vertices, faces, uv) joined at common vertices, which keep the uv of the first part."""
     start = np.cumsum([0] + [len(part[0]) for part in parts])
     vertices, uv = np.vstack([part[0] for part in parts]), np.vstack([part[2] for part in parts])
     faces = np.vstack([part[1] + start[k] for k, part in enumerate(parts)])
@@ -42,7 +42,7 @@ def welded(parts: list[tuple[Array, Faces, Array]], spacing: float) -> Surface:
 
 
 def outward(surface: Surface) -> Surface:
-    """Faces turned over where the volume they hold is negative."""
+    """Faces flipped if their enclosed volume is negative."""
     corner = surface.vertices[surface.faces[:, 0]] - surface.vertices.mean(axis=0)
     if (corner * surface.crosses).sum() >= 0:
         return surface
@@ -50,7 +50,7 @@ def outward(surface: Surface) -> Surface:
 
 
 def resampled(points: Array, spacing: float, *, closed: bool = False) -> Array:
-    """Places along a polyline about ``spacing`` apart; its corners stay."""
+    """Points along a polyline about ``spacing`` apart; its corners stay."""
     ends = np.vstack([points[1:], points[:1]]) if closed else points[1:]
     made = []
     for a, b in zip(points, ends, strict=False):
@@ -60,7 +60,7 @@ def resampled(points: Array, spacing: float, *, closed: bool = False) -> Array:
 
 
 def hex_points(low: Array, high: Array, spacing: float, jitter: float, rng: np.random.Generator) -> Array:
-    """Places of a honeycomb over a rectangle, each moved by up to ``jitter`` spacings."""
+    """Points of a honeycomb over a rectangle, each moved by up to ``jitter`` spacings."""
     y = np.arange(low[1], high[1] + spacing, spacing * np.sqrt(3) / 2)
     x = np.arange(low[0], high[0] + spacing, spacing)
     grid_x = x[None, :] + (np.arange(len(y)) % 2)[:, None] * spacing / 2
@@ -95,7 +95,7 @@ def fibonacci(count: int, density: Field | None = None) -> Array:
 
 
 def hull_faces(directions: Array) -> Faces:
-    """Triangles between directions on a sphere, the Delaunay ones, wound outward."""
+    """Delaunay triangles between directions on a sphere, wound outward."""
     faces = ConvexHull(directions).simplices
     a, b, c = (directions[faces[:, k]] for k in range(3))
     inside_out = (np.cross(b - a, c - a) * a).sum(axis=1) < 0
@@ -104,7 +104,7 @@ def hull_faces(directions: Array) -> Faces:
 
 
 def irregular(count: int, rng: np.random.Generator, rounds: int = 3) -> Array:
-    """Random directions that push their nearest neighbours away a little."""
+    """Random directions, slightly pushed away from their nearest neighbours."""
     points = rng.normal(size=(count, 3))
     points /= np.linalg.norm(points, axis=1, keepdims=True)
     for _ in range(rounds):
@@ -117,12 +117,12 @@ def irregular(count: int, rng: np.random.Generator, rounds: int = 3) -> Array:
 
 
 def cubes(field: Field, low: Bounds, high: Bounds, spacing: Bounds | float, rounds: int = 3) -> Surface:
-    """The zero of a field by marching cubes; each round moves the vertices among their neighbours along it."""
+    """The zero level of a field by marching cubes; each round smooths the vertices along it."""
     step = np.broadcast_to(np.asarray(spacing, dtype=float), (3,))
     axes = [np.arange(a, b + s, s) for a, b, s in zip(low, high, step, strict=True)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
     values = field(points.reshape(-1, 3)).reshape(points.shape[:3])
-    least = 0.06 * step.min()  # no corner so near the surface that a sliver is cut
+    least = 0.06 * step.min()  # keep corners away from the surface, to avoid slivers
     values = np.where(np.abs(values) < least, np.where(values < 0, -least, least), values)
     vertices, faces, _, _ = marching_cubes(values, 0.0)
     surface = Surface(np.asarray(low) + vertices * step, faces.astype(np.int32))
@@ -137,7 +137,7 @@ def field_and_slope(field: Field, points: Array, step: float) -> tuple[Array, Ar
 
 
 def evened(surface: Surface, field: Field, rounds: int, spacing: float) -> Surface:
-    """Vertices moved towards their neighbours' mean along the field's zero, and back onto it."""
+    """Vertices moved towards the mean of their neighbours along the zero level, and projected back onto it."""
     one, two = np.concatenate([surface.edges, surface.edges[:, ::-1]]).T
     vertices = surface.vertices
     count = np.bincount(one, minlength=len(vertices))[:, None]
@@ -152,7 +152,7 @@ def evened(surface: Surface, field: Field, rounds: int, spacing: float) -> Surfa
 
 
 def sharpened(surface: Surface, field: Field, rounds: int = 2) -> Surface:
-    """Vertices near a crease of the field moved onto it: where the planes of the faces around them meet."""
+    """Vertices near a crease of the field moved onto it, the intersection of the planes of the faces around them."""
     vertices, faces = surface.vertices, surface.faces
     for _ in range(rounds):
         centre = vertices[faces].mean(axis=1)
@@ -173,7 +173,7 @@ def sharpened(surface: Surface, field: Field, rounds: int = 2) -> Surface:
 
 
 def _moved(vertices: Array, faces: Faces, move: Array, normals: Array) -> Array:
-    """Vertices moved, except where that would make a needle of a face or turn it over."""
+    """Vertices moved, unless that would make a face a needle or flip it."""
     stays = np.zeros(len(vertices), bool)
     for _ in range(20):
         made = Surface(np.where(stays[:, None], vertices, vertices + move), faces)
@@ -185,7 +185,7 @@ def _moved(vertices: Array, faces: Faces, move: Array, normals: Array) -> Array:
 
 
 def halved(vertices: Array, faces: Faces) -> tuple[Array, Faces, NDArray[np.int64]]:
-    """Each face cut in four at the middles of its edges; and which face each came from."""
+    """Each face cut into four at its edge midpoints, and the original face of each part."""
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], -1), axis=2).reshape(-1, 2)
     edges, number = np.unique(ends, axis=0, return_inverse=True)
     middle = (len(vertices) + number.reshape(-1, 3)).astype(np.int32)
