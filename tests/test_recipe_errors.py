@@ -42,7 +42,7 @@ def message_of(text, kind=nm.InputError):
         ("mode = {}", 'mode: found a table, expected text in quotes, such as "over"'),
         ('clip = "maybe"', 'clip = "maybe": use one of auto, yes, no'),
         ("feather = 6", 'feather: found the number 6, expected text in quotes, such as "6px"'),
-        ('feather = "wide"', "feather: distance 'wide': expected a number with a unit"),
+        ('feather = "wide"', 'feather = "wide": expected a number with a unit'),
         ('feather = "-2px"', 'feather = "-2px": must be zero or more'),
         ("scale = 0", 'scale = "0": expected one or two factors between 0.001 and 1000'),
         ('scale = "1,2,3"', 'scale = "1,2,3": expected one or two factors'),
@@ -78,7 +78,7 @@ def test_a_layers_key(line, message):
         ("[canvas]\nsize = 3", 'scene.toml: canvas: size: found the number 3, expected text in quotes, such as "1000x'),
         ('[canvas]\nsize = "0x9"', 'scene.toml: canvas: size = "0x9": expected columns x rows in px'),
         ('[canvas]\nwidth = "9px"', 'scene.toml: canvas: width = "9px": the size of a pixel follows from it'),
-        ('[canvas]\nwidth = "9"', "scene.toml: canvas: length '9': expected a number with a unit"),
+        ('[canvas]\nwidth = "9"', 'scene.toml: canvas: width = "9": expected a number with a unit'),
         ('[canvas]\nground = "wood"', 'scene.toml: canvas: ground = "wood": use one of clear, flat'),
         (
             "[[layer]]",
