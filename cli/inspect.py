@@ -15,12 +15,12 @@ from nmaptool_cli.streams import display_name
 
 @dataclass(frozen=True)
 class Mask(Options, group="Inputs"):
-    """Where to look.
+    """The area to inspect.
 
     Parameters
     ----------
     mask:
-        Grey picture, white where to look.
+        Grey picture, white where the map is to be inspected.
     """
 
     mask: str | None = option(None)
@@ -28,9 +28,9 @@ class Mask(Options, group="Inputs"):
 
 @command(Mask, ReadOptions)
 def inspect(run: Run, map: str, /) -> int:
-    """Look a normal map over: convention, background, precision, and what is wrong, each with a remedy.
+    """Inspect a normal map: its conventions, background and precision, and every problem with its remedy.
 
-    Exit code 0: clean; 1: there are findings.
+    Exit code 0: no findings; 1: findings.
 
     Example: nmap inspect lion.png
 

@@ -12,7 +12,7 @@ from nmaptool_cli.run import Run
 
 @command(MapOutputs, WriteOptions, TransformOptions, ReadOptions)
 def transform(run: Run, map: str, /) -> None:
-    """Crop, mirror, resize, turn or pad a map: its vectors turn with the picture.
+    """Crop, mirror, resize, rotate or pad a map; its vectors turn with the picture.
 
     Example: nmap compose transform lion.png -o lion-left.png --flip-h --rotate 12 --pad 5%
 
