@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
+from cyclopts.exceptions import CoercionError, CycloptsError, MissingArgumentError, UnusedCliTokensError
 
 from nmaptool.core.errors import NmaptoolError, reason_of
 from nmaptool.io.interruption import UNFINISHED
@@ -50,7 +50,8 @@ def _failed(error: Exception) -> int:
         case CycloptsError(__cause__=NmaptoolError() as cause):
             return _fail(str(cause), cause.exit_code)
         case CycloptsError():
-            return _fail(f"{_usage(error)} (see nmap --help)", EXIT_USAGE)
+            command = " ".join(("nmap", *(error.command_chain or ())))
+            return _fail(f"{_usage(error)} (see {command} --help)", EXIT_USAGE)
         case MemoryError():
             return _fail("out of memory; use a smaller map", EXIT_LIMIT)
         case BrokenPipeError():
@@ -82,8 +83,10 @@ def _usage(error: CycloptsError) -> str:
         kind = "a whole number" if error.target_type is int else "a number"
         return f"{error.token.keyword} {error.token.value!r}: must be {kind}"
     if isinstance(error, UnusedCliTokensError):
-        return f"{' '.join(error.unused_tokens or [])}: unexpected argument; see --help for what the command takes"
-    return str(error)
+        return f"{' '.join(error.unused_tokens or [])}: unexpected argument"
+    if isinstance(error, MissingArgumentError) and error.argument is not None:
+        return f"{error.keyword}: needs a value" if error.keyword else f"{error.argument.name} is missing"
+    return str(error).removesuffix(".")
 
 
 def _fail(text: str, code: int) -> int:

@@ -50,7 +50,7 @@ def test_a_folder_of_files(bake, tree, mesh, tmp_path, kind):
     assert f"wrote {tmp_path / 'm'}: {' '.join(files)}\n" in done.err
     assert f"wrote {tmp_path}: p.png r.json\n" in done.err
     assert f"{mesh}: 625 vertices, 1152 faces\n" in done.err
-    assert "front: 60 x 50, 26.09 x 21.74 mm (units taken as mm), mesh on" in done.err
+    assert "front: 60 x 50, 26.09 x 21.74 mm (units taken as mm), mesh covers" in done.err
     assert "rendered by numpy" in done.err
 
 

@@ -55,7 +55,7 @@ BAD_WORDS = [
     (BLEND, "--strength nan", r"--strength nan: must be zero or more"),
     (BLEND, "--strength much", r"--strength 'much': must be a number"),
     (BLEND, "--fit=perhaps", r'--fit: unable to convert "perhaps"'),
-    (BLEND, "third.exr", r"third\.exr: unexpected argument"),
+    (BLEND, "third.exr", r"third\.exr: unexpected argument \(see nmap compose blend --help\)$"),
     (BLEND, "--frobnicate", r"--frobnicate"),
     (BLEND, "--bits 12", r'"12" for --bits'),
     (BLEND, "--bits 8", r"out\.exr: --bits 8 is not offered for \.exr; use float or half"),
@@ -105,7 +105,7 @@ BAD_WORDS = [
     (TRANSFORM, "--ground stone", r'"stone" for --ground'),
     (TRANSFORM, "--vectors-only --pad 1px", r"--vectors-only leaves the pixels where they are"),
     (TRANSFORM, "--width -3mm", r"'-3mm': must be greater than zero"),
-    (TRANSFORM, "second.exr", r"second\.exr: unexpected argument"),
+    (TRANSFORM, "second.exr", r"second\.exr: unexpected argument \(see nmap compose transform --help\)$"),
 ]
 
 
@@ -115,10 +115,10 @@ def test_words_that_cannot_be_meant(refused, place, start, words, pattern):
 
 
 def test_words_that_are_missing(refused, place):
-    refused(USAGE, "DETAIL", "compose", "blend", "base.exr", "-o", "out.exr")
+    refused(USAGE, "DETAIL is missing", "compose", "blend", "base.exr", "-o", "out.exr")
     no_layers = "no layers given: add one or more after the background"
     refused(USAGE, no_layers, "compose", "paste", "base.exr", "-o", "out.exr")
-    refused(USAGE, "MAP", "compose", "transform", "-o", "out.exr")
+    refused(USAGE, "MAP is missing", "compose", "transform", "-o", "out.exr")
     refused(USAGE, "frobnicate", "compose", "frobnicate")
     for start in (BLEND, PASTE, TRANSFORM):
         refused(USAGE, r"no output given: add one, such as -o map\.exr", "compose", *start.split())

@@ -49,7 +49,7 @@ def test_everything_is_written_and_said(run: Any, tmp_path: Path, depth_png: Pat
 
 def test_an_assumed_depth_is_told(run: Any, tmp_path: Path, depth_png: Path) -> None:
     done = run("compose", "depth", depth_png, "-o", tmp_path / "map.png")
-    assert "no depth scale given: white is assumed 10% of the width above black" in done.err
+    assert "no depth scale given: white at 10% of the width above black is assumed" in done.err
     assert run("compose", "depth", depth_png, "-o", tmp_path / "map.png", "-q", "--overwrite").err == ""
 
 

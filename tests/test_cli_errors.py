@@ -193,8 +193,8 @@ def test_a_solve_that_does_not_converge(refused, clean_map, tmp_path):
 def test_words_that_are_missing(run, refused, clean_map, tmp_path):
     assert "relief" in run().out
     refused(USAGE, "frobnicate", "frobnicate")
-    refused(USAGE, "MAP", "inspect")
-    refused(USAGE, "MAP", "relief", "-o", tmp_path / "out.stl")
+    refused(USAGE, "MAP is missing", "inspect")
+    refused(USAGE, "MAP is missing", "relief", "-o", tmp_path / "out.stl")
     refused(USAGE, "no output given: add one, such as -o", "relief", clean_map)
 
 

@@ -72,7 +72,7 @@ def unpack(run: Run, workspace: str, /) -> int:
     outputs = unpacked_outputs(flags.output, unpacked, format=flags.format, **flags.shared)
     printed = flags.prints_report or run.options.json
     run.detail(*(f"  wrote {path}" for path in outputs.paths))
-    written = [f"{len(outputs.paths)} files into {flags.output}"]
+    written = [f"{len(outputs.paths)} files to {flags.output}"]
     run.finish(outputs, unpacked, {"version": nm.__version__, **unpacked.to_dict()}, written=written)
     if not (printed or run.options.quiet):
         print("\n".join(describe_unpacked(unpacked)))

@@ -53,7 +53,8 @@ def describe_depth_report(report: DepthReport) -> Iterator[str]:
     yield f"  background {report.background}, {report.background_share:.0%} of the picture"
     yield f"  mean |curl| {report.curl:.4f} slope per px"
     if report.scale_from == "assumed":
-        yield "  no depth scale given: white is assumed 10% of the width above black; set yours with --depth-scale 5%"
+        assumed = "white at 10% of the width above black is assumed"
+        yield f"  no depth scale given: {assumed}; set yours with --depth-scale 5%"
 
 
 def describe_conversion(report: ConvertReport) -> Iterator[str]:

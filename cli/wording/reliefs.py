@@ -31,11 +31,11 @@ def describe_relief(run: Run, maps: Sequence[NormalMap], relief: Relief) -> None
 def describe_solve(report: ReliefReport) -> Iterator[str]:
     """A solve, one line each."""
     o = report.options
-    reach = f"{report.reach_px:.1f} px = {report.reach_mm:.2f} mm" if report.reach_px < 1e9 else "any size"
+    reach = f"up to {report.reach_px:.1f} px = {report.reach_mm:.2f} mm" if report.reach_px < 1e9 else "of any size"
     detail = f"mu {report.mu:g}, " if report.mu else ""
     delta = report.delta_px / report.px_per_delta
     fitted = {"delta": " (fitted)", "slope": f", slopes times {report.scale:.3g}"}.get(o.fit, "")
-    yield f"  {o.background}: {detail}beta {o.beta:g}, delta {delta:.4g}{fitted}, keeps forms up to {reach}"
+    yield f"  {o.background}: {detail}beta {o.beta:g}, delta {delta:.4g}{fitted}, keeps forms {reach}"
     seconds = sum(report.seconds.get(stage, 0) for stage in ("setup", "solve"))
     yield (
         f"  {report.solver}: {report.unknowns} unknowns, {report.iterations} iterations, residual "
