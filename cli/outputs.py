@@ -67,7 +67,7 @@ class MapOutputs(ReportOutputs):
     output:
         Normal map to write; - writes EXR to standard output, for the next command. The ending sets the format:
     curl:
-        Picture of the curl (.png): black where the map is a surface, yellow where it is torn.
+        Picture of the curl (.png): black where the normals form a surface, yellow where they do not.
     """
 
     output: Path | None = option(None, FileOf(formats=lambda: NORMAL_MAP_FORMATS), short="-o")
@@ -116,7 +116,7 @@ class LayerOutputs(ReportOutputs):
     plot:
         Figure (.png) of the residuals, the two Gaussians and the threshold.
     curl:
-        Picture of the curl (.png): black where the base is a surface, yellow where it is torn.
+        Picture of the curl (.png): black where the base normals form a surface, yellow where they do not.
     """
 
     output: Path | None = option(None, short="-o")

@@ -46,7 +46,7 @@ class StackCanvas(Options, group="Composing"):
     Parameters
     ----------
     size:
-        Size of the canvas in pixels, columns x rows. Default: the recipe's size, otherwise that of the lowest layer.
+        Size of the canvas, columns x rows in pixels. Default: the recipe's size, otherwise that of the lowest layer.
     width:
         Width of the whole picture, such as 100mm. Default: the recipe's width, otherwise that of the lowest layer.
     """

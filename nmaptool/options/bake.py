@@ -29,7 +29,7 @@ VIEWS = {
     "bottom": (0.0, -90.0),
     "iso": (45.0, 35.264389682754654),
 }
-# degrees; from farther away, depths cannot be told apart
+# degrees; a camera farther away cannot resolve depths
 _NARROWEST = 0.01
 
 
@@ -67,13 +67,13 @@ class BakeOptions(Options, group="Camera"):
     up:
         Axis of the mesh that points up. With "y", the front is seen from +z; with "z", from -y.
     size:
-        Size of the maps in pixels, columns x rows.
+        Size of the maps, columns x rows in pixels.
     margin:
         Empty border around the mesh, in px or in % of the longer side.
     width:
         Width of the whole picture, such as 100mm. Overrides the units of the mesh.
     pitch:
-        Size of one pixel, such as 0.1mm. Default: what fits the whole mesh into the picture.
+        Size of one pixel, such as 0.1mm. Default: the size at which the whole mesh fits into the picture.
     target:
         Point of the mesh to put at the centre of the picture, such as 0,12.5,3. Default: the whole mesh is framed.
     fov:
@@ -169,7 +169,7 @@ class BakeOptions(Options, group="Camera"):
 
     @property
     def views(self) -> tuple[str, ...]:
-        """The views' names, in order."""
+        """The names of the views, in order."""
         names = tuple(name.strip().lower() for name in self.view.split(","))
         for name in names:
             if name not in VIEWS:
@@ -180,7 +180,7 @@ class BakeOptions(Options, group="Camera"):
 
     @property
     def target_point(self) -> tuple[float, float, float]:
-        """``target`` as numbers; the origin where there is none."""
+        """``target`` as numbers; the origin if there is none."""
         if self.target is None:
             return (0.0, 0.0, 0.0)
         try:

@@ -23,7 +23,7 @@ class CompareOptions(Options, group="Camera"):
     up:
         Axis of the mesh that points up. With "y", the front is seen from +z; with "z", from -y.
     size:
-        Size of each picture in the figure in pixels, columns x rows.
+        Size of each picture in the figure, columns x rows in pixels.
     renderer:
         "auto" tries OpenGL through EGL, then OSMesa, then a window; "egl", "osmesa" or "window" uses only that one.
         "numpy" renders without OpenGL and is slower.

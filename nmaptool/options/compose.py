@@ -111,7 +111,7 @@ class LayerOptions(Options, group="Composing"):
 
     @property
     def place(self) -> tuple[Offset, Offset]:
-        """Where the anchor goes, from the canvas's top left corner."""
+        """Position of the anchor, from the canvas's top left corner."""
         if self.at is None:
             across, down = ANCHORS[self.anchor]
             return Offset(100 * across, "%"), Offset(100 * down, "%")
@@ -160,7 +160,7 @@ class CanvasOptions(Options, group="Composing"):
     Parameters
     ----------
     size:
-        Size of the canvas in pixels, columns x rows. Default: the size of the lowest layer.
+        Size of the canvas, columns x rows in pixels. Default: the size of the lowest layer.
     width:
         Width of the whole picture, such as 100mm. Default: the width stored in the lowest layer.
     ground:
@@ -177,5 +177,5 @@ class CanvasOptions(Options, group="Composing"):
 
     @property
     def cols_rows(self) -> tuple[int, int] | None:
-        """Columns and rows, where they are given."""
+        """Columns and rows; None if not given."""
         return None if self.size is None else parse_size("size", self.size)

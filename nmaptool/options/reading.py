@@ -30,7 +30,7 @@ class ReadOptions(Options, group="Reading"):
     layer:
         Read this layer of an EXR that holds several, such as "detail". FILE.exr:detail does the same.
     green:
-        Direction of the green channel: "up" (+Y, OpenGL), "down" (DirectX), or "auto": what the file says, otherwise
+        Direction of the green channel: "up" (+Y, OpenGL), "down" (DirectX), or "auto": as stated in the file, otherwise
         "down" if the picture proves it, otherwise "up".
     swizzle:
         Channels to use as x, y and z, each with an optional minus sign: "-g,r,b" reads nx = -G, ny = R, nz = B.

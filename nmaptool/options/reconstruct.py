@@ -21,8 +21,8 @@ class ReconstructOptions(Options, group="Rebuilding"):
     scheme:
         "gsfg-gradient" projects the faces and stitches them together, all vertices at once, with errors measured over
         the surface. "gsfg-shape" measures them corner by corner. "gsfg" moves each vertex to the mean of its
-        projections, as printed in the paper. "poisson" rotates the faces instead of projecting them; the others are
-        compared with it.
+        projections, as printed in the paper. "poisson" rotates the faces instead of projecting them; it is the
+        reference for the others.
     steps:
         How many times to shape and stitch the faces. The literature uses 1 for Poisson.
     closeness:
@@ -45,8 +45,7 @@ class SmoothOptions(Options, group="Rebuilding"):
     Parameters
     ----------
     detail_gain:
-        How much detail to keep: 0 removes it, 1 leaves the mesh as it is, 2 doubles it. Values below 0 carve it the
-        other way round.
+        How much detail to keep: 0 removes it, 1 leaves the mesh as it is, 2 doubles it. Values below 0 invert it.
     """
 
     detail_gain: float = option(0.0, Number("0 or 2", -10, 10))

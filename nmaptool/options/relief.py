@@ -104,5 +104,5 @@ class ReliefOptions(Options, group="Relief"):
 
     @property
     def memory_limit_bytes(self) -> int | None:
-        """The limit in bytes; None where none is given."""
+        """The limit in bytes; None if none is given."""
         return None if self.memory_limit is None else memory(self.memory_limit)

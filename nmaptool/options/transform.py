@@ -33,8 +33,8 @@ class TransformOptions(Options, group="Composing"):
     flip_v:
         Mirror top to bottom.
     resize:
-        New size, columns x rows, such as 2000x1800. The width in mm and the slopes stay the same. If the picture is
-        stretched, heights and the pixel size stay the same and the slopes change.
+        New size, columns x rows in pixels, such as 2000x1800. The width in mm and the slopes stay the same. If the
+        picture is stretched, heights and the pixel size stay the same and the slopes change.
     scale:
         One scale factor, two (across,down), or a new width, such as 30mm. The pixel size stays the same.
     rotate:
@@ -114,7 +114,7 @@ class TransformOptions(Options, group="Composing"):
 
     @property
     def matrix(self) -> tuple[float, float, float, float]:
-        """``affine`` as numbers; the identity where there is none."""
+        """``affine`` as numbers; the identity if there is none."""
         if self.affine is None:
             return (1.0, 0.0, 0.0, 1.0)
         try:
