@@ -29,7 +29,7 @@ def test_everything_is_written_and_said(run: Any, tmp_path: Path, depth_png: Pat
     done = run("compose", "depth", depth_png, "-o", out, *words)
     assert done.code == 0, done.err
     assert "scale 60 px (given)" in done.err
-    assert "jumps of 1 px or more beside" in done.err
+    assert "jumps: 1 px or more, beside" in done.err
     assert f"wrote {out}" in done.err
     read = nm.read_normal_map(out)
     expected = nm.depth_to_normals(nm.read_raster(depth_png), nm.DepthOptions(depth_scale="60px", width="48mm"))

@@ -36,11 +36,11 @@ def test_every_ending_and_the_report(run, place, tree):
     assert (done.code, done.out) == (0, "")
     assert {"m.stl", "m.ply", "m.obj", "m.glb", "r.json"} < set(tree())
     assert "plate.obj: 625 vertices, 1152 faces\n" in done.err
-    assert "  detail times 0, by gsfg-gradient: 20 steps, closeness 0.01, " in done.err
+    assert "  detail gain 0, scheme gsfg-gradient: 20 steps, closeness 0.01, " in done.err
     assert "  96 vertices on open edges, held\n" in done.err
     assert "mm outwards on average" in done.err
     assert "  wrote m.stl (coordinates as in the input)\n" in done.err
-    assert "  wrote m.glb (in metres, the input's numbers taken as mm)\n" in done.err
+    assert "  wrote m.glb (in metres, input coordinates taken as mm)\n" in done.err
     found = json.loads((place / "r.json").read_text())
     assert found["files"] == {"mesh": "plate.obj"}
     assert found["outputs"] == ["m.stl", "m.ply", "m.obj", "m.glb", "r.json"]
@@ -80,7 +80,7 @@ def test_a_closed_mesh_tells_its_volume(run, place):
     done = run("smooth", "solid.obj", "-o", "m.stl", "-v", "--steps", "3")
     assert done.code == 0
     assert "; volume " in done.err
-    assert "  moves " in done.err
+    assert "  rms move per step, in mean edge lengths: " in done.err
     assert "  seconds clean " in done.err
 
 

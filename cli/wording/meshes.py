@@ -18,7 +18,8 @@ def describe_smoothing(run: Run, source: Mesh, result: SmoothResult) -> None:
     run.say(describe_findings(source, report.findings))
     run.say(*describe_reconstruction(report.reconstruction, report.detail_gain))
     run.warn(*(f"{source.name}: {warning}" for warning in report.warnings))
-    run.detail(f"  moves {' '.join(f'{move:.1e}' for move in report.reconstruction.moves)} edges")
+    moves = " ".join(f"{move:.1e}" for move in report.reconstruction.moves)
+    run.detail(f"  rms move per step, in mean edge lengths: {moves}")
     run.seconds(report.seconds)
 
 
@@ -26,7 +27,7 @@ def describe_reconstruction(report: ReconstructReport, gain: float) -> Iterator[
     """How a mesh was rebuilt, one line each."""
     o, size = report.options, report.diagonal_mm or 1.0
     pull = "" if o.scheme == "gsfg" else f", closeness {o.closeness:g}"
-    yield f"  detail times {gain:g}, by {o.scheme}: {o.steps} steps{pull}, {report.seconds:.2f} s"
+    yield f"  detail gain {gain:g}, scheme {o.scheme}: {o.steps} steps{pull}, {report.seconds:.2f} s"
     folded = ""
     if report.folded_before or report.folded_after:
         folded = f"; {report.folded_before} folded faces before, {report.folded_after} after"
@@ -82,4 +83,4 @@ def describe_training(run: Run, examples: Sequence[TrainingExample], model: Filt
     before, *after = model.metadata["mean_angle_deg"]
     stages = ", ".join(f"{angle:.2f}" for angle in after)
     run.say(f"  mean angle to the targets: {before:.2f} degrees before, {stages} after each stage")
-    run.detail(f"  losses {' '.join(f'{loss:.2e}' for loss in model.metadata['losses'])}")
+    run.detail(f"  loss of each network: {' '.join(f'{loss:.2e}' for loss in model.metadata['losses'])}")

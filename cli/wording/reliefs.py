@@ -24,7 +24,7 @@ def describe_relief(run: Run, maps: Sequence[NormalMap], relief: Relief) -> None
     run.say(*describe_solve(report))
     run.warn(*report.warnings)
     run.detail(f"  memory planned for the solver {memory_text(report.planned_bytes)}")
-    run.detail(f"  residuals {' '.join(f'{r:.1e}' for r in report.history)}")
+    run.detail(f"  residual of each iteration: {' '.join(f'{r:.1e}' for r in report.history)}")
     run.seconds(report.seconds)
 
 
