@@ -41,7 +41,7 @@ def bake(run: Run, mesh: str, /) -> None:
     Parameters
     ----------
     mesh:
-        {meshes}.
+        Mesh file: {meshes}.
     """
     options, drawn = run[BakeOptions], run[DrawnOutputs]
     outputs = run[LayerOutputs].plan(views=options.views, depth=drawn.depth, faces=drawn.faces)

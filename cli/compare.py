@@ -54,7 +54,7 @@ def compare(run: Run, mesh: str, /) -> None:
     Parameters
     ----------
     mesh:
-        {meshes}.
+        Mesh file: {meshes}.
     """
     outputs = run[FigureOutputs].plan(run.options.json)
     begin_mesh(run, outputs, mesh)

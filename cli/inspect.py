@@ -37,7 +37,7 @@ def inspect(run: Run, map: str, /) -> int:
     Parameters
     ----------
     map:
-        Normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
     reading = run[ReadOptions]
     run.begin(map=map, mask=run[Mask].mask)

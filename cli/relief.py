@@ -103,7 +103,7 @@ def relief(run: Run, map: str, /) -> None:
     Parameters
     ----------
     map:
-        Original or base normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Original or base normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
     inputs = asdict(run[ReliefInputs])
     outputs = run[ReliefOutputs].plan(run.options.json)

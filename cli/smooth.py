@@ -56,7 +56,7 @@ def smooth(run: Run, mesh: str, /) -> None:
     Parameters
     ----------
     mesh:
-        {meshes}.
+        Mesh file: {meshes}.
     """
     outputs = run[MeshOutputs].plan(run.options.json)
     begin_mesh(run, outputs, mesh)

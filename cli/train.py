@@ -61,7 +61,7 @@ def train(run: Run, /, *meshes: str) -> None:
     Parameters
     ----------
     meshes:
-        One or more: {meshes}.
+        One or more mesh files: {meshes}.
     """
     from nmaptool.io.output.filter_models import TrainingFile, filter_outputs
 

@@ -26,7 +26,7 @@ def convert(run: Run, map: str, out: Path | None = None, /) -> None:
     Parameters
     ----------
     map:
-        Normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     out:
         File to write, .png, .exr or .tif; the same as -o.
     """

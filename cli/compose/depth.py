@@ -57,7 +57,7 @@ def depth(run: Run, image: str, /) -> None:
     Parameters
     ----------
     image:
-        Grey picture, 8 or 16 bit or float: {pictures}; FILE.exr:depth names a layer; - reads
+        Grey picture, 8 or 16 bit or float: {pictures}; FILE.exr:depth reads one layer; - reads
         standard input.
     """
     inputs, flags, options = run[DepthInputs], run[DepthOutputs], run[DepthOptions]

@@ -107,7 +107,7 @@ def pack(run: Run, /, *maps: str) -> None:
     Parameters
     ----------
     maps:
-        One or more normal maps, bottom to top; FILE.exr:layer names a layer. Or one recipe, such as scene.toml.
+        One or more normal maps, bottom to top; FILE.exr:layer reads one layer. Or one recipe, such as scene.toml.
     """
     from nmaptool.io.output.workspace import check_workspace_target, workspace_outputs
 

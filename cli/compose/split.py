@@ -19,7 +19,7 @@ def split(run: Run, map: str, /) -> None:
     Parameters
     ----------
     map:
-        Normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
     outputs = run[LayerOutputs].plan()
     run.begin(outputs, map=map)

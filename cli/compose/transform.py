@@ -19,7 +19,7 @@ def transform(run: Run, map: str, /) -> None:
     Parameters
     ----------
     map:
-        Normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
     outputs = run[MapOutputs].plan(run[WriteOptions], run.options.json)
     run.begin(outputs, map=map)
