@@ -1,1 +1,1 @@
-"""The command line: options to library calls, and nothing the library does not do."""
+"""The command line: turns flags into library calls and does nothing that the library cannot do."""

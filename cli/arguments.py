@@ -1,4 +1,4 @@
-"""The words of a command line as the parser can take them."""
+"""Command-line arguments, prepared for the parser."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ def prepared(arguments: list[str], command: Command | None) -> list[str]:
     ----------
     arguments : list of str
     command : Command or None
-        Says which flags take text that may begin with a minus sign, and which take whole numbers: the parser would
-        round.
+        Knows which flags take text that may begin with a minus sign, and which take whole numbers (the parser would
+        round them).
 
     Raises
     ------
     UsageError
-        If a flag that takes a whole number is given something else.
+        If a flag for a whole number is given anything else.
     """
     signed, whole = (command.signed, command.whole) if command is not None else (frozenset(), frozenset())
     joined: list[str] = []

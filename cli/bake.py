@@ -15,14 +15,14 @@ from nmaptool_cli.run import Run
 
 @dataclass(frozen=True)
 class DrawnOutputs(Options, group="Outputs"):
-    """Layers beyond the normals.
+    """More layers to write.
 
     Parameters
     ----------
     depth:
         Also write the distance from the camera, in mm.
     faces:
-        Also write the number of the face at each pixel.
+        Also write the face number of each pixel.
     """
 
     depth: bool = option(False, Switch())
@@ -31,16 +31,17 @@ class DrawnOutputs(Options, group="Outputs"):
 
 @command(LayerOutputs, DrawnOutputs, BakeOptions, FilterOptions, LearnedFilter, MeshReadOptions)
 def bake(run: Run, mesh: str, /) -> None:
-    """Draw a mesh as original, base and detail normal maps.
+    """Render a mesh to original, base and detail normal maps.
 
-    The base keeps the forms, the detail what is finer than --sigma-s; nmap relief takes original and detail, or base.
+    The base keeps the larger forms; the detail holds everything finer than --sigma-s. nmap relief takes the original
+    with the detail, or the base alone.
 
     Example: nmap bake bunny.obj -o maps, then nmap relief maps/original.exr --detail maps/detail.exr -o bunny.stl
 
     Parameters
     ----------
     mesh:
-        {meshes}.
+        Mesh file: {meshes}.
     """
     options, drawn = run[BakeOptions], run[DrawnOutputs]
     outputs = run[LayerOutputs].plan(views=options.views, depth=drawn.depth, faces=drawn.faces)

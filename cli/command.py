@@ -1,7 +1,7 @@
-"""Commands: functions of a run, whose flags are the fields of options' classes.
+"""Commands: functions of a run, whose flags are the fields of options classes.
 
-``@command(BakeOptions, FilterOptions)`` turns ``bake(run, mesh)`` into a function that the parser calls with the words
-of the command line. Nothing about a flag is written here: `nmaptool_cli.flags` makes it from its class.
+``@command(BakeOptions, FilterOptions)`` turns ``bake(run, mesh)`` into a function that the parser calls with the
+arguments of the command line. Flags are not defined here: `nmaptool_cli.flags` makes them from the classes.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Function = Callable[..., "int | None"]
 
 
 class Command:
-    """A function of a run and its file names, and the options' classes that its flags come from.
+    """A function of a run and its file names, and the options classes that define its flags.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Command:
         ``function(run, *files)``; its docstring is the command's help.
     classes : tuple of type of Options
     per_input : PerInput or None
-        Flags that are given once for all inputs, or once for each.
+        Flags that are given once for all inputs or once for each.
     """
 
     def __init__(self, function: Function, classes: tuple[type[Options], ...], per_input: PerInput | None) -> None:
@@ -44,7 +44,7 @@ class Command:
         self.per_input = per_input
 
     def __call__(self, *files: Any, **words: Any) -> int | None:
-        """Run the command with what the parser made of the words."""
+        """Run the command with the parsed arguments."""
         given: dict[type[Options], Options] = {}
         for options in self.classes:
             names = [field.name for field in dataclasses.fields(options)]
@@ -63,13 +63,13 @@ class Command:
 
     @property
     def help(self) -> str:
-        """The function's docstring, with the formats that can be read as they are now."""
+        """The function's docstring, with the formats that can currently be read."""
         named = {"pictures": format_names(), "meshes": listed(NAMES.values())}
         return re.sub(r"{(pictures|meshes)}", lambda found: named[found[1]], self.function.__doc__ or "")
 
     @property
     def kinds(self) -> dict[str, Kind]:
-        """What each flag takes."""
+        """The kind of each flag."""
         found = {} if self.per_input is None else self.per_input.kinds()
         for options in self.classes:
             found |= {field.name: kind for field in dataclasses.fields(options) if (kind := kind_of(field)) is not None}
@@ -87,9 +87,9 @@ class Command:
 
 
 def command(*classes: type[Options], per_input: PerInput | None = None) -> Callable[[Function], Any]:
-    """Make a function of a `Run` and its file names a command with the flags of these classes.
+    """Make a command with the flags of these classes from a function of a `Run` and its file names.
 
-    The result is a plain function, as the parser wants it; `command_of` gives its `Command`.
+    The result is a plain function, as the parser requires; `command_of` returns its `Command`.
     """
 
     def make(function: Function) -> Any:
@@ -99,7 +99,7 @@ def command(*classes: type[Options], per_input: PerInput | None = None) -> Calla
         def call(*files: Any, **words: Any) -> int | None:
             return made(*files, **words)
 
-        del call.__wrapped__  # the parser would go by its signature
+        del call.__wrapped__  # the parser would use its signature
         call.command = made  # type: ignore[attr-defined]
         command_of(call)
         return call
@@ -108,7 +108,7 @@ def command(*classes: type[Options], per_input: PerInput | None = None) -> Calla
 
 
 def command_of(call: Any) -> Command:
-    """The command behind a function, whose help and flags become those of the tables as they are now."""
+    """The command behind a function; updates its help and flags from the current tables."""
     made: Command = call.command
     parameters = list(made.parameters())
     call.__signature__ = inspect.Signature(parameters)

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FigureOutputs(ReportOutputs):
-    """A figure.
+    """Outputs of the comparison.
 
     Parameters
     ----------
     output:
-        Figure of both schemes: rebuilt meshes, vertex deviations, histograms, curves and the verdict, .png.
+        Figure (.png) that compares both schemes: rebuilt meshes, vertex deviations, histograms, curves and the verdict.
     """
 
     output: Path | None = option(None, short="-o")
@@ -38,7 +38,7 @@ class FigureOutputs(ReportOutputs):
 
         refuse_stream("a figure is written to a file, such as -o figure.png", self.output)
         if not (self.output or self.report or prints_json):
-            raise UsageError("nothing to write: say where, such as -o figure.png")
+            raise UsageError("no output given: add one, such as -o figure.png")
         return comparison_outputs(self.output, **self.shared)
 
 
@@ -46,14 +46,15 @@ class FigureOutputs(ReportOutputs):
 def compare(run: Run, mesh: str, /) -> None:
     """Compare gSfG with Poisson reconstruction on one mesh's base normals.
 
-    Says how far vertices and normals are off by either, swept so that they are compared at equal normal deviation.
+    Reports the vertex and normal deviation of each scheme. Settings are swept to compare the schemes at equal normal
+    deviation.
 
     Example: nmap compare bunny.obj -o figure.png --report figure.json
 
     Parameters
     ----------
     mesh:
-        {meshes}.
+        Mesh file: {meshes}.
     """
     outputs = run[FigureOutputs].plan(run.options.json)
     begin_mesh(run, outputs, mesh)

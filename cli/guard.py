@@ -1,4 +1,4 @@
-"""How a command ends: every failure is one line on stderr and an exit code, never a traceback."""
+"""How a command ends: every failure gives one line on stderr and an exit code, never a traceback."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
+from cyclopts.exceptions import CoercionError, CycloptsError, MissingArgumentError, UnusedCliTokensError
 
 from nmaptool.core.errors import NmaptoolError, reason_of
 from nmaptool.io.interruption import UNFINISHED
@@ -22,14 +22,14 @@ EXIT_OUTPUT = 5
 EXIT_BUG = 70
 EXIT_INTERRUPTED = 130
 
-# set as soon as Ctrl-C is heard: what a library makes of the exception then does not change how the command ends
+# set as soon as Ctrl-C arrives, so that the command ends the same way whatever a library does with the exception
 CTRL_C = threading.Event()
 _ending = threading.Lock()
 
 
 def run_guarded(command: Callable[[], Any]) -> int:
-    """Run a command; its exit code."""
-    if _ending.locked():  # by a command before, where one process runs several
+    """Run a command and return its exit code."""
+    if _ending.locked():  # left locked by an earlier command of the same process
         _ending.release()
     UNFINISHED.is_complete = False
     CTRL_C.clear()
@@ -39,52 +39,55 @@ def run_guarded(command: Callable[[], Any]) -> int:
         return code if isinstance(code, int) else 0
     except KeyboardInterrupt:
         return interrupted()
-    except Exception as error:  # noqa: BLE001 - it is said or raised again
+    except Exception as error:  # noqa: BLE001 - it is reported or raised again
         return interrupted() if CTRL_C.is_set() else _failed(error)
 
 
 def _failed(error: Exception) -> int:
-    """Say what went wrong; the exit code."""
+    """Print what went wrong and return the exit code."""
     match error:
         case NmaptoolError():
             return _fail(str(error), error.exit_code)
         case CycloptsError(__cause__=NmaptoolError() as cause):
             return _fail(str(cause), cause.exit_code)
         case CycloptsError():
-            return _fail(f"{_usage(error)} (see nmap --help)", EXIT_USAGE)
+            command = " ".join(("nmap", *(error.command_chain or ())))
+            return _fail(f"{_usage(error)} (see {command} --help)", EXIT_USAGE)
         case MemoryError():
             return _fail("out of memory; use a smaller map", EXIT_LIMIT)
         case BrokenPipeError():
             close_standard_output()
             return EXIT_OUTPUT
-        case OSError(errno=errno.ENOSPC):  # files have errors of their own: this is a report, or --help
+        case OSError(errno=errno.ENOSPC):  # files raise their own errors: this is a report, or --help
             close_standard_output()
             return _fail(f"{STDOUT}: cannot be written ({reason_of(error)})", EXIT_OUTPUT)
     if os.environ.get("NMAPTOOL_TRACEBACK"):
         raise error
     return _fail(  # the last line of defence: a designer should not meet a traceback
         f"this is a bug in nmaptool ({type(error).__name__}: {error}); run again with NMAPTOOL_TRACEBACK=1 and "
-        "report what it prints",
+        "report the output",
         EXIT_BUG,
     )
 
 
 def interrupted() -> int:
-    """Say that the command was interrupted, once however many threads say it."""
+    """Print that the command was interrupted, only once for all threads, and return the exit code."""
     if not _ending.acquire(False):
         return EXIT_INTERRUPTED
-    left = "what was to be written is complete" if UNFINISHED.is_complete else "nothing was written"
+    left = "all outputs were written" if UNFINISHED.is_complete else "nothing was written"
     return _fail(f"interrupted; {left}", EXIT_INTERRUPTED)
 
 
 def _usage(error: CycloptsError) -> str:
-    """A parser's complaint in a designer's words."""
+    """The parser's error in words for a designer."""
     if isinstance(error, CoercionError) and error.token is not None and error.target_type in (int, float):
         kind = "a whole number" if error.target_type is int else "a number"
         return f"{error.token.keyword} {error.token.value!r}: must be {kind}"
     if isinstance(error, UnusedCliTokensError):
-        return f"{' '.join(error.unused_tokens or [])}: is one word too many; see what the command takes with --help"
-    return str(error)
+        return f"{' '.join(error.unused_tokens or [])}: unexpected argument"
+    if isinstance(error, MissingArgumentError) and error.argument is not None:
+        return f"{error.keyword}: needs a value" if error.keyword else f"{error.argument.name} is missing"
+    return str(error).removesuffix(".")
 
 
 def _fail(text: str, code: int) -> int:

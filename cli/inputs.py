@@ -1,4 +1,4 @@
-"""What commands read: meshes, maps and learned filters, under the names that the user gave them."""
+"""Inputs of commands: meshes, maps and learned filters, under the names that the user gave them."""
 
 from __future__ import annotations
 
@@ -18,41 +18,41 @@ if TYPE_CHECKING:
 
 _Result = TypeVar("_Result")
 
-ONLY_FILES = "a mesh is read from a file, whose ending tells what it is"
+ONLY_FILES = "a mesh is read from a file, because its ending names the format"
 
 
 @dataclass(frozen=True)
 class LearnedFilter(Options, group="Filter"):
-    """A filter of one's own.
+    """A filter that the user trained.
 
     Parameters
     ----------
     model:
-        Filter made by nmap train, .npz, for --filter learned. Default: the one that comes with nmaptool.
+        Filter made by nmap train (.npz), for --filter learned. Default: the filter that comes with nmaptool.
     """
 
     model: Path | None = option(None)
 
     @property
     def files(self) -> dict[str, str]:
-        """What is read, by role."""
+        """The files to read, by role."""
         return {} if self.model is None else {"model": str(self.model)}
 
     def read(self) -> nm.FilterModel | None:
-        """The filter; None where none is given."""
+        """The filter; None if none is given."""
         import nmaptool as nm
 
         return None if self.model is None else nm.read_filter_model(self.model)
 
 
 def begin_mesh(run: Run, outputs: Outputs[Any], mesh: str) -> None:
-    """Check what can be checked before a mesh is worked on."""
+    """Check everything that can be checked before the mesh is read."""
     refuse_stream(ONLY_FILES, mesh)
     run.begin(outputs, mesh=mesh, **run[LearnedFilter].files)
 
 
 def read_mesh(run: Run, name: str) -> nm.Mesh:
-    """A mesh, read as the run's options say."""
+    """A mesh, read with the options of the run."""
     import nmaptool as nm
 
     reading = run[MeshReadOptions]
@@ -60,13 +60,13 @@ def read_mesh(run: Run, name: str) -> nm.Mesh:
 
 
 def mesh_header(run: Run, source: nm.Mesh) -> dict[str, Any]:
-    """What the report of a rebuilt mesh begins with."""
+    """The first entries of a report on a rebuilt mesh."""
     reading = asdict(run[MeshReadOptions])
     return run.header(reading=reading, mm_per_unit=source.mm_per_unit, unit_from=source.unit_from)
 
 
 def rebuild_mesh(run: Run, rebuild: Callable[..., _Result], options: Options) -> tuple[nm.Mesh, _Result]:
-    """A mesh as it was read, and what ``rebuild`` (`nmaptool.smooth`, `nmaptool.compare`) makes of it."""
+    """The mesh that was read, and the result of ``rebuild`` (`nmaptool.smooth`, `nmaptool.compare`) on it."""
     with run.work() as (files, progress):
         model = run[LearnedFilter].read()
         source = read_mesh(run, files["mesh"])
@@ -75,9 +75,9 @@ def rebuild_mesh(run: Run, rebuild: Callable[..., _Result], options: Options) ->
 
 
 def read_map(run: Run, file: str, like: nm.NormalMap | None = None, *, own_layer: bool = True) -> nm.NormalMap:
-    """A normal map, read as the run's options say, under the name that the user gave it.
+    """A normal map, read with the options of the run, under the name that the user gave it.
 
-    ``--layer`` is for the first map of a command: others are read with ``own_layer=False``.
+    ``--layer`` applies to the first map of a command; others are read with ``own_layer=False``.
     """
     import nmaptool as nm
 
@@ -88,13 +88,13 @@ def read_map(run: Run, file: str, like: nm.NormalMap | None = None, *, own_layer
 
 
 def read_grey(run: Run, file: str | None) -> Any:
-    """A grey picture; None where none is given."""
+    """A grey picture; None if none is given."""
     import nmaptool as nm
 
     return None if file is None else nm.read_grey(file, max_megapixels=run[ReadOptions].max_megapixels)
 
 
 def map_header(run: Run, *maps: nm.NormalMap, **more: Any) -> dict[str, Any]:
-    """What the report of an edit of maps begins with."""
+    """The first entries of a report on edited maps."""
     inputs = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
     return run.header(inputs=inputs, reading=asdict(run[ReadOptions]), **more)

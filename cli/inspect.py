@@ -16,12 +16,12 @@ from nmaptool_cli.streams import display_name
 
 @dataclass(frozen=True)
 class Mask(Options, group="Inputs"):
-    """Where to look.
+    """The area to inspect.
 
     Parameters
     ----------
     mask:
-        Grey picture, white where to look.
+        Grey picture, white where the map is to be inspected.
     """
 
     mask: str | None = option(None)
@@ -29,16 +29,16 @@ class Mask(Options, group="Inputs"):
 
 @command(Mask, ReadOptions)
 def inspect(run: Run, map: str, /) -> int:
-    """Look a normal map over: convention, background, precision, and what is wrong, each with a remedy.
+    """Inspect a normal map: its conventions, background and precision, and every problem with its remedy.
 
-    Exit code 0: clean; 1: there are findings.
+    Exit code 0: no findings; 1: findings.
 
     Example: nmap inspect lion.png
 
     Parameters
     ----------
     map:
-        Normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
     reading = run[ReadOptions]
     run.begin(map=map, mask=run[Mask].mask)

@@ -1,4 +1,4 @@
-"""Ctrl-C ends a command within a second, also in the middle of a long call."""
+"""Ctrl-C ends a command within a second, even in the middle of a long call."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from types import FrameType
 from nmaptool.io.interruption import UNFINISHED
 from nmaptool_cli.guard import CTRL_C, interrupted
 
-# Python itself hears of Ctrl-C between two of its steps only: decoding or compressing a large picture is one step.
-# Where none has ended after this time, the process is.
+# Python handles Ctrl-C only between two of its own steps, and decoding or compressing a large picture is one step.
+# If no step has ended after this time, the process is ended.
 _PATIENCE_S = 0.6
 
 
@@ -43,7 +43,7 @@ def _raise(number: int, frame: FrameType | None) -> None:
 
 
 def _wait(ours: socket.socket) -> None:
-    """End the process some time after Ctrl-C; where that does it first, this thread ends with it."""
+    """End the process some time after Ctrl-C, unless Ctrl-C itself has ended it by then."""
     while numbers := ours.recv(1):
         if numbers[0] == signal.SIGINT:
             time.sleep(_PATIENCE_S)

@@ -9,7 +9,7 @@ _AFTER_S = 1.0
 
 
 class LateBar:
-    """A progress bar that comes up after a while, so that nothing flashes by."""
+    """A progress bar that appears only after a delay, so that short runs show none."""
 
     def __init__(self) -> None:
         self._seen = ("reading", 0.0)
@@ -21,14 +21,14 @@ class LateBar:
         self._timer.start()
 
     def report(self, word: str, share: float) -> None:
-        """The stage, and the share of it that is done."""
+        """Update the name of the stage and the share that is done."""
         with self._lock:
             self._seen = word, share
             if self._bar is not None:
                 self._bar.update(0, description=word, completed=share)
 
     def stop(self) -> None:
-        """Take the bar away."""
+        """Remove the bar."""
         self._timer.cancel()
         with self._lock:
             self._ended = True

@@ -16,7 +16,7 @@ from nmaptool_cli.compose import HELP as COMPOSE_HELP
 from nmaptool_cli.guard import run_guarded
 from nmaptool_cli.interrupt import interruptible
 
-HELP = """Meshes and normal maps in, carved bas-reliefs in exact millimetres out.
+HELP = """Turn meshes and normal maps into bas-reliefs with exact sizes in millimetres.
 
 From a mesh: nmap bake MESH -o maps, then nmap relief maps/original.exr --detail maps/detail.exr -o relief.stl
 
@@ -33,21 +33,21 @@ app = App(
     default_parameter=Parameter(negative=""),
     suppress_keyboard_interrupt=False,
 )
-# commands load when they are called, so that --help stays quick
+# commands are imported when they are called, so that --help stays quick
 for _name, _help in (
-    ("inspect", "Look a normal map over and say what is wrong with it."),
-    ("bake", "Draw a mesh as original, base and detail normal maps."),
+    ("inspect", "Inspect a normal map and report what is wrong with it."),
+    ("bake", "Render a mesh to original, base and detail normal maps."),
     ("compare", "Compare gSfG with Poisson reconstruction on a mesh."),
     ("relief", "Make a relief in millimetres from one or two normal maps."),
-    ("smooth", "Rebuild a mesh without its fine detail, or with more of it."),
-    ("train", "Learn a filter from meshes of your own."),
+    ("smooth", "Remove the fine detail of a mesh, or exaggerate it."),
+    ("train", "Train a filter on your own meshes."),
 ):
     app.command(f"nmaptool_cli.{_name}:{_name}", name=_name, help=_help)
 app.command("nmaptool_cli.compose:app", name="compose", help=COMPOSE_HELP)
 
 
 def _call(words: list[str]) -> Any:
-    """Run a command; its own --help shows its docstring with the example, lists of commands its one line."""
+    """Run a command. Its own --help shows its full docstring with the example; lists of commands show one line."""
     named = [each for each in app.parse_commands(words)[1] if hasattr(each.default_command, "command")]
     commands: list[Command] = [command_of(each.default_command) for each in named]
     lines = [each.help for each in named]
@@ -68,8 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def run() -> None:
-    """Run the command of this process and end it."""
-    # the solver's dot products are short: threads of the linear algebra library cost more than they bring
+    """Run the command line of this process and exit."""
+    # the solver's dot products are short: threads of the linear algebra library cost more time than they save
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     with interruptible():
         code = main()

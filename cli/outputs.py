@@ -1,4 +1,4 @@
-"""Where the results of commands go: the output flags that several commands share."""
+"""Output flags that several commands share."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LayerFormat = Literal["exr", "png"]
 
 @dataclass(frozen=True)
 class FileOf(Kind):
-    """A file whose ending is one of a table of formats, which the help lists."""
+    """A file whose ending is in a table of formats, which the help lists."""
 
     formats: Callable[[], Mapping[str, Any]] = dict
 
@@ -39,9 +39,9 @@ class ReportOutputs(Options, group="Outputs"):
     Parameters
     ----------
     report:
-        Full account of the run as JSON; - for standard output.
+        Write a full report of the run as JSON; - writes it to standard output.
     overwrite:
-        Replace files that exist.
+        Replace existing files.
     """
 
     report: Path | None = option(None)
@@ -65,26 +65,26 @@ class MapOutputs(ReportOutputs):
     Parameters
     ----------
     output:
-        Normal map; - writes EXR to standard output, for the next command. By ending:
+        Normal map to write; - writes EXR to standard output, for the next command. The ending sets the format:
     curl:
-        Picture of where the map stops being a surface, .png: black is sound, yellow is torn.
+        Picture of the curl (.png): black where the normals form a surface, yellow where they do not.
     """
 
     output: Path | None = option(None, FileOf(formats=lambda: NORMAL_MAP_FORMATS), short="-o")
     curl: Path | None = option(None)
 
     def plan(self, writing: WriteOptions, prints_json: bool, **pictures: Path | None) -> Outputs[WrittenMap]:
-        """What is written; more pictures by kind."""
+        """The files to write; more pictures by kind."""
         from nmaptool.io.output.normal_map import map_outputs
         from nmaptool.io.output.targets import OutputStream
 
         if self.output is None:
-            raise UsageError("nothing to write: say where, such as -o map.exr")
+            raise UsageError("no output given: add one, such as -o map.exr")
         beside = {"curl": self.curl, **pictures}
         refuse_stream("pictures are written to files, such as --curl curl.png", *beside.values())
         to_stdout = str(self.output) == STREAM
         if to_stdout and (prints_json or self.prints_report):
-            raise UsageError("-: the map and the report cannot both go to standard output; give one of them a file")
+            raise UsageError("-: the map and the report cannot both go to standard output; write one of them to a file")
         place = OutputStream(cast("BinaryIO", StandardOutput()), ".exr", STDOUT) if to_stdout else self.output
         return map_outputs(place, writing, pictures=beside, **self.shared)
 
@@ -96,8 +96,8 @@ class PlacedOutputs(MapOutputs):
     Parameters
     ----------
     placed:
-        Picture of where layers lie above the lowest, .png: the --mask of nmap relief for a background that keeps its
-        own height.
+        Picture (.png) of the area that the layers above the lowest cover. Give it to nmap relief as --mask to let the
+        background keep its own height.
     """
 
     placed: Path | None = option(None)
@@ -110,13 +110,13 @@ class LayerOutputs(ReportOutputs):
     Parameters
     ----------
     output:
-        Folder for original, base, detail, coverage and a contact sheet; or one file .exr that holds them all.
+        Folder for the original, base, detail and coverage maps and a contact sheet, or one .exr file with all the maps.
     format:
-        Of the files in a folder: "exr" (float) or "png" (16 bit).
+        Format of the files in a folder: "exr" (float) or "png" (16 bit).
     plot:
-        Figure of the residuals, the two Gaussians and the threshold, .png.
+        Figure (.png) of the residuals, the two Gaussians and the threshold.
     curl:
-        Picture of where the base stops being a surface, .png: black is sound, yellow is torn.
+        Picture of the curl (.png): black where the base normals form a surface, yellow where they do not.
     """
 
     output: Path | None = option(None, short="-o")
@@ -125,17 +125,17 @@ class LayerOutputs(ReportOutputs):
     curl: Path | None = option(None)
 
     def plan(self, **more: Any) -> Outputs[Any]:
-        """What is written; ``more`` as in `nmaptool.io.output.layers.layer_outputs`."""
+        """The files to write; ``more`` as in `nmaptool.io.output.layers.layer_outputs`."""
         from nmaptool.io.output.layers import layer_outputs
 
         if self.output is None:
-            raise UsageError("nothing to write: say where, such as -o maps or -o maps.exr")
+            raise UsageError("no output given: add one, such as -o maps or -o maps.exr")
         refuse_stream("layers and pictures are written to files, such as -o maps", self.output, self.plot, self.curl)
         return layer_outputs(self.output, format=self.format, plot=self.plot, curl=self.curl, **more, **self.shared)
 
 
 def by_folder(paths: list[Path]) -> Iterator[str]:
-    """Files as messages list them: one line for each folder."""
+    """Files as messages list them: one line per folder."""
     folders: dict[Path, list[str]] = {}
     for path in paths:
         folders.setdefault(path.parent, []).append(path.name)

@@ -1,4 +1,4 @@
-"""Flags that are given once for all inputs of a command, or once for each."""
+"""Flags that are given once for all inputs of a command or once for each."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _Value = TypeVar("_Value")
 
 @dataclass(frozen=True)
 class PerInput:
-    """Fields of an options' class as flags that may be repeated, once for each input.
+    """Fields of an options class as flags that may be repeated, once for each input.
 
     Parameters
     ----------
@@ -30,9 +30,9 @@ class PerInput:
     names : tuple of str
         The fields.
     inputs : str
-        What the inputs are called, one of them and several: ``mesh meshes``.
+        The name of the inputs, singular and plural: ``mesh meshes``.
     base : Options
-        What is not given is as here.
+        Values of everything that is not given.
     """
 
     options: type[Options]
@@ -41,12 +41,12 @@ class PerInput:
     base: Options
 
     def kinds(self) -> dict[str, Kind]:
-        """What each field takes."""
+        """The kind of each field."""
         found = {field.name: kind_of(field) for field in dataclasses.fields(self.options)}
         return {name: kind for name in self.names if (kind := found[name]) is not None}
 
     def flags(self) -> Iterator[inspect.Parameter]:
-        """The flags as keyword parameters of a command; switches hold for all inputs."""
+        """The flags as keyword parameters of a command; switches apply to all inputs."""
         help_texts = descriptions(self.options)
         for name, kind in self.kinds().items():
             default = getattr(self.base, name)
@@ -80,7 +80,7 @@ class PerInput:
 
 
 def _shown(default: str, _: Any) -> str:
-    """The default of each input; that of the flag itself is no input at all."""
+    """The default for each input; the default of the flag itself is an empty tuple."""
     return default
 
 
@@ -96,22 +96,22 @@ def spread(name: str, given: Sequence[_Value], count: int, inputs: str) -> Seque
     Parameters
     ----------
     name : str
-        Of the field.
+        Name of the field.
     given : sequence
         One value or ``count``.
     count : int
     inputs : str
-        What they are called, one of them and several: ``mesh meshes``.
+        Their name, singular and plural: ``mesh meshes``.
 
     Raises
     ------
     UsageError
-        If the flag was given another number of times.
+        If the flag is given neither once nor ``count`` times.
     """
     if len(given) == 1:
         return [given[0]] * count
     if len(given) != count:
         one, several = inputs.split()
         remedy = f"give it once, or once for each {one}"
-        raise UsageError(f"{flag_of(name)}: is given {len(given)} times for {count} {several}; {remedy}")
+        raise UsageError(f"{flag_of(name)}: given {len(given)} times for {count} {several}; {remedy}")
     return given

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from nmaptool.core.progress import Progress
     from nmaptool.io.output.transaction import Outputs
 
-# what errors of the library call the inputs, by role
+# names of the inputs in the library's error messages, by role
 _CALLED = {
     "mask": "the mask",
     "mu_map": "the mu map",
@@ -37,14 +37,14 @@ _CALLED = {
 
 @dataclass(frozen=True)
 class ReliefInputs(Options, group="Inputs"):
-    """Files beside the map.
+    """Files besides the map.
 
     Parameters
     ----------
     detail:
-        Detail map of the same size: its detail is kept or exaggerated by --mu.
+        Detail map of the same size. --mu sets how strongly its detail is kept or exaggerated.
     mask:
-        Grey picture, white where the motif is. Default: what the map's own background tells.
+        Grey picture, white where the motif is. Default: found from the map's own background.
     surface:
         Curved background for --background surface: a normal map, or heights in mm (.exr .tif .npy).
     mu_map:
@@ -70,12 +70,12 @@ class ReliefOutputs(ReportOutputs):
     Parameters
     ----------
     output:
-        Repeatable. By ending:
+        Heights or mesh to write; repeat the flag for several files. The ending sets the format:
     preview:
-        Picture of the relief under two raking lights, .png.
+        Picture (.png) of the relief under two raking lights.
     at:
-        Where height files hold heights: "centers", as a picture of the relief, or "corners" of the pixels, one more
-        down and across, which lose nothing and come back exactly as --surface.
+        Where height files hold heights: at pixel "centers", as a picture of the relief, or at pixel "corners", with one
+        more row and column. "corners" loses nothing and can be read back exactly as --surface.
     """
 
     output: tuple[Path, ...] = option((), FileOf(formats=lambda: RELIEF_FORMATS), short="-o")
@@ -83,12 +83,12 @@ class ReliefOutputs(ReportOutputs):
     at: HeightsAt = option("centers", choice_of(HeightsAt))
 
     def plan(self, prints_json: bool) -> Outputs[nm.Relief]:
-        """What is written."""
+        """The files to write."""
         from nmaptool.io.output.relief import relief_outputs
 
         refuse_stream("a relief or a preview is written to a file, such as -o relief.stl", *self.output, self.preview)
         if not (self.output or self.preview or self.report or prints_json):
-            raise UsageError("nothing to write: say where, such as -o relief.stl --preview relief.png")
+            raise UsageError("no output given: add one, such as -o relief.stl --preview relief.png")
         return relief_outputs(self.output, preview=self.preview, at=self.at, **self.shared)
 
 
@@ -96,14 +96,14 @@ class ReliefOutputs(ReportOutputs):
 def relief(run: Run, map: str, /) -> None:
     """Make a relief in millimetres from one or two normal maps.
 
-    With the original map and --detail, shape and detail are both kept; with a base map alone, the structure.
+    The original map with --detail keeps both shape and detail; a base map alone keeps only the structure.
 
     Example: nmap relief lion.png -o lion.stl --preview lion-view.png --height 4mm --width 80mm
 
     Parameters
     ----------
     map:
-        Original or base normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Original or base normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
     inputs = asdict(run[ReliefInputs])
     outputs = run[ReliefOutputs].plan(run.options.json)
@@ -121,7 +121,7 @@ def relief(run: Run, map: str, /) -> None:
 
 
 def _solve(run: Run, files: Mapping[str, Any], progress: Progress | None) -> tuple[list[nm.NormalMap], nm.Relief]:
-    """Read the inputs and solve; the maps that were read, the original first."""
+    """Read the inputs and solve; returns the maps that were read, the original first, and the relief."""
     import nmaptool as nm
 
     started = time.perf_counter()
@@ -144,7 +144,7 @@ def _solve(run: Run, files: Mapping[str, Any], progress: Progress | None) -> tup
 
 @contextlib.contextmanager
 def _named_inputs(inputs: Mapping[str, str | None]) -> Iterator[None]:
-    """Errors that speak of the mask or a weight map name its file."""
+    """Add the file name to errors about the mask or a weight map."""
     try:
         yield
     except InputError as error:

@@ -1,4 +1,4 @@
-"""One run of a command: what it was given, what it says, and how its results go out."""
+"""One run of a command: its options, its messages and its results."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ _Result = TypeVar("_Result")
 
 @dataclass(frozen=True)
 class RunOptions(Options, group="Run"):
-    """How a command speaks.
+    """What a command prints.
 
     Parameters
     ----------
     quiet:
-        Say nothing but errors.
+        Print nothing but errors.
     verbose:
-        Say more: the residual history and the time of each stage.
+        Also print the solver's residuals and the time of each stage.
     json:
-        Print the full report as JSON on standard output.
+        Print the full report as JSON to standard output.
     """
 
     quiet: bool = option(False, Switch(), short="-q")
@@ -47,16 +47,16 @@ class RunOptions(Options, group="Run"):
 class Run:
     """One run of a command.
 
-    Messages are kept until the results are written: a run that fails says one line only.
+    Messages are held back until the results are written, so that a run that fails prints only its error.
 
     Parameters
     ----------
     given : mapping
         The options, by their class.
     words : mapping
-        What flags that are given once for each input hold.
+        Values of the flags that may be given once for each input.
     per_input : PerInput or None
-        What these flags are.
+        The definition of these flags.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Run:
         return self._per_input.spread(self._words, count)
 
     def begin(self, outputs: Outputs[Any] | None = None, **inputs: str | tuple[str, ...] | None) -> None:
-        """Check what can be checked before the work: that outputs can be written, and none of them is an input.
+        """Check before the work that every output can be written and that none of them is an input.
 
         Raises
         ------
@@ -93,7 +93,7 @@ class Run:
         self.refuse_inputs(*names_in(inputs))
 
     def refuse_inputs(self, *names: str) -> None:
-        """Refuse to write over what is read.
+        """Refuse to overwrite an input.
 
         Raises
         ------
@@ -103,12 +103,12 @@ class Run:
 
     @contextlib.contextmanager
     def work(self) -> Iterator[tuple[dict[str, Any], Progress | None]]:
-        """The inputs as files that can be read, by role, and who is told of the progress."""
+        """The inputs as readable files, by role, and the function that reports progress."""
         with readable(self.inputs) as files, self.progress() as progress:
             yield files, progress
 
     def header(self, **more: Any) -> dict[str, Any]:
-        """What every report begins with: the version and the files that were read."""
+        """The first entries of every report: the version and the files that were read."""
         files = {role: names for role, names in self.inputs.items() if names is not None}
         return {"version": __version__, "files": files, **more}
 
@@ -121,7 +121,7 @@ class Run:
         written: Iterable[str] | None = None,
         done: Callable[[], object] | None = None,
     ) -> None:
-        """Write the results, say everything, and print the report where it goes to standard output.
+        """Write the results, print the messages, and print the report if it goes to standard output.
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ class Run:
         metadata : mapping
             The report.
         written : iterable of str, optional
-            What to say was written. Default: the outputs' names.
+            Names of the written files for the messages. Default: the outputs' names.
         done : callable, optional
             Called once the results are written.
         """
@@ -146,37 +146,37 @@ class Run:
             self.data(report)
 
     def say(self, *lines: str) -> None:
-        """Messages, unless quiet."""
+        """Add messages, unless quiet."""
         if not self.options.quiet:
             self._messages += lines
 
     def detail(self, *lines: str) -> None:
-        """Messages for --verbose."""
+        """Add messages for --verbose."""
         if self.options.verbose:
             self.say(*lines)
 
     def seconds(self, seconds: Mapping[str, float]) -> None:
-        """The time of each stage, for --verbose."""
+        """Add the time of each stage, for --verbose."""
         self.detail(f"  seconds {', '.join(f'{stage} {value:.2f}' for stage, value in seconds.items())}")
 
     def warn(self, *warnings: str) -> None:
-        """Warnings, unless quiet."""
+        """Add warnings, unless quiet."""
         self.say(*(f"nmap: warning: {text}" for text in warnings))
 
     def speak(self) -> None:
-        """Print the messages so far on stderr."""
+        """Print the messages so far to stderr."""
         for text in self._messages:
             print(in_flags(text), file=sys.stderr)
         self._messages.clear()
 
     def data(self, value: Any) -> None:
-        """A JSON value on standard output."""
+        """Print a JSON value to standard output."""
         with standard_output() as stream:
             stream.write(json.dumps(value, indent=2).encode() + b"\n")
 
     @contextlib.contextmanager
     def progress(self) -> Iterator[Progress | None]:
-        """A progress bar on stderr where that is a terminal and the work takes longer than a second, else nothing."""
+        """A progress bar, if stderr is a terminal and the work takes longer than a second."""
         if self.options.quiet or not sys.stderr.isatty():
             yield None
             return

@@ -27,35 +27,36 @@ class MeshOutputs(ReportOutputs):
     Parameters
     ----------
     output:
-        Repeatable. By ending: .stl .ply .obj in mm, .glb in metres. A mesh whose units are not known is taken to be in
-        mm: its numbers stay. Faces keep their order.
+        Mesh to write; repeat the flag for several files. The ending sets the format: .stl .ply .obj in mm, .glb in
+        metres. If the units of the input are unknown, they are taken as mm and the numbers stay as they are. Faces keep
+        their order.
     """
 
     output: tuple[Path, ...] = option((), short="-o")
 
     def plan(self, prints_json: bool) -> Outputs[nm.Mesh]:
-        """What is written."""
+        """The files to write."""
         from nmaptool.io.output.mesh import mesh_outputs
 
         refuse_stream("a mesh is written to a file, such as -o smooth.stl", *self.output)
         if not (self.output or self.report or prints_json):
-            raise UsageError("nothing to write: say where, such as -o smooth.stl")
+            raise UsageError("no output given: add one, such as -o smooth.stl")
         return mesh_outputs(self.output, **self.shared)
 
 
 @command(MeshOutputs, SmoothOptions, ReconstructOptions, FilterOptions, LearnedFilter, MeshReadOptions)
 def smooth(run: Run, mesh: str, /) -> None:
-    """Rebuild a mesh without its fine detail, or with more of it.
+    """Remove the fine detail of a mesh, or exaggerate it.
 
-    What is finer than --sigma-s is detail; the vertices move until the faces look as without it, or with --detail-gain
-    of it.
+    Detail is everything finer than --sigma-s; --detail-gain sets how much of it is kept. The vertices move until the
+    faces have the normals that this gives.
 
     Example: nmap smooth bunny.obj -o smooth.stl, or nmap smooth bunny.obj -o crisp.stl --detail-gain 2
 
     Parameters
     ----------
     mesh:
-        {meshes}.
+        Mesh file: {meshes}.
     """
     outputs = run[MeshOutputs].plan(run.options.json)
     begin_mesh(run, outputs, mesh)
@@ -73,5 +74,5 @@ def smooth(run: Run, mesh: str, /) -> None:
 
 def _unit_of(path: Path, source: nm.Mesh) -> str:
     if path.suffix.lower() == ".glb":
-        return " (in metres)" if source.unit_from != "assumed" else " (in metres, the input's numbers taken as mm)"
-    return " (in mm)" if source.unit_from != "assumed" else " (the numbers of the input)"
+        return " (in metres)" if source.unit_from != "assumed" else " (in metres, input coordinates taken as mm)"
+    return " (in mm)" if source.unit_from != "assumed" else " (coordinates as in the input)"

@@ -1,4 +1,4 @@
-"""Where the console scripts begin: Ctrl-C while the commands load ends in one line, too."""
+"""Entry point of the console scripts: Ctrl-C during loading also gives only one line."""
 
 from __future__ import annotations
 

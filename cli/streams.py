@@ -1,4 +1,4 @@
-"""Standard input as a file, standard output for bytes, and the names that messages give them."""
+"""Standard input as a file, standard output for bytes, and their names in messages."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any, BinaryIO
 from nmaptool.core.errors import InputError, NmaptoolError, OutputError, UsageError, reason_of
 from nmaptool.io.interruption import UNFINISHED
 
-# what - stands for once the words are parsed
+# the file name that replaces - before parsing
 STREAM = "standard input"
 STDOUT = "standard output"
 
@@ -23,7 +23,7 @@ Inputs = Mapping[str, "str | tuple[str, ...] | None"]
 
 
 def refuse_stream(text: str, *names: object) -> None:
-    """Refuse - where only a file will do.
+    """Refuse - if only a file will do.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def standard_output() -> Iterator[BinaryIO]:
     Raises
     ------
     OutputError
-        If it is closed, or what it leads to is full.
+        If it is closed or full.
     """
     if sys.stdout is None:
         raise OutputError(f"{STDOUT}: is closed; give a file name instead of -")
@@ -64,7 +64,7 @@ def standard_output() -> Iterator[BinaryIO]:
 
 
 class StandardOutput(io.RawIOBase):
-    """Standard output as a stream for results; it is opened when the first bytes come."""
+    """Standard output as a stream for results, opened at the first write."""
 
     def writable(self) -> bool:
         """Whether bytes may be written."""
@@ -84,7 +84,7 @@ class StandardOutput(io.RawIOBase):
 
 
 def close_standard_output() -> None:
-    """Lead standard output nowhere; otherwise the interpreter complains at exit about what it could not write."""
+    """Redirect standard output to nowhere, so that the interpreter does not report unwritten data at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -97,11 +97,11 @@ def readable(inputs: Inputs) -> Iterator[dict[str, Any]]:
     InputError
         If standard input is named twice or empty.
     OutputError
-        If there is no room to keep it in.
+        If there is no space to store it.
     """
     count = names_in(inputs).count(STREAM)
     if count > 1:
-        raise InputError(f"{STREAM}: can be read once only")
+        raise InputError(f"{STREAM}: can be read only once")
     if not count:
         yield dict(inputs)
         return
@@ -116,7 +116,7 @@ def readable(inputs: Inputs) -> Iterator[dict[str, Any]]:
                 role: place(names) if isinstance(names, str) else names and tuple(place(name) for name in names)
                 for role, names in inputs.items()
             }
-        except NmaptoolError as error:  # nobody knows the temporary file
+        except NmaptoolError as error:  # the user does not know the temporary file
             error.args = (str(error).replace(spooled, STREAM), *error.args[1:])
             raise
 
@@ -129,18 +129,20 @@ def _spooled(folder: Path) -> Path:
     try:
         (folder / STREAM).write_bytes(data)
     except OSError as error:
-        raise OutputError(f"{STREAM}: cannot be kept in {folder} ({reason_of(error)}); set TMPDIR") from None
+        raise OutputError(
+            f"{STREAM}: cannot be stored in {folder} ({reason_of(error)}); set TMPDIR to another folder"
+        ) from None
     return folder / STREAM
 
 
 def display_name(name: str) -> str:
-    """What to call an input in messages: standard input where it was read from there."""
+    """The name of an input in messages: standard input if it came from there."""
     path = Path(name)
     return STREAM if path.name == STREAM and path.parent.parent == Path(tempfile.gettempdir()) else name
 
 
 def refuse_inputs(targets: Iterable[Path], names: Iterable[str]) -> None:
-    """Refuse to write over what is read.
+    """Refuse to overwrite an input.
 
     Raises
     ------
@@ -153,10 +155,10 @@ def refuse_inputs(targets: Iterable[Path], names: Iterable[str]) -> None:
 
 
 def _is_same(path: Path, name: str) -> bool:
-    """Whether an input, such as ``maps.exr:detail``, is in that file."""
+    """Whether an input, such as ``maps.exr:detail``, is this file."""
     from nmaptool.io.pictures.normal_maps import split_layer
 
     try:
         return path.samefile(split_layer(name)[0])
-    except (OSError, ValueError):  # there is no such input: reading it tells
+    except (OSError, ValueError):  # there is no such input: reading it reports that
         return False

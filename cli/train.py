@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from nmaptool.core.progress import Progress
     from nmaptool.io.output.filter_models import TrainingFile
 
-# share of the work that the targets are, in the progress bar
+# the targets' share of the progress bar
 _TARGETS = 0.1
 TARGETS = PerInput(
     FilterOptions, ("sigma_s", "sigma_r", "iterations"), "mesh meshes", base=FilterOptions(filter="grnf")
@@ -33,15 +33,15 @@ TARGETS = PerInput(
 
 @dataclass(frozen=True)
 class TrainOutputs(ReportOutputs):
-    """A learned filter, and what is kept on the way to it.
+    """A learned filter, and the state of its training.
 
     Parameters
     ----------
     output:
-        The learned filter, .npz: for nmap bake --filter learned --model.
+        Learned filter to write (.npz), for nmap bake --filter learned --model.
     state:
-        File for what is finished, .npz: it is written after every network, and a run that finds it goes on from there,
-        to the same result. Gone once the filter is written.
+        File (.npz) for the state of an unfinished training. It is updated after every network; if it exists, training
+        resumes from it with the same result. It is deleted once the filter is written.
     """
 
     output: Path | None = option(None, short="-o")
@@ -50,27 +50,27 @@ class TrainOutputs(ReportOutputs):
 
 @command(TrainOutputs, TrainOptions, MeshReadOptions, per_input=TARGETS)
 def train(run: Run, /, *meshes: str) -> None:
-    """Learn a filter from meshes of your own, whose detail you know how to tell from their forms.
+    """Train a filter on your own meshes, whose detail you know how to separate.
 
-    Give each mesh the parameters with which nmap bake --filter grnf shows the base you want; the learned filter then
-    finds such bases in other meshes without any. --sigma-s, --sigma-r and --iterations hold for all meshes; given as
-    often as there are meshes, for one each.
+    Give each mesh the parameters with which nmap bake --filter grnf shows the base you want. The learned filter then
+    finds such bases in other meshes without parameters. Give --sigma-s, --sigma-r and --iterations once for all meshes,
+    or once for each.
 
     Example: nmap train a.ply b.obj c.stl --sigma-s 3 --sigma-s 5 --sigma-s 4 -o mine.npz --state mine-state.npz
 
     Parameters
     ----------
     meshes:
-        One or more: {meshes}.
+        One or more mesh files: {meshes}.
     """
     from nmaptool.io.output.filter_models import TrainingFile, filter_outputs
 
     flags, options = run[TrainOutputs], run[TrainOptions]
     if not meshes:
-        raise UsageError("nothing to learn from: give one or more meshes, such as a.ply b.ply")
+        raise UsageError("no meshes given: add one or more, such as a.ply b.ply")
     refuse_stream(ONLY_FILES, *meshes)
     if flags.output is None:
-        raise UsageError("nothing to write: say where, such as -o filter.npz")
+        raise UsageError("no output given: add one, such as -o filter.npz")
     kept = TrainingFile(flags.state)
     outputs = filter_outputs(flags.output, kept=kept, **flags.shared)
     run.begin(outputs, meshes=meshes)
@@ -108,7 +108,7 @@ def _examples(
 def _train(
     run: Run, kept: TrainingFile, examples: list[nm.TrainingExample], progress: Progress | None
 ) -> nm.FilterModel:
-    """The filter, from where an interrupted training left off."""
+    """Train the filter; an interrupted training is resumed."""
     import nmaptool as nm
 
     def notify(word: str, share: float) -> None:
@@ -117,5 +117,5 @@ def _train(
 
     state = kept.begun()
     if state is not None:
-        run.say(f"  went on from {state.name}, where {len(state.losses)} networks were finished")
+        run.say(f"  resumed from {state.name} with {len(state.losses)} networks finished")
     return nm.train(examples, run[TrainOptions], state=state, keep=kept.keep, progress=notify)

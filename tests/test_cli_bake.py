@@ -50,8 +50,8 @@ def test_a_folder_of_files(bake, tree, mesh, tmp_path, kind):
     assert f"wrote {tmp_path / 'm'}: {' '.join(files)}\n" in done.err
     assert f"wrote {tmp_path}: p.png r.json\n" in done.err
     assert f"{mesh}: 625 vertices, 1152 faces\n" in done.err
-    assert "front: 60 x 50, 26.09 x 21.74 mm (units taken as mm), mesh on" in done.err
-    assert "drawn by numpy" in done.err
+    assert "front: 60 x 50, 26.09 x 21.74 mm (units taken as mm), mesh covers" in done.err
+    assert "rendered by numpy" in done.err
 
 
 def test_one_file_of_parts(bake, tree, tmp_path):
@@ -114,7 +114,7 @@ def test_what_was_dropped_is_told(run, tmp_path):
     (tmp_path / "odd.ply").write_bytes(ply(vertices, [*faces, [0, 0, 1], [0, 1, 25]], "ascii"))
     done = run("bake", tmp_path / "odd.ply", "-o", tmp_path / "m", *QUICK)
     assert done.code == 0
-    assert "27 vertices, 34 faces; 1 faces without area, 1 faces with NaN, 1 vertices unused" in done.err
+    assert "27 vertices, 34 faces; 1 faces without area, 1 faces with NaN, 1 unused vertices" in done.err
     assert "nmap: warning: " in done.err
     assert run("bake", tmp_path / "odd.ply", "-o", tmp_path / "n", *QUICK, "-q").err == ""
 
@@ -228,7 +228,7 @@ def test_renderers_agree(bake, run, mesh, tmp_path):
     done = run("bake", mesh, "-o", tmp_path / "b", *quickly(*words, "--renderer", "egl"))
     if done.code == 6:
         pytest.skip("no EGL on this machine")
-    assert "drawn by egl" in done.err
+    assert "rendered by egl" in done.err
     a, b = (nm.read_raster(tmp_path / name / "faces.exr").pixels[..., 0] for name in "ab")
     assert (a != b).mean() < 0.01
     for one, other in zip(maps_at(tmp_path / "a"), maps_at(tmp_path / "b"), strict=True):

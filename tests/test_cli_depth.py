@@ -29,7 +29,7 @@ def test_everything_is_written_and_said(run: Any, tmp_path: Path, depth_png: Pat
     done = run("compose", "depth", depth_png, "-o", out, *words)
     assert done.code == 0, done.err
     assert "scale 60 px (given)" in done.err
-    assert "jumps of 1 px or more beside" in done.err
+    assert "jumps: 1 px or more, beside" in done.err
     assert f"wrote {out}" in done.err
     read = nm.read_normal_map(out)
     expected = nm.depth_to_normals(nm.read_raster(depth_png), nm.DepthOptions(depth_scale="60px", width="48mm"))
@@ -49,7 +49,7 @@ def test_everything_is_written_and_said(run: Any, tmp_path: Path, depth_png: Pat
 
 def test_an_assumed_depth_is_told(run: Any, tmp_path: Path, depth_png: Path) -> None:
     done = run("compose", "depth", depth_png, "-o", tmp_path / "map.png")
-    assert "no depth was given: white stands 10% of the width above black" in done.err
+    assert "no depth scale given: white at 10% of the width above black is assumed" in done.err
     assert run("compose", "depth", depth_png, "-o", tmp_path / "map.png", "-q", "--overwrite").err == ""
 
 
@@ -58,7 +58,7 @@ def test_standard_input(run: Any, tmp_path: Path, depth_png: Path, monkeypatch: 
     done = run("compose", "depth", "-", "-o", tmp_path / "map.exr", "--jump", "none")
     assert done.code == 0, done.err
     assert "standard input: 96 x 96" in done.err
-    assert "jumps were not looked for" in done.err
+    assert "jumps: not searched for" in done.err
 
 
 def test_words_and_heights(run: Any, tmp_path: Path, depth_png: Path) -> None:
@@ -83,7 +83,7 @@ def test_a_mask(run: Any, tmp_path: Path, depth_png: Path, png: Any) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "pattern"),
     [
-        ((), 2, "nothing to write: say where"),
+        ((), 2, "no output given: add one"),
         (("-o", "map.jpg"), 2, "map.jpg"),
         (("-o", "map.exr", "--jumps-out", "j.exr"), 2, "the jumps picture is written as .png"),
         (("-o", "map.exr", "--jump", "x"), 2, "--jump x: use auto, none or a height, such as 2px"),

@@ -193,9 +193,9 @@ def test_a_solve_that_does_not_converge(refused, clean_map, tmp_path):
 def test_words_that_are_missing(run, refused, clean_map, tmp_path):
     assert "relief" in run().out
     refused(USAGE, "frobnicate", "frobnicate")
-    refused(USAGE, "MAP", "inspect")
-    refused(USAGE, "MAP", "relief", "-o", tmp_path / "out.stl")
-    refused(USAGE, "nothing to write: say where, such as -o", "relief", clean_map)
+    refused(USAGE, "MAP is missing", "inspect")
+    refused(USAGE, "MAP is missing", "relief", "-o", tmp_path / "out.stl")
+    refused(USAGE, "no output given: add one, such as -o", "relief", clean_map)
 
 
 def test_outputs_that_exist_are_left_alone_until_told(refused, run, tree, clean_map, tmp_path):
@@ -267,7 +267,7 @@ def test_standard_input_is_a_file_like_any_other(run, tree, fails, clean_map, tm
         given(data)
         fails(run("inspect", "-"), INPUT, pattern)
     given(clean_map.read_bytes())
-    fails(run("relief", "-", "--mask", "-", "-o", tmp_path / "out.stl"), INPUT, r"standard input.* read once only")
+    fails(run("relief", "-", "--mask", "-", "-o", tmp_path / "out.stl"), INPUT, r"standard input.* read only once")
     monkeypatch.setattr(sys, "stdin", None)  # closed, as "<&-" leaves it
     fails(run("inspect", "-"), INPUT, r"standard input.* is (empty|closed)")
     assert tree() == before

@@ -108,7 +108,8 @@ def test_the_account_tells_the_solve_and_what_it_took(run, tmp_path, clean_map):
     assert report["history"][-1] == pytest.approx(report["residual"])
     assert list(report["seconds"]) == ["reading", "inputs", "setup", "solve", "finish"]
     assert all(seconds > 0 for seconds in report["seconds"].values())
-    for words in ("memory planned for the solver 1", "residuals ", "seconds reading ", ", inputs ", ", finish "):
+    memory, residuals = "memory planned for the solver 1", "residual of each iteration: "
+    for words in (memory, residuals, "seconds reading ", ", inputs ", ", finish "):
         assert words in done.err
 
 

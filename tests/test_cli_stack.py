@@ -119,7 +119,7 @@ def test_files_outside_are_told(run, folder):
     (folder / "parts" / "up.toml").write_text('[[layer]]\nfile = "../plate.exr"\n')
     done = run("compose", "stack", folder / "parts" / "up.toml", "-o", folder / "out.png", "--json")
     assert done.code == 0
-    assert "up.toml: reads ../plate.exr, which lies outside the recipe's folder" in done.err
+    assert "up.toml: reads ../plate.exr, which is outside the recipe's folder" in done.err
     assert json.loads(done.out)["outside"] == ["../plate.exr"]
 
 
@@ -150,7 +150,7 @@ def test_a_recipe_that_is_wrong(refused, folder, code, text, message):
 
 def test_words_that_are_wrong(refused, folder, feed):
     scene, out = folder / "scene.toml", folder / "out.png"
-    refused(2, "nothing to write: say where", "compose", "stack", scene)
+    refused(2, "no output given: add one", "compose", "stack", scene)
     refused(3, "no.toml: no such file", "compose", "stack", folder / "no.toml", "-o", out)
     refused(2, "--size big: expected columns x rows", "compose", "stack", scene, "-o", out, "--size", "big")
     refused(2, "--width 9px: the size of a pixel follows", "compose", "stack", scene, "-o", out, "--width", "9px")

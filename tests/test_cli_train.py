@@ -36,7 +36,7 @@ def test_a_filter_is_written_and_told_of(run, meshes, tree, tmp_path):
     done = run("train", *meshes, *QUICK, *words, "-o", tmp_path / "f.npz")
     assert done.code == 0, done.err
     model = nm.read_filter_model(tmp_path / "f.npz")
-    assert f"learned from 2 meshes, 2304 faces: filter {model.digest}\n" in done.err
+    assert f"trained on 2 meshes, 2304 faces: filter {model.digest}\n" in done.err
     assert "mean angle to the targets" in done.err
     assert f"wrote {tmp_path / 'f.npz'}\n" in done.err
     metadata = json.loads(done.out)
@@ -74,7 +74,7 @@ def test_an_interrupted_training_goes_on(run, meshes, trained, tree, tmp_path, m
     monkeypatch.setattr(TrainingFile, "keep", keep)
     done = run(*words)
     assert done.code == 0, done.err
-    assert f"went on from {tmp_path / 'state.npz'}, where 2 networks were finished\n" in done.err
+    assert f"resumed from {tmp_path / 'state.npz'} with 2 networks finished\n" in done.err
     assert set(tree()) == {"f.npz", "mine.npz", "roof0.obj", "roof1.obj"}
     assert (tmp_path / "f.npz").read_bytes() == trained.read_bytes()
 
@@ -111,8 +111,8 @@ def test_bake_smooth_and_compare_take_a_filter(run, meshes, trained, tmp_path):
 def test_what_train_cannot_do(run, meshes, refused, trained, tmp_path):
     out = ("-o", tmp_path / "f.npz")
     (tmp_path / "text.npz").write_text("hello")
-    refused(2, r"nothing to learn from: give one or more meshes, such as a\.ply b\.ply", "train", *out)
-    refused(2, r"nothing to write: say where, such as -o filter\.npz", "train", *meshes)
+    refused(2, r"no meshes given: add one or more, such as a\.ply b\.ply", "train", *out)
+    refused(2, r"no output given: add one, such as -o filter\.npz", "train", *meshes)
     refused(2, "-: a mesh is read from a file", "train", "-", *out)
     refused(
         2, r"f\.bin: learned filters are kept in files that end in \.npz", "train", *meshes, "-o", tmp_path / "f.bin"
@@ -125,7 +125,7 @@ def test_what_train_cannot_do(run, meshes, refused, trained, tmp_path):
     three = [word for size in "345" for word in ("--sigma-s", size)]
     refused(
         2,
-        "--sigma-s: is given 3 times for 2 meshes; give it once, or once for each mesh",
+        "--sigma-s: given 3 times for 2 meshes; give it once, or once for each mesh",
         "train",
         *meshes,
         *out,

@@ -264,10 +264,10 @@ def test_inspect_and_the_other_commands_say_what_was_found(run, tmp_path, dome, 
     path = picture(tmp_path / "xy.exr", np.dstack([d.normals[..., :2], d.inside]), ("X", "Y", "A"))
     seen = run("inspect", path)
     assert seen.code == 1
-    assert "components   x and y, z made from them (found)" in seen.out
+    assert "components   x and y, z computed from them (found)" in seen.out
     assert "holds x and y only: it has no blue" in seen.out
     assert "nmap compose convert writes all three" in seen.out
     assert run("inspect", path, "--components", "xy").code == 0
     done = run("relief", path, "-o", tmp_path / "r.stl")
     assert done.code == 0
-    assert "x and y, z made from them (found)" in done.err
+    assert "x and y, z computed from them (found)" in done.err

@@ -121,8 +121,8 @@ def test_a_background_becomes_alpha(run, tmp_path, dome, codes, png, backdrop):
     source = png(tmp_path / "a.png", codes(d.normals, 8, backdrop, d.cover))
     done = run("compose", "convert", source, tmp_path / "b.png", "--bits", 8)
     assert (done.code, done.out) == (0, "")
-    assert f"background {backdrop}: coverage is in alpha" in done.err
-    assert "anti-aliased pixels took the normals just inside them" in done.err
+    assert f"background {backdrop}: coverage is stored in alpha" in done.err
+    assert "anti-aliased pixels took the normals next to them inside the motif" in done.err
     back = nm.read_normal_map(tmp_path / "b.png")
     assert back.decoding.background == "alpha"
     assert np.abs(back.coverage - d.cover).mean() < 0.01
@@ -163,8 +163,8 @@ def test_two_components_become_three(run, tmp_path, dome, picture, components):
     source = picture(tmp_path / "a.exr", np.dstack([pair, d.inside]), ("R", "G", "A"))
     done = run("compose", "convert", source, tmp_path / "b.exr", "--components", components)
     assert done.code == 0
-    words = {"xy": "x and y, z made from them", "octahedral": "octahedral codes"}[components]
-    assert f"{words}: all three are written" in done.err
+    words = {"xy": "x and y, z computed from them", "octahedral": "octahedral codes"}[components]
+    assert f"{words}: all three components are written" in done.err
     assert np.abs(stored(tmp_path / "b.exr")[..., :3] - d.normals)[d.inside].max() < 1e-6
     assert run("inspect", tmp_path / "b.exr").code == 0
 
@@ -231,7 +231,7 @@ def test_the_command_reports(run, tmp_path, clean_map):
     done = run(*words, "--curl", tmp_path / "curl.png", "--report", tmp_path / "r.json")
     assert (done.code, done.out) == (0, "")
     assert "was: 16 bit, zero at 127.5, green up; now: half, green down" in done.err
-    assert "no vector was off unit length by more than rounding" in done.err
+    assert "all vectors have unit length within rounding" in done.err
     assert "mean |curl|" in done.err
     report = json.loads((tmp_path / "r.json").read_text())
     assert report["source"]["bits"] == "16"
@@ -254,8 +254,8 @@ def test_from_standard_input(run, tmp_path, clean_map, monkeypatch):
 def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
     clean, out = maps["clean"], tmp_path / "out.png"
     cases = (
-        (2, r"nothing to write: say where", clean),
-        (2, r"out.png: the output is also named by -o .*b.png; name it once", clean, out, "-o", tmp_path / "b.png"),
+        (2, r"no output given: add one", clean),
+        (2, r"out.png: -o .*b.png also names the output; give only one of them", clean, out, "-o", tmp_path / "b.png"),
         (2, r"out.gif: ends in .gif; normal maps are written as", clean, tmp_path / "out.gif"),
         (2, r"out.png: `bits` half is not offered for .png; use 16 or 8", clean, out, "--bits", "half"),
         (2, r"clean.png: is also an input", clean, clean, "--overwrite"),

@@ -106,7 +106,7 @@ def test_a_finding_comes_alone_where_nothing_else_is_wrong(faulty, code):
 def test_a_clean_map_has_no_finding_and_leaves_with_0(run, clean_map):
     result = run("inspect", clean_map)
     assert (result.code, result.err) == (0, "")
-    assert "clean: nothing to report" in result.out
+    assert "clean: no findings" in result.out
     assert "96 x 96, 16 bit integer, channels R G B A" in result.out
     assert found(clean_map) == set()
 

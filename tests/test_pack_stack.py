@@ -101,7 +101,7 @@ def test_layers_lie_where_they_are_composed(scene):
 
 def test_a_recipe_says_how_its_layers_lie(scene, refused):
     words = ("compose", "pack", scene / "scene.toml", "-o", scene / "work.psd")
-    refused(2, "--at: is for maps; a recipe says it of each layer", *words, "--at", "0,0")
+    refused(2, "--at: applies to maps only; a recipe sets it for each layer", *words, "--at", "0,0")
     refused(2, r"scene\.toml: a recipe is packed alone", *words[:3], scene / "plate.exr", *words[3:])
     refused(2, r"bunny\.exr: is also an input", *words[:3], "-o", scene / "bunny.exr", "--overwrite")
     with pytest.raises(nm.InputError, match="nothing to pack: give at least one layer"):
@@ -132,7 +132,7 @@ def test_modes_given_to_pack_come_back_in_the_recipe(scene, run, refused):
     assert bunny.options.at == "20px,10px"
     again = (*words[:-1], scene / "other.psd")
     refused(2, "--mode screen: use one of over, rnm", *again, "--mode", "screen", "--mode", "pd")
-    refused(2, "--strength: is given 1 times for 2 maps", *again, "--strength", "0.5")
+    refused(2, "--strength: given 1 times for 2 maps", *again, "--strength", "0.5")
 
 
 def test_a_map_from_standard_input_is_called_so(scene, run, monkeypatch):

@@ -140,8 +140,8 @@ def test_the_command_refuses(refused, bumpy, tmp_path):
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "base.exr").touch()
     out = tmp_path / "out"
-    refused(2, "nothing to write: say where, such as -o maps", "compose", "split", source)
-    refused(2, "`sigma_s='wide'`|length 'wide'", "compose", "split", source, "-o", out, "--sigma-s", "wide")
+    refused(2, "no output given: add one, such as -o maps", "compose", "split", source)
+    refused(2, "--sigma-s wide: expected", "compose", "split", source, "-o", out, "--sigma-s", "wide")
     refused(2, "must lie between 0.01 and 10", "compose", "split", source, "-o", out, "--sigma-r", "-1")
     refused(3, "nothing.png: no such file", "compose", "split", tmp_path / "nothing.png", "-o", out)
     refused(5, "base.exr: exists already", "compose", "split", source, "-o", tmp_path / "full")

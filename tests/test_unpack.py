@@ -29,7 +29,7 @@ def test_there_and_back(maps, run, ending):
     assert "2 layers on 180 x 160" in done.err
     done = run("compose", "unpack", work, "-o", maps / "out")
     assert done.code == 0, done.err
-    assert "clean: nothing to report" in done.out
+    assert "clean: no findings" in done.out
     assert sorted(p.name for p in (maps / "out").iterdir()) == ["base.exr", "detail.exr", "recipe.toml"]
     back = nm.read_normal_map(maps / "out" / "base.exr")
     assert np.abs(back.normals - bumpy().normals)[bumpy().coverage > 0].max() < 2 / 65535
@@ -156,7 +156,7 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        (("pack", "base.exr"), 2, "nothing to write: say where, such as -o work.psd"),
+        (("pack", "base.exr"), 2, "no output given: add one, such as -o work.psd"),
         (("pack", "base.exr", "-o", "w.png"), 2, r"ends in \.png; a workspace is written as"),
         (("pack", "base.exr", "-o", "w.psd", "--bits", "32"), 2, r"--bits 32 is not offered"),
         (("pack", "base.exr", "-o", "w.psd", "--bits", "12"), 2, "--bits 12: use 8 or 16"),
@@ -164,12 +164,12 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
         (("pack", "base.exr", "-o", "w.exr", "--half", "--bits", "16"), 2, "--half: is for EXR"),
         (("pack", "base.exr", "-o", "w.psd", "--at", "3"), 2, "--at 3: expected 2 distances"),
         (("pack", "base.exr", "-o", "w.psd", "--at", "999999px,0"), 2, "accepted are places within 30000 px"),
-        (("pack", "base.exr", "-o", "w.psd", "--name", "a", "--name", "b"), 2, "--name: is given 2 times for 1 maps"),
+        (("pack", "base.exr", "-o", "w.psd", "--name", "a", "--name", "b"), 2, "--name: given 2 times for 1 maps"),
         (("pack", "base.exr", "-o", "no/w.psd"), 5, "the folder no does not exist|does not exist; make it first"),
         (("pack", "base.exr", "-o", "base.exr"), 5, "exists already"),
         (("pack", "missing.exr", "-o", "w.psd"), 3, "no such file"),
         (("pack", "base.exr", "-o", "w.psd", "--mask", "detail.png"), 3, "coloured|colour picture"),
-        (("unpack", "base.exr"), 2, "nothing to write: say where, such as -o maps"),
+        (("unpack", "base.exr"), 2, "no output given: add one, such as -o maps"),
         (("unpack", "missing.psd", "-o", "out"), 3, "no such file"),
         (("unpack", "base.exr", "-o", "detail.png"), 5, "is a file; layers are unpacked into a folder"),
         (("unpack", "base.exr", "-o", "no/out"), 5, "does not exist; make it first"),
@@ -177,7 +177,7 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
         (("unpack", "base.exr", "-o", "out", "--max-megapixels", "0"), 2, "must be greater than zero"),
         (("unpack", "base.exr", "-o", "out", "--max-megapixels", "0.001"), 4, "more than the limit of 0.001"),
         (("unpack", "detail.png", "-o", "out"), 3, "is no workspace that can be read here"),
-        (("unpack", "-", "-o", "out"), 2, "a workspace is read from a file"),
+        (("unpack", "-", "-o", "out"), 2, "a layered file cannot be read from standard input"),
     ],
 )
 def test_refusals(maps, refused, monkeypatch, words, code, message):

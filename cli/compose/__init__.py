@@ -1,21 +1,21 @@
-"""``nmap compose``: edits of normal maps, one file a command; they load when they are called."""
+"""``nmap compose``: edits of normal maps, one file per command, imported when it is called."""
 
 from __future__ import annotations
 
 from cyclopts import App
 
-HELP = "Edit normal maps as vectors: blend, paste, turn, convert, compose them."
+HELP = "Edit normal maps as vectors: blend, paste, transform, convert and compose them."
 
 app = App(name="compose", help=HELP)
 for _name, _help in (
-    ("split", "Split a map that has no mesh into base and detail."),
+    ("split", "Split a normal map into base and detail, without a mesh."),
     ("blend", "Blend a detail map with a base map."),
-    ("paste", "Paste layers on a background."),
+    ("paste", "Paste layers onto a background."),
     ("depth", "Turn a depth or height picture into a normal map."),
     ("stack", "Compose the layers of a recipe."),
-    ("transform", "Crop, mirror, resize, turn or pad a map."),
-    ("convert", "Write a map as another kind of file."),
-    ("pack", "Lay maps over each other in one file for an image editor: PSD, ORA, TIFF, EXR."),
-    ("unpack", "Take a layered file apart after an editor's hand: repaired, and with what was done to it."),
+    ("transform", "Crop, mirror, resize, rotate or pad a map."),
+    ("convert", "Convert a map to another format or convention."),
+    ("pack", "Pack maps as layers of one file for an image editor: PSD, ORA, TIFF, EXR."),
+    ("unpack", "Unpack a layered file after editing, repair it and report the changes."),
 ):
     app.command(f"nmaptool_cli.compose.{_name}:{_name}", name=_name, help=_help)

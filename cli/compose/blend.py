@@ -15,12 +15,12 @@ from nmaptool_cli.run import Run
 
 @dataclass(frozen=True)
 class BlendMask(Options, group="Inputs"):
-    """Where the detail counts.
+    """Where the detail is applied.
 
     Parameters
     ----------
     mask:
-        Grey picture, white where the detail counts.
+        Grey picture, white where the detail is applied.
     """
 
     mask: str | None = option(None)
@@ -35,9 +35,9 @@ def blend(run: Run, base: str, detail: str, /) -> None:
     Parameters
     ----------
     base:
-        Normal map of the forms; the result is covered where it is. - reads standard input.
+        Normal map of the forms; the result has the same coverage. - reads standard input.
     detail:
-        Normal map that is flat where it changes nothing, such as bake's detail.
+        Normal map of the detail, flat where nothing is to change, such as the detail map of nmap bake.
     """
     mask = run[BlendMask].mask
     outputs = run[MapOutputs].plan(run[WriteOptions], run.options.json)

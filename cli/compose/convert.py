@@ -16,23 +16,23 @@ from nmaptool_cli.streams import display_name
 
 @command(MapOutputs, WriteOptions, ReadOptions)
 def convert(run: Run, map: str, out: Path | None = None, /) -> None:
-    """Write a normal map as another kind of file: format, bits, green up or down, zero code, all three components.
+    """Convert a normal map: file format, bits, green up or down, zero code, all three components.
 
-    Codes that are sound stay as they are; vectors off unit length are normalised; a background that is white, grey,
-    black or no normal at all becomes alpha.
+    Valid codes stay as they are, and vectors off unit length are normalised. A background that is white, grey, black
+    or not a normal becomes alpha.
 
     Example: nmap compose convert bricks-dx.png bricks.exr --green down
 
     Parameters
     ----------
     map:
-        Normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     out:
-        What is written, .png, .exr or .tif; the same as -o.
+        File to write, .png, .exr or .tif; the same as -o.
     """
     flags, writing, reading = run[MapOutputs], run[WriteOptions], run[ReadOptions]
     if out is not None and flags.output is not None:
-        raise UsageError(f"{out}: the output is also named by -o {flags.output}; name it once")
+        raise UsageError(f"{out}: -o {flags.output} also names the output; give only one of them")
     outputs = dataclasses.replace(flags, output=flags.output or out).plan(writing, run.options.json)
     run.begin(outputs, map=map)
     import nmaptool as nm

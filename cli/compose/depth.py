@@ -18,16 +18,16 @@ from nmaptool_cli.streams import display_name
 
 @dataclass(frozen=True)
 class DepthInputs(Options, group="Inputs"):
-    """A mask, and which picture to read.
+    """A mask, and the picture to read.
 
     Parameters
     ----------
     mask:
         Grey picture, white where the surface is.
     layer:
-        Layer of an EXR that holds several. Also written as FILE.exr:depth.
+        Read this layer of an EXR that holds several. FILE.exr:depth does the same.
     max_megapixels:
-        Refuse larger pictures before any memory is taken.
+        Refuse larger pictures before any memory is used.
     """
 
     mask: str | None = option(None)
@@ -42,7 +42,7 @@ class DepthOutputs(MapOutputs):
     Parameters
     ----------
     jumps_out:
-        Picture of the jumps, .png: the brighter, the higher; how high white is stands in its metadata.
+        Picture (.png) of the jumps: brighter is higher. Its metadata gives the height of white.
     """
 
     jumps_out: Path | None = option(None)
@@ -57,7 +57,7 @@ def depth(run: Run, image: str, /) -> None:
     Parameters
     ----------
     image:
-        Grey picture, 8 or 16 bit or float: {pictures}; FILE.exr:depth names a layer; - reads
+        Grey picture, 8 or 16 bit or float: {pictures}; FILE.exr:depth reads one layer; - reads
         standard input.
     """
     inputs, flags, options = run[DepthInputs], run[DepthOutputs], run[DepthOptions]

@@ -1,4 +1,4 @@
-"""How every command that edits normal maps ends."""
+"""The last step of every command that edits normal maps."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def finish_edit(
     more: Sequence[str] = (),
     **facts: Any,
 ) -> None:
-    """Write an edited map; say how its inputs were read and what was done.
+    """Write an edited map and report how its inputs were read and what was done.
 
     Parameters
     ----------
@@ -37,9 +37,9 @@ def finish_edit(
     written : WrittenMap, optional
         The map as it is written. Default: with the composition's own recipe.
     more : sequence of str
-        What else to say of the inputs.
+        More messages about the inputs.
     **facts
-        More of the report.
+        More entries of the report.
     """
     from nmaptool.io.output.composition import composed_map
     from nmaptool_cli.wording.edits import describe_composition

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ModeNames(Kind):
-    """Modes of layers, which the help lists."""
+    """Layer modes, which the help lists."""
 
     def meanings(self) -> str:
         """As `Kind.meanings`."""
@@ -37,14 +37,14 @@ class ModeNames(Kind):
 
 @dataclass(frozen=True)
 class WorkspaceOutput(Options, group="Outputs"):
-    """A workspace.
+    """The layered file.
 
     Parameters
     ----------
     output:
-        Workspace. By ending:
+        Layered file to write. The ending sets the format:
     overwrite:
-        Replace a file that exists.
+        Replace an existing file.
     """
 
     output: Path | None = option(None, FileOf(formats=lambda: WORKSPACE_FORMATS), short="-o")
@@ -53,21 +53,21 @@ class WorkspaceOutput(Options, group="Outputs"):
 
 @dataclass(frozen=True)
 class Layering(Options, group="Composing"):
-    """How the maps lie in the workspace; each flag once for every map, bottom to top.
+    """How the maps are placed in the layered file; each flag once for every map, bottom to top.
 
     Parameters
     ----------
     at:
-        Place of the map's top left corner, across,down, such as 40px,-12px or 10%,5mm, to the nearest pixel. Default:
-        0,0.
+        Position of the map's top left corner: across,down, such as 40px,-12px or 10%,5mm, rounded to whole pixels.
+        Default: 0,0.
     name:
-        What the layer is called. Default: the file's name.
+        Name of the layer. Default: the file name.
     mode:
-        How it is to be composed again after unpacking. Default: over. One of
+        How the layer is to be composed after unpacking. Default: over. One of
     strength:
-        How much of it is composed then: 0 none, 1 all (default).
+        How strongly it is composed then: 0 not at all, 1 fully (default).
     mask:
-        Grey picture of the map's size, white where it shows: the layer's mask. "none" for a map without.
+        Mask of the layer: a grey picture of the map's size, white where the map shows. "none" for a map without a mask.
     """
 
     at: tuple[str, ...] = option((), SignedText())
@@ -82,15 +82,15 @@ class Layering(Options, group="Composing"):
         Raises
         ------
         UsageError
-            If a flag is not given once for every map, or a recipe says it already.
+            If a flag is not given once for each map, or is given with a recipe.
         """
         for field in dataclasses.fields(self):
             given, flag = len(getattr(self, field.name)), flag_of(field.name)
             if given and recipe:
-                raise UsageError(f"{flag}: is for maps; a recipe says it of each layer")
+                raise UsageError(f"{flag}: applies to maps only; a recipe sets it for each layer")
             if given not in (0, count):
-                remedy = "give it once for each map, or never"
-                raise UsageError(f"{flag}: is given {given} times for {count} maps; {remedy}")
+                remedy = "give it once for each map, or not at all"
+                raise UsageError(f"{flag}: given {given} times for {count} maps; {remedy}")
         default = LayerOptions(at="0,0")
         rows = (getattr(self, key) or (getattr(default, key),) * count for key in ("name", "mode", "strength", "at"))
         return [LayerOptions(*row) for row in zip(*rows, strict=True)]
@@ -98,29 +98,29 @@ class Layering(Options, group="Composing"):
 
 @command(WorkspaceOutput, PackOptions, Layering, ReadOptions)
 def pack(run: Run, /, *maps: str) -> None:
-    """Lay normal maps over each other as the layers of one file for an image editor.
+    """Pack normal maps as the layers of one file for an image editor.
 
-    A recipe (.toml) is packed with its layers on their places, vectors turned.
+    A recipe (.toml) is packed with its layers in place and their vectors turned.
 
-    Example: nmap compose pack base.exr detail.exr --mode over --mode rnm -o work.psd, and after the editor nmap compose
+    Example: nmap compose pack base.exr detail.exr --mode over --mode rnm -o work.psd, and after editing nmap compose
     unpack work.psd -o maps
 
     Parameters
     ----------
     maps:
-        One or more normal maps, bottom to top; FILE.exr:layer names a layer. Or one recipe, such as scene.toml.
+        One or more normal maps, bottom to top; FILE.exr:layer reads one layer. Or one recipe, such as scene.toml.
     """
     from nmaptool.io.output.workspace import check_workspace_target, workspace_outputs
 
     target, options, layering = run[WorkspaceOutput].output, run[PackOptions], run[Layering]
     if not maps:
-        raise UsageError("nothing to pack: give one or more maps, or a recipe")
+        raise UsageError("no maps given: add one or more, or a recipe")
     if target is None:
-        raise UsageError("nothing to write: say where, such as -o work.psd")
+        raise UsageError("no output given: add one, such as -o work.psd")
     bits = check_workspace_target(target, options.bits, options.half)
     is_recipe = Path(maps[0]).suffix.lower() == ".toml"
     if is_recipe and len(maps) > 1:
-        raise UsageError(f"{maps[0]}: a recipe is packed alone; give it, or maps")
+        raise UsageError(f"{maps[0]}: a recipe is packed alone; give one recipe, or maps")
     each = layering.of_each(len(maps), recipe=is_recipe)
     outputs = workspace_outputs(target, overwrite=run[WorkspaceOutput].overwrite)
     masks = tuple(name for name in layering.mask if name != "none")
@@ -143,7 +143,7 @@ _Placed = tuple[list["nm.NormalMap"], tuple["nm.PackedMap", ...], "nm.Frame", st
 
 
 def _recipe(run: Run, name: str) -> _Placed:
-    """The layers of a recipe on their places."""
+    """The layers of a recipe, in place."""
     import nmaptool as nm
 
     recipe = nm.read_recipe(name, max_megapixels=run[ReadOptions].max_megapixels)
@@ -154,7 +154,7 @@ def _recipe(run: Run, name: str) -> _Placed:
 
 
 def _maps(run: Run, each: list[LayerOptions]) -> _Placed:
-    """The maps, how they lie, and their canvas."""
+    """The maps, their placement and their canvas."""
     import nmaptool as nm
     from nmaptool.workspace.pack import common_frame
 

@@ -18,7 +18,7 @@ from nmaptool_cli.outputs import PlacedOutputs
 from nmaptool_cli.per_input import PerInput, spread
 from nmaptool_cli.run import Run
 
-# a pasted layer is called by its file
+# a pasted layer has the name of its file
 PLACING = PerInput(
     LayerOptions,
     tuple(field.name for field in dataclasses.fields(LayerOptions) if field.name != "name"),
@@ -29,15 +29,15 @@ PLACING = PerInput(
 
 @dataclass(frozen=True)
 class PasteOptions(Options, group="Composing"):
-    """What else is said of the layers and of the canvas.
+    """Masks of the layers, and the width of the canvas.
 
     Parameters
     ----------
     mask:
-        Grey picture of the layer's size, white where it shows.
+        Grey picture of the layer's size, white where the layer shows.
     width:
-        Width of the whole picture, such as 100mm, so that lengths in mm have a meaning. Default: what the background
-        says.
+        Width of the whole picture, such as 100mm, so that lengths can be given in mm. Default: the width stored in the
+        background.
     """
 
     mask: tuple[str, ...] = option(())
@@ -46,22 +46,22 @@ class PasteOptions(Options, group="Composing"):
 
 @command(PlacedOutputs, WriteOptions, PasteOptions, ReadOptions, per_input=PLACING)
 def paste(run: Run, background: str, /, *layers: str) -> None:
-    """Paste layers on a background; their normals turn with the picture.
+    """Paste layers onto a background; their normals turn with the picture.
 
-    A layer brings its motif along, not its background. Flags of placing hold for all layers; given as often as there
-    are layers, for one each. More control: nmap compose stack.
+    Only the motif of a layer is pasted, not its background. Give placement flags once for all layers, or once for each.
+    For more control, use nmap compose stack.
 
     Example: nmap compose paste plate.exr bunny.exr igea.exr -o both.exr --at 30%,50% --at 70%,50% --scale 0.6
 
     Parameters
     ----------
     background:
-        Normal map; the result has its size.
+        Normal map of the background; the result has the same size.
     layers:
-        One or more normal maps, from the lowest to the topmost.
+        One or more normal maps, bottom to top.
     """
     if not layers:
-        raise UsageError("nothing to paste: give one or more layers after the background, such as plate.exr motif.exr")
+        raise UsageError("no layers given: add one or more after the background, such as plate.exr motif.exr")
     flags, more = run[PlacedOutputs], run[PasteOptions]
     options = run.per_input(len(layers))
     given = more.mask or (None,)

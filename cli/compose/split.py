@@ -12,14 +12,14 @@ from nmaptool_cli.wording.maps import say_map
 
 @command(LayerOutputs, SplitOptions, ReadOptions)
 def split(run: Run, map: str, /) -> None:
-    """Split a normal map that has no mesh into base and detail.
+    """Split a normal map into base and detail, without a mesh.
 
     Example: nmap compose split lion.png -o layers, then nmap relief lion.png --detail layers/detail.exr -o lion.stl
 
     Parameters
     ----------
     map:
-        Normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
     outputs = run[LayerOutputs].plan()
     run.begin(outputs, map=map)

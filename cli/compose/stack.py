@@ -27,12 +27,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RecipeFolder(Options, group="Inputs"):
-    """Where the recipe's files are.
+    """The folder of the recipe's files.
 
     Parameters
     ----------
     folder:
-        What the recipe's files are relative to. Default: its own folder; the current one for standard input.
+        Folder that the recipe's file names are relative to. Default: the folder of the recipe; for standard input, the
+        current folder.
     """
 
     folder: Path | None = option(None)
@@ -40,14 +41,14 @@ class RecipeFolder(Options, group="Inputs"):
 
 @dataclass(frozen=True)
 class StackCanvas(Options, group="Composing"):
-    """The canvas, instead of the recipe's.
+    """Replaces the canvas of the recipe.
 
     Parameters
     ----------
     size:
-        Columns x rows of the canvas. Default: what the recipe says, else those of the lowest layer.
+        Size of the canvas, columns x rows in pixels. Default: the recipe's size, otherwise that of the lowest layer.
     width:
-        Width of the whole picture, such as 100mm. Default: what the recipe says, else the lowest layer.
+        Width of the whole picture, such as 100mm. Default: the recipe's width, otherwise that of the lowest layer.
     """
 
     size: str | None = option(None, SignedText("1000x900"))
@@ -58,14 +59,15 @@ class StackCanvas(Options, group="Composing"):
 def stack(run: Run, recipe: str, /) -> None:
     """Compose the layers of a recipe.
 
-    Any number of layers with place, mode, strength and mask, in groups or not; docs/recipes.md tells every key.
+    A recipe has any number of layers, in groups or not, each with its position, mode, strength and mask. All keys are
+    described in docs/recipes.md.
 
     Example: nmap compose stack scene.toml -o scene.exr --report scene.json
 
     Parameters
     ----------
     recipe:
-        TOML file, or a map that was composed by one, which is in its metadata; - reads TOML from standard input.
+        TOML file, or a map composed from a recipe, which is stored in its metadata; - reads TOML from standard input.
     """
     flags, reading = run[PlacedOutputs], run[ReadOptions]
     given = CanvasOptions(run[StackCanvas].size, run[StackCanvas].width)
@@ -90,7 +92,7 @@ def stack(run: Run, recipe: str, /) -> None:
 
 
 def _read(run: Run, recipe: str) -> nm.Recipe:
-    """The recipe, with the recipes that it names."""
+    """The recipe, with the recipes that it includes."""
     import nmaptool as nm
 
     folder = run[RecipeFolder].folder
@@ -103,7 +105,7 @@ def _read(run: Run, recipe: str) -> nm.Recipe:
 
 
 def _composed(layers: nm.Stack, max_megapixels: float, progress: Progress | None) -> nm.Composition:
-    """The composition; what is wrong is told in the recipe's words, for it has ``at`` where others have ``--at``."""
+    """The composition; errors use the recipe's keys, such as ``at`` for ``--at``."""
     import nmaptool as nm
 
     try:
@@ -114,10 +116,10 @@ def _composed(layers: nm.Stack, max_megapixels: float, progress: Progress | None
 
 
 def _notes(layers: nm.Stack) -> Iterator[str]:
-    """What of the recipe was left out, and what it reads from elsewhere."""
+    """Hidden layers, notes, and files outside the recipe's folder."""
     for label in layers.recipe.hidden:
         yield f"{label}: hidden, left out"
     for note in layers.recipe.notes:
         yield f"nmap: warning: {note}"
     for name in layers.outside:
-        yield f"nmap: warning: {layers.recipe.name}: reads {name}, which lies outside the recipe's folder"
+        yield f"nmap: warning: {layers.recipe.name}: reads {name}, which is outside the recipe's folder"

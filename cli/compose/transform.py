@@ -12,14 +12,14 @@ from nmaptool_cli.run import Run
 
 @command(MapOutputs, WriteOptions, TransformOptions, ReadOptions)
 def transform(run: Run, map: str, /) -> None:
-    """Crop, mirror, resize, turn or pad a map: its vectors turn with the picture.
+    """Crop, mirror, resize, rotate or pad a map; its vectors turn with the picture.
 
     Example: nmap compose transform lion.png -o lion-left.png --flip-h --rotate 12 --pad 5%
 
     Parameters
     ----------
     map:
-        Normal map: {pictures}; FILE.exr:layer names a layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
     outputs = run[MapOutputs].plan(run[WriteOptions], run.options.json)
     run.begin(outputs, map=map)

@@ -22,10 +22,10 @@ class UnpackOutputs(ReportOutputs):
     Parameters
     ----------
     output:
-        Folder for a map per layer, their masks, and recipe.toml, which nmap compose stack composes again. Made if
-        missing.
+        Folder for one map per layer, the masks, and recipe.toml, which nmap compose stack composes again. The folder is
+        created if it is missing.
     format:
-        "exr" (floats) or "png" (16 bits).
+        Format of the maps: "exr" (float) or "png" (16 bit).
     """
 
     output: Path | None = option(None, short="-o")
@@ -39,7 +39,7 @@ class UnpackReading(Options, group="Reading"):
     Parameters
     ----------
     max_megapixels:
-        Of the canvas, and of all layers together; larger files are refused before any memory is taken.
+        Refuse larger files before any memory is used. Applies to the canvas and to all layers together.
     """
 
     max_megapixels: float = option(270.0, Positive())
@@ -47,9 +47,9 @@ class UnpackReading(Options, group="Reading"):
 
 @command(UnpackOutputs, UnpackReading)
 def unpack(run: Run, workspace: str, /) -> int:
-    """Take a layered file apart after an editor's hand: repair what can be, and say what was done to it.
+    """Unpack a layered file after editing: repair what can be repaired and report what the editor changed.
 
-    Exit code 0: clean; 1: there are findings (the layers are written all the same).
+    Exit code 0: no findings; 1: findings (the layers are written anyway).
 
     Example: nmap compose unpack work.psd -o edited, then nmap compose stack edited/recipe.toml -o result.exr
 
@@ -62,9 +62,9 @@ def unpack(run: Run, workspace: str, /) -> int:
 
     flags = run[UnpackOutputs]
     if workspace == STREAM:
-        raise UsageError(f"{STREAM}: a workspace is read from a file; give its name")
+        raise UsageError("-: a layered file cannot be read from standard input; give its name")
     if flags.output is None:
-        raise UsageError("nothing to write: say where, such as -o maps")
+        raise UsageError("no output given: add one, such as -o maps")
     run.begin(unpacked_outputs(flags.output, format=flags.format, **flags.shared))
     import nmaptool as nm
     from nmaptool_cli.wording.edits import describe_unpacked
@@ -73,7 +73,7 @@ def unpack(run: Run, workspace: str, /) -> int:
     outputs = unpacked_outputs(flags.output, unpacked, format=flags.format, **flags.shared)
     printed = flags.prints_report or run.options.json
     run.detail(*(f"  wrote {path}" for path in outputs.paths))
-    written = [f"{len(outputs.paths)} files into {flags.output}"]
+    written = [f"{len(outputs.paths)} files to {flags.output}"]
     run.finish(outputs, unpacked, {"version": nm.__version__, **unpacked.to_dict()}, written=written)
     if not (printed or run.options.quiet):
         print(in_flags("\n".join(describe_unpacked(unpacked))))

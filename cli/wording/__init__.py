@@ -1,1 +1,1 @@
-"""Reports as sentences for a designer."""
+"""Reports as text for a designer."""

@@ -1,4 +1,4 @@
-"""How maps were edited, converted, made from depth pictures and unpacked."""
+"""Messages about edits, conversions, depth pictures and unpacked files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def describe_composition(composition: Composition) -> Iterator[str]:
-    """An edit, a line each layer."""
+    """An edit, one line per layer."""
     report, frame = composition.report, composition.normal_map.frame
     for layer in report.layers:
         where = ""
@@ -28,7 +28,7 @@ def describe_composition(composition: Composition) -> Iterator[str]:
 
 
 def describe_depth(run: Run, name: str, result: DepthResult) -> None:
-    """How a depth picture was read, and what speaks against it."""
+    """How a depth picture was read, with warnings."""
     run.say(f"{name}: {result.normal_map.frame}")
     run.warn(*(f"{name}: {warning}" for warning in result.report.warnings))
     run.say(*describe_depth_report(result.report))
@@ -36,44 +36,45 @@ def describe_depth(run: Run, name: str, result: DepthResult) -> None:
 
 
 def describe_depth_report(report: DepthReport) -> Iterator[str]:
-    """What was read off a depth picture, a line each."""
+    """What was found in a depth picture, one line each."""
     near = "near is dark or small" if report.inverted else "near is bright or large"
     lens = f", {report.fov:g} degrees across ({report.fov_from})" if report.fov else ""
     kind = f"{report.bits} bit {report.kind}"
     yield f"  {kind}, {near} ({report.inverted_from}), scale {report.scale_px:.4g} px ({report.scale_from}){lens}"
     steps = f"steps of {report.step_px:.3g} px" if report.step_px else "no steps"
     noise = f"noise {report.noise_px:.3g} px" if report.noise_px else "no noise"
-    fitted = f"fitted within {report.tolerance_px:.3g} px" if report.tolerance_px else "slopes taken as they are"
+    fitted = f"smoothed within {report.tolerance_px:.3g} px" if report.tolerance_px else "slopes kept as they are"
     yield f"  {steps}, {noise}: {fitted}"
     if report.jump_px is None:
-        yield "  jumps were not looked for"
+        yield "  jumps: not searched for"
     else:
-        mixed = f", {report.mixed_pixels} mixed pixels put on one side" if report.mixed_pixels else ""
-        yield f"  jumps of {report.jump_px:.3g} px or more beside {report.jump_share:.1%} of the surface{mixed}"
+        mixed = f", {report.mixed_pixels} mixed pixels assigned to one side" if report.mixed_pixels else ""
+        yield f"  jumps: {report.jump_px:.3g} px or more, beside {report.jump_share:.1%} of the surface{mixed}"
     yield f"  background {report.background}, {report.background_share:.0%} of the picture"
     yield f"  mean |curl| {report.curl:.4f} slope per px"
     if report.scale_from == "assumed":
-        yield "  no depth was given: white stands 10% of the width above black; say --depth-scale 5% for your own"
+        assumed = "white at 10% of the width above black is assumed"
+        yield f"  no depth scale given: {assumed}; set yours with --depth-scale 5%"
 
 
 def describe_conversion(report: ConvertReport) -> Iterator[str]:
-    """What a conversion changed, a line each."""
+    """What a conversion changed, one line each."""
     was, now = report.source, report.target
-    lossy = ", compressed with loss" if was["lossy"] else ""
+    lossy = ", lossy compression" if was["lossy"] else ""
     yield f"  was: {_kind(was)}{lossy}; now: {_kind(now)}"
     if was["components"] != "xyz":
-        yield f"  {COMPONENTS[was['components']]}: all three are written"
+        yield f"  {COMPONENTS[was['components']]}: all three components are written"
     if report.off_length:
         off = f"{report.off_length} of {report.vectors} vectors were off unit length"
         yield f"  {off}, by up to {report.off_length_largest:.2g}: normalised"
     else:
-        yield "  no vector was off unit length by more than rounding"
+        yield "  all vectors have unit length within rounding"
     if report.rim_pixels:
-        yield f"  {report.rim_pixels} anti-aliased pixels took the normals just inside them"
+        yield f"  {report.rim_pixels} anti-aliased pixels took the normals next to them inside the motif"
     if report.flattened:
-        yield f"  {report.flattened} pixels of noise in the flat background are flat now"
+        yield f"  {report.flattened} noisy pixels in the flat background were made flat"
     if now["alpha"]:
-        yield f"  background {was['background']}: coverage is in alpha"
+        yield f"  background {was['background']}: coverage is stored in alpha"
 
 
 def _kind(facts: Mapping[str, Any]) -> str:
@@ -83,7 +84,7 @@ def _kind(facts: Mapping[str, Any]) -> str:
 
 
 def describe_unpacked(unpacked: UnpackResult) -> Iterator[str]:
-    """A workspace taken apart, a line each."""
+    """An unpacked file, one line each."""
     yield f"{unpacked.name}: {unpacked.frame}, {unpacked.bits} bit, {len(unpacked.layers)} layers, bottom to top"
     for layer in unpacked.layers:
         groups = f" in {' / '.join(group.name for group in layer.groups)}" if layer.groups else ""
@@ -93,9 +94,9 @@ def describe_unpacked(unpacked: UnpackResult) -> Iterator[str]:
         for repair in layer.repairs:
             yield f"    repaired: {repair}"
     if not unpacked.has_metadata:
-        yield "  nmaptool's own words are not in the file: moves, mirrorings and fitted curves cannot be told"
+        yield "  the file has no nmaptool metadata: moved or mirrored layers and adjusted curves cannot be detected"
     for finding in unpacked.findings:
         yield f"! {f'{finding.layer}: ' if finding.layer is not None else ''}{finding.message}"
         yield f"    -> {finding.remedy}"
     if not unpacked.findings:
-        yield "  clean: nothing to report"
+        yield "  clean: no findings"

@@ -1,4 +1,4 @@
-"""How base and detail were split and drawn."""
+"""Messages about base and detail: how they were split and rendered."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ if TYPE_CHECKING:
 
 
 def describe_layers(run: Run, source: Mesh, layer_sets: Sequence[LayerSet]) -> None:
-    """How a mesh was read, split and drawn, and what speaks against it."""
+    """How a mesh was read, split and rendered, with warnings."""
     first = layer_sets[0].report
-    assert first.findings is not None  # every drawing has them
+    assert first.findings is not None  # every rendering has them
     run.say(describe_findings(source, first.findings), *describe_split(first))
     run.say(*(describe_view(layers) for layers in layer_sets))
     warnings = dict.fromkeys(warning for layers in layer_sets for warning in layers.report.warnings)
@@ -27,28 +27,28 @@ def describe_findings(mesh: Mesh, found: MeshFindings) -> str:
         (found.welded_vertices, "vertices welded"),
         (found.degenerate_faces, "faces without area"),
         (found.nonfinite_faces, "faces with NaN"),
-        (found.repeated_faces, "faces twice there"),
-        (found.turned_faces, "faces turned to agree with their neighbours"),
-        (found.unreferenced_vertices, "vertices unused"),
+        (found.repeated_faces, "duplicate faces"),
+        (found.turned_faces, "faces flipped to match their neighbours"),
+        (found.unreferenced_vertices, "unused vertices"),
     )
     dropped = ", ".join(f"{count} {words}" for count, words in counted if count)
     return f"{mesh.name}: {found.vertices} vertices, {found.faces} faces{f'; {dropped}' if dropped else ''}"
 
 
 def describe_split(report: LayerReport) -> Iterator[str]:
-    """How base and detail were told apart."""
+    """How base and detail were separated."""
     yield f"  {_describe_filter(report)}"
     m = report.mixture
     if report.curl:
         yield f"  mean |curl| {', '.join(f'{name} {size:.4f}' for name, size in report.curl.items())} slope per px"
     if m.form == "none":
-        yield "  nothing to speak of is finer than that: the filter turns no normal by half a degree"
+        yield "  no detail finer than that: the filter turns no normal by half a degree"
         return
     whole = "the surface" if report.faces else "the picture"
     threshold = f"theta {m.theta:.4f} ({m.form}{'' if m.form == 'midpoint' else ' crossing'})"
     yield (
         f"  residuals: base {m.low.mean:.4f} +- {m.low.sigma:.4f} ({m.low.weight:.0%}), detail {m.high.mean:.4f} +- "
-        f"{m.high.sigma:.4f} ({m.high.weight:.0%}); {threshold}; {report.detail_share:.0%} of {whole} beyond it"
+        f"{m.high.sigma:.4f} ({m.high.weight:.0%}); {threshold}; {report.detail_share:.0%} of {whole} above it"
     )
 
 
@@ -74,6 +74,6 @@ def describe_view(layers: LayerSet) -> str:
     turned = [f" {name} {value:g}" for name, value in angles.items() if value is not None and (value or name != "roll")]
     covered = float((layers.coverage > 0).mean())
     return (
-        f"  {report.view}{''.join(turned)}: {frame}, {size} ({unit}), mesh on {covered:.0%} of it, drawn by "
+        f"  {report.view}{''.join(turned)}: {frame}, {size} ({unit}), mesh covers {covered:.0%}, rendered by "
         f"{report.renderer}"
     )

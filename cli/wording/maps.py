@@ -1,4 +1,4 @@
-"""How normal maps were read, and what is wrong with them."""
+"""Messages about normal maps: how they were read, and what is wrong with them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ if TYPE_CHECKING:
     from nmaptool_cli.run import Run
 
 
-COMPONENTS = {"xyz": "x, y and z", "xy": "x and y, z made from them", "octahedral": "octahedral codes"}
+COMPONENTS = {"xyz": "x, y and z", "xy": "x and y, z computed from them", "octahedral": "octahedral codes"}
 
 
 def say_map(run: Run, normal_map: NormalMap) -> None:
-    """How an input was read, in one line, and what speaks against it."""
+    """How an input was read, in one line, with warnings."""
     share = float(normal_map.foreground.mean())
     run.say(f"{normal_map.name}: {normal_map.frame}, {describe_decoding(normal_map.decoding, share)}")
     for warning in normal_map.decoding.warnings:
@@ -34,32 +34,32 @@ def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
 
 
 def describe_inspection(seen: Inspection) -> Iterator[str]:
-    """An inspection, a line each."""
+    """An inspection, one line each."""
     d = seen.decoding
-    kind = f"{seen.bits} bit {'float' if seen.is_float else 'integer'}{', compressed with loss' if seen.lossy else ''}"
+    kind = f"{seen.bits} bit {'float' if seen.is_float else 'integer'}{', lossy compression' if seen.lossy else ''}"
     yield f"{seen.name}: {seen.cols} x {seen.rows}, {kind}, channels {' '.join(seen.channels)}"
-    sure = "too little curl to tell" if d.curl_ratio is None else f"the other way has {_ratio(d)} times the curl"
+    sure = "too little curl to tell" if d.curl_ratio is None else f"the other direction has {_ratio(d)} times the curl"
     yield f"  green        {d.green} ({d.green_from}; {sure})"
     yield f"  channels     x,y,z = {d.swizzle}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
     if d.components != "xyz":
         yield f"  components   {COMPONENTS[d.components]} ({d.components_from})"
     yield f"  background   {d.background} ({d.background_from}); motif {seen.foreground_share:.1%} of the picture"
-    yield f"  coverage     {seen.coverage_mean:.1%} of the picture is defined"
+    yield f"  coverage     {seen.coverage_mean:.1%} of the picture has normals"
     if d.rim_pixels:
-        yield f"  rim          {d.rim_pixels} anti-aliased pixels take the normals just inside them"
+        yield f"  rim          {d.rim_pixels} anti-aliased pixels take the normals next to them inside the motif"
     yield f"  unit length  off by {seen.unit_length_error:.4f} on average; {seen.off_length_share:.2%} by more than 0.1"
     yield f"  facing away  {seen.away_share:.2%} (nz <= 0)"
     yield f"  mean |curl|  {seen.mean_abs_curl:.4f} slope per px"
     if seen.neutral_bias_px is not None:
         tilt = f"{seen.neutral_bias_px:+.2f} px from side to side"
-        yield f"  neutral bias {tilt}, were flat not recognised: zero is taken at {d.zero_code}"
+        yield f"  neutral bias {tilt} if flat were not recognised; zero is read as {d.zero_code}"
     if seen.pitch_mm is not None:
         yield f"  pitch        {seen.pitch_mm:g} mm per px"
     for finding in seen.findings:
         yield f"! {finding.message}"
         yield f"    -> {finding.remedy}"
     if not seen.findings:
-        yield "  clean: nothing to report"
+        yield "  clean: no findings"
 
 
 def _ratio(decoding: Decoding) -> str:

@@ -1,4 +1,4 @@
-"""How meshes were rebuilt, compared and learned from."""
+"""Messages about rebuilding, comparing and training on meshes."""
 
 from __future__ import annotations
 
@@ -13,25 +13,26 @@ if TYPE_CHECKING:
 
 
 def describe_smoothing(run: Run, source: Mesh, result: SmoothResult) -> None:
-    """How a mesh was smoothed or exaggerated, and what speaks against it."""
+    """How a mesh was smoothed or exaggerated, with warnings."""
     report = result.report
     run.say(describe_findings(source, report.findings))
     run.say(*describe_reconstruction(report.reconstruction, report.detail_gain))
     run.warn(*(f"{source.name}: {warning}" for warning in report.warnings))
-    run.detail(f"  moves {' '.join(f'{move:.1e}' for move in report.reconstruction.moves)} edges")
+    moves = " ".join(f"{move:.1e}" for move in report.reconstruction.moves)
+    run.detail(f"  rms move per step, in mean edge lengths: {moves}")
     run.seconds(report.seconds)
 
 
 def describe_reconstruction(report: ReconstructReport, gain: float) -> Iterator[str]:
-    """How a mesh was rebuilt, a line each."""
+    """How a mesh was rebuilt, one line each."""
     o, size = report.options, report.diagonal_mm or 1.0
     pull = "" if o.scheme == "gsfg" else f", closeness {o.closeness:g}"
-    yield f"  detail times {gain:g}, by {o.scheme}: {o.steps} steps{pull}, {report.seconds:.2f} s"
+    yield f"  detail gain {gain:g}, scheme {o.scheme}: {o.steps} steps{pull}, {report.seconds:.2f} s"
     folded = ""
     if report.folded_before or report.folded_after:
-        folded = f"; faces folded over {report.folded_before} before, {report.folded_after} after"
+        folded = f"; {report.folded_before} folded faces before, {report.folded_after} after"
     yield (
-        f"  normals {report.normal_deviation_before_deg:.2f} degrees from what they should be before, "
+        f"  normals {report.normal_deviation_before_deg:.2f} degrees from their targets before, "
         f"{report.normal_deviation_deg:.2f} after{folded}"
     )
     yield (
@@ -52,7 +53,7 @@ def _volume(report: ReconstructReport) -> str:
 
 
 def describe_comparison(comparison: Comparison) -> Iterator[str]:
-    """Two schemes, a line each, and the verdict."""
+    """Two schemes, one line each, and the verdict."""
     before = f"normals {comparison.normal_before_deg:.2f} degrees from the base"
     yield f"{comparison.name}: {comparison.faces} faces, {before}"
     for each in comparison.contenders.values():
@@ -68,7 +69,7 @@ def describe_comparison(comparison: Comparison) -> Iterator[str]:
 
 
 def describe_curves(comparison: Comparison) -> Iterator[str]:
-    """The sweeps, a line a point."""
+    """The sweeps, one line per point."""
     for name, points in comparison.curves.items():
         for p in points:
             pull = "" if p.closeness is None else f", closeness {p.closeness:g}"
@@ -76,10 +77,10 @@ def describe_curves(comparison: Comparison) -> Iterator[str]:
 
 
 def describe_training(run: Run, examples: Sequence[TrainingExample], model: FilterModel) -> None:
-    """A filter that was learned, a line each."""
+    """A filter that was trained, one line each."""
     faces = sum(len(example.mesh.faces) for example in examples)
-    run.say(f"learned from {len(examples)} meshes, {faces} faces: filter {model.digest}")
+    run.say(f"trained on {len(examples)} meshes, {faces} faces: filter {model.digest}")
     before, *after = model.metadata["mean_angle_deg"]
     stages = ", ".join(f"{angle:.2f}" for angle in after)
-    run.say(f"  mean angle to the targets {before:.2f} degrees, after each stage {stages}")
-    run.detail(f"  losses {' '.join(f'{loss:.2e}' for loss in model.metadata['losses'])}")
+    run.say(f"  mean angle to the targets: {before:.2f} degrees before, {stages} after each stage")
+    run.detail(f"  loss of each network: {' '.join(f'{loss:.2e}' for loss in model.metadata['losses'])}")

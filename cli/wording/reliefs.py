@@ -1,4 +1,4 @@
-"""How a relief was solved."""
+"""Messages about a relief: how it was solved."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def describe_relief(run: Run, maps: Sequence[NormalMap], relief: Relief) -> None:
-    """What was read and solved, and what speaks against it."""
+    """What was read and solved, with warnings."""
     import nmaptool as nm
 
     for normal_map in maps:
@@ -24,18 +24,18 @@ def describe_relief(run: Run, maps: Sequence[NormalMap], relief: Relief) -> None
     run.say(*describe_solve(report))
     run.warn(*report.warnings)
     run.detail(f"  memory planned for the solver {memory_text(report.planned_bytes)}")
-    run.detail(f"  residuals {' '.join(f'{r:.1e}' for r in report.history)}")
+    run.detail(f"  residual of each iteration: {' '.join(f'{r:.1e}' for r in report.history)}")
     run.seconds(report.seconds)
 
 
 def describe_solve(report: ReliefReport) -> Iterator[str]:
-    """A solve, a line each."""
+    """A solve, one line each."""
     o = report.options
-    reach = f"{report.reach_px:.1f} px = {report.reach_mm:.2f} mm" if report.reach_px < 1e9 else "any distance"
+    reach = f"up to {report.reach_px:.1f} px = {report.reach_mm:.2f} mm" if report.reach_px < 1e9 else "of any size"
     detail = f"mu {report.mu:g}, " if report.mu else ""
     delta = report.delta_px / report.px_per_delta
     fitted = {"delta": " (fitted)", "slope": f", slopes times {report.scale:.3g}"}.get(o.fit, "")
-    yield f"  {o.background}: {detail}beta {o.beta:g}, delta {delta:.4g}{fitted}, shape kept over {reach}"
+    yield f"  {o.background}: {detail}beta {o.beta:g}, delta {delta:.4g}{fitted}, keeps forms {reach}"
     seconds = sum(report.seconds.get(stage, 0) for stage in ("setup", "solve"))
     yield (
         f"  {report.solver}: {report.unknowns} unknowns, {report.iterations} iterations, residual "
@@ -50,4 +50,4 @@ def describe_solve(report: ReliefReport) -> Iterator[str]:
         remedy = "" if o.fit == "delta" else "; a larger --delta lifts it"
         yield f"  {report.below_background_share:.1%} of the motif lies below its background{remedy}"
     if report.pitch_from == "assumed":
-        yield "  no size was given: 100 mm on the longer side is assumed; say --width 80mm for your own"
+        yield "  no size given: 100 mm on the longer side is assumed; set yours with --width 80mm"

@@ -1,4 +1,4 @@
-"""Options of every verb as frozen dataclasses: their defaults feed the Python API, the command line and the docs.
+"""The options of every command as frozen dataclasses. The Python API, the command line and the docs use their defaults.
 
 Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """

@@ -1,4 +1,4 @@
-"""How a mesh is read and drawn."""
+"""Options for reading and rendering a mesh."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ VIEWS = {
     "bottom": (0.0, -90.0),
     "iso": (45.0, 35.264389682754654),
 }
-# degrees; from farther away, depths cannot be told apart
+# degrees; a camera farther away cannot resolve depths
 _NARROWEST = 0.01
 
 
@@ -40,9 +40,9 @@ class MeshReadOptions(Options, group="Reading"):
     Parameters
     ----------
     unit:
-        What one unit of the file is: "mm", "cm", "m" or "in". Default: metres for glTF, else mm.
+        Unit of the mesh file: "mm", "cm", "m" or "in". Default: metres for glTF, otherwise mm.
     max_faces:
-        Refuse larger meshes, where the file tells before any memory is taken.
+        Refuse larger meshes. If the file states its size, it is refused before any memory is used.
     """
 
     unit: Unit | None = option(None, choice_of(Unit))
@@ -51,50 +51,50 @@ class MeshReadOptions(Options, group="Reading"):
 
 @dataclass(frozen=True)
 class BakeOptions(Options, group="Camera"):
-    """How a mesh is drawn.
+    """How a mesh is rendered.
 
     Parameters
     ----------
     view:
-        Where the camera stands: "front", "back", "left", "right", "top", "bottom" or "iso"; several, such as
-        "front,left", give a set of maps each.
+        Camera position: "front", "back", "left", "right", "top", "bottom" or "iso". Give several, such as "front,left",
+        to get one set of maps for each.
     azimuth:
-        Degrees that the camera walks around the mesh, counter-clockwise seen from above, instead of the view's.
+        Azimuth of the camera in degrees, counter-clockwise around the mesh seen from above. Replaces that of --view.
     elevation:
-        Degrees that the camera climbs, instead of the view's.
+        Elevation of the camera in degrees; 90 looks straight down. Replaces that of --view.
     roll:
-        Degrees that the picture turns counter-clockwise.
+        Rotate the picture counter-clockwise by this many degrees.
     up:
-        Which axis of the mesh points up. "y": the front is seen from +z; "z": from -y.
+        Axis of the mesh that points up. With "y", the front is seen from +z; with "z", from -y.
     size:
-        Columns x rows of the maps.
+        Size of the maps, columns x rows in pixels.
     margin:
-        Free border around the mesh, in px or in % of the longer side.
+        Empty border around the mesh, in px or in % of the longer side.
     width:
-        Width of the whole picture, such as 100mm, whatever the mesh's own units say.
+        Width of the whole picture, such as 100mm. Overrides the units of the mesh.
     pitch:
-        Size of a pixel, such as 0.1mm, instead of framing the whole mesh.
+        Size of one pixel, such as 0.1mm. Default: the size at which the whole mesh fits into the picture.
     target:
-        Point of the mesh, such as 0,12.5,3, that falls on the picture's centre, instead of framing the mesh.
+        Point of the mesh to put at the centre of the picture, such as 0,12.5,3. Default: the whole mesh is framed.
     fov:
-        Degrees that a perspective camera sees across the longer side; 0 is orthographic.
+        Field of view of a perspective camera, in degrees across the longer side. 0 is orthographic.
     shading:
-        "flat": each face has its own normal; "smooth": normals are interpolated between vertices.
+        "flat": each face has its own normal. "smooth": normals are interpolated between vertices.
     crease:
-        Degrees between two faces from which smooth shading leaves the edge between them sharp.
+        With smooth shading, keep an edge sharp if its faces differ by more than this many degrees. Smaller values keep
+        more edges sharp.
     supersample:
-        1, 2 or 4 samples across a pixel; normals and coverage are averaged.
+        Samples across a pixel: 1, 2 or 4. Normals and coverage are averaged; more samples give smoother edges.
     renderer:
-        "auto": OpenGL through EGL, else OSMesa, else a window of the platform; or one of them; "numpy" draws without
-        OpenGL, slower.
+        "auto" tries OpenGL through EGL, then OSMesa, then a window; "egl", "osmesa" or "window" uses only that one.
+        "numpy" renders without OpenGL and is slower.
     geometry:
-        What is drawn: "original", the mesh as it is; "updated", the mesh rebuilt to its base normals, which moves its
-        outlines (the paper's Fig. 10); the camera is the same.
+        "original" renders the mesh as it is. "updated" renders the mesh rebuilt to match its base normals, which moves
+        its silhouette (Fig. 10 of the paper). The camera is the same for both.
     detail_encoding:
-        What the detail map holds: "rotation" (undone by blending with mode rnm), "slope" (by mode pd), or
-        "difference".
+        What the detail map stores: "rotation" (blend it back with mode rnm), "slope" (with mode pd), or "difference".
     max_megapixels:
-        Refuse larger pictures, all views together, before any memory is taken; 36 take some 5 GB.
+        Refuse larger pictures, counting all views together, before any memory is used. 36 megapixels need about 5 GB.
     """
 
     view: str = option("front", Text("front,left"))
@@ -169,7 +169,7 @@ class BakeOptions(Options, group="Camera"):
 
     @property
     def views(self) -> tuple[str, ...]:
-        """The views' names, in order."""
+        """The names of the views, in order."""
         names = tuple(name.strip().lower() for name in self.view.split(","))
         for name in names:
             if name not in VIEWS:
@@ -180,7 +180,7 @@ class BakeOptions(Options, group="Camera"):
 
     @property
     def target_point(self) -> tuple[float, float, float]:
-        """``target`` as numbers; the origin where there is none."""
+        """``target`` as numbers; the origin if there is none."""
         if self.target is None:
             return (0.0, 0.0, 0.0)
         try:

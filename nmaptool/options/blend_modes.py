@@ -1,7 +1,8 @@
-"""The table of blend modes: what each is called and means, and which function does it.
+"""The table of blend modes: the name, meaning and function of each.
 
-To add a mode, add an entry here and its kernel in `nmaptool.composition.blend_kernels`; help texts, recipes, error
-messages and the README's list follow. A program may add one while it runs: ``BLEND_MODES["mine"] = BlendMode(...)``.
+To add a mode, add an entry here and its kernel in `nmaptool.composition.blend_kernels`. Help texts, recipes, error
+messages and the README's list are made from the table. A program may add a mode at run time:
+``BLEND_MODES["mine"] = BlendMode(...)``.
 """
 
 from __future__ import annotations
@@ -23,20 +24,20 @@ class BlendMode:
     Parameters
     ----------
     meaning : str
-        What it does, as the end of a sentence that begins with its name.
+        What the mode does, as the predicate of a sentence whose subject is its name.
     kernel : callable or str
-        Writes the blended components, of any length, into its third argument and leaves the first two as they are:
+        Writes the blended components, not normalised, into its third argument and does not change the first two:
         (base, detail, result, two arrays to work in). A name is that of a function in
-        `nmaptool.composition.blend_kernels`, which is loaded when it is first used.
+        `nmaptool.composition.blend_kernels`, which is loaded on first use.
     fades : str
-        What strength does: ``detail`` scales the detail's slopes; ``sum`` weighs the detail in the sum; ``result``
-        mixes the outcome with the base.
+        Effect of strength: ``detail`` scales the detail's slopes; ``sum`` weights the detail in the sum; ``result``
+        mixes the result with the base.
     keeps_flat : bool
         A flat detail changes nothing.
     flat_base : bool
-        On a flat base the detail comes out as it is.
+        On a flat base, the result is the detail unchanged.
     adds_slopes : bool
-        The formula holds for slopes, so normals that face away must be brought to one first.
+        The formula works on slopes, so normals that face away must be reduced to a slope first.
     """
 
     meaning: str
@@ -65,7 +66,7 @@ BLEND_MODES: dict[str, BlendMode] = {
 
 
 def blend_meanings() -> dict[str, str]:
-    """What each mode means, those added at run time included."""
+    """What each mode means, including those added at run time."""
     return {name: mode.meaning for name, mode in BLEND_MODES.items()}
 
 

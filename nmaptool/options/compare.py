@@ -1,4 +1,4 @@
-"""How two ways of rebuilding a mesh are compared."""
+"""Options for comparing two ways of rebuilding a mesh."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ _MOST_PIXELS = 16_000_000
 
 @dataclass(frozen=True)
 class CompareOptions(Options, group="Camera"):
-    """How the comparison is drawn.
+    """How the comparison is rendered.
 
     Parameters
     ----------
     view:
-        Where the camera stands: "front", "back", "left", "right", "top", "bottom" or "iso".
+        Camera position: "front", "back", "left", "right", "top", "bottom" or "iso".
     up:
-        Which axis of the mesh points up. "y": the front is seen from +z; "z": from -y.
+        Axis of the mesh that points up. With "y", the front is seen from +z; with "z", from -y.
     size:
-        Columns x rows of each picture in the figure.
+        Size of each picture in the figure, columns x rows in pixels.
     renderer:
-        "auto": OpenGL through EGL, else OSMesa, else a window of the platform; or one of them; "numpy" draws without
-        OpenGL, slower.
+        "auto" tries OpenGL through EGL, then OSMesa, then a window; "egl", "osmesa" or "window" uses only that one.
+        "numpy" renders without OpenGL and is slower.
     """
 
     view: str = option("front", Choice("left", tuple(VIEWS)))

@@ -1,4 +1,4 @@
-"""How maps are blended, placed and composed."""
+"""Options for blending, placing and composing maps."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ class BlendOptions(Options, group="Composing"):
     Parameters
     ----------
     mode:
-        How the normals are combined:
+        How to combine the normals:
     strength:
-        How much of the detail: 0 none, 1 all, 2 twice as steep.
+        How strongly to apply the detail: 0 not at all, 1 as it is, 2 twice as steep.
     fit:
-        Stretch a detail map of another size to the base's.
+        Stretch a detail map of another size to the size of the base.
     """
 
     mode: str = option("rnm", Choice("rnm", blend_meanings))
@@ -55,38 +55,39 @@ class BlendOptions(Options, group="Composing"):
 
 @dataclass(frozen=True)
 class LayerOptions(Options, group="Composing"):
-    """Where a layer lies and how it is blended with what lies below.
+    """Where a layer is placed and how it is blended with what is below it.
 
     Parameters
     ----------
     name:
-        What to call the layer. Default: its file.
+        Name of the layer. Default: its file name.
     mode:
-        How the layer is combined with what lies below:
+        How to combine the layer with what is below it:
     strength:
-        How much of the layer, 0 to 1 for "over"; the others as in blend.
+        How strongly to apply the layer: 0 to 1 for "over"; for other modes as in nmap compose blend.
     at:
-        Where the layer's anchor goes: across,down from the top left corner, such as 30%,12mm; % are of the canvas's
-        width and height. Default: the same anchor of the canvas.
+        Position of the layer's anchor: across,down from the top left corner of the canvas, such as 30%,12mm. % are of
+        the canvas's width and height. Default: the same point of the canvas.
     anchor:
-        The point of the layer that is placed, scaled and turned about: "center", "top-left", "top", "top-right",
-        "left", "right", "bottom-left", "bottom" or "bottom-right".
+        Point of the layer that goes to --at, and about which it is scaled and rotated: "center", "top-left", "top",
+        "top-right", "left", "right", "bottom-left", "bottom" or "bottom-right".
     scale:
-        Factor, or two (across,down), or the width that the layer's picture gets, such as 30mm.
+        One scale factor, two (across,down), or the new width of the layer's picture, such as 30mm.
     rotate:
-        Degrees counter-clockwise.
+        Rotate the layer counter-clockwise by this many degrees.
     flip_h:
-        Mirror left and right.
+        Mirror left to right.
     flip_v:
-        Mirror top and bottom.
+        Mirror top to bottom.
     feather:
-        Width of the soft edge, such as 6px, taken from inside the layer's outline; % are of the longer side of the
-        layer's picture as it is placed.
+        Width of the soft edge, such as 6px, measured inwards from the layer's silhouette. % are of the longer side of
+        the placed picture.
     height_factor:
-        Factor on the layer's heights in px. Default: its scale, so that slopes stay; 1 where it is stretched.
+        Multiply the layer's heights in px by this factor. Default: the layer's scale, which keeps slopes; 1 if the
+        layer is stretched.
     clip:
-        Show the layer only where something lies below: "yes", "no", or "auto": modes other than "over" are clipped,
-        except inside a group.
+        Show the layer only where there is something below it: "yes", "no", or "auto", which clips every mode except
+        "over", but nothing inside a group.
     """
 
     name: str = option("", Text("bunny"))
@@ -110,7 +111,7 @@ class LayerOptions(Options, group="Composing"):
 
     @property
     def place(self) -> tuple[Offset, Offset]:
-        """Where the anchor goes, from the canvas's top left corner."""
+        """Position of the anchor, from the canvas's top left corner."""
         if self.at is None:
             across, down = ANCHORS[self.anchor]
             return Offset(100 * across, "%"), Offset(100 * down, "%")
@@ -128,12 +129,12 @@ class LayerOptions(Options, group="Composing"):
 
 @dataclass(frozen=True)
 class GroupOptions(Options, group="Composing"):
-    """How a group of layers, composed among themselves, is blended with what lies below.
+    """How a group of layers, composed with each other first, is blended with what is below it.
 
     Parameters
     ----------
     name:
-        What to call the group.
+        Name of the group.
     mode:
         As for a layer.
     strength:
@@ -154,16 +155,16 @@ class GroupOptions(Options, group="Composing"):
 
 @dataclass(frozen=True)
 class CanvasOptions(Options, group="Composing"):
-    """The picture that layers are composed on.
+    """The canvas that layers are composed on.
 
     Parameters
     ----------
     size:
-        Columns x rows. Default: those of the lowest layer.
+        Size of the canvas, columns x rows in pixels. Default: the size of the lowest layer.
     width:
-        Width of the whole picture, such as 100mm. Default: what the lowest layer says.
+        Width of the whole picture, such as 100mm. Default: the width stored in the lowest layer.
     ground:
-        What lies below the lowest layer: "clear" (nothing: it stays transparent) or "flat" (a plate).
+        What is below the lowest layer: "clear" (nothing, it stays transparent) or "flat" (a plate).
     """
 
     size: str | None = option(None, SignedText("1000x900"))
@@ -176,5 +177,5 @@ class CanvasOptions(Options, group="Composing"):
 
     @property
     def cols_rows(self) -> tuple[int, int] | None:
-        """Columns and rows, where they are given."""
+        """Columns and rows; None if not given."""
         return None if self.size is None else parse_size("size", self.size)

@@ -1,4 +1,4 @@
-"""How a depth or height picture becomes normals."""
+"""Options for turning a depth or height picture into normals."""
 
 from __future__ import annotations
 
@@ -18,31 +18,31 @@ NARROWEST_FOV, WIDEST_FOV = 0.1, 150.0
 
 @dataclass(frozen=True)
 class DepthOptions(Options, group="Composing"):
-    """How a depth or height picture becomes normals. White is near and high unless the file says otherwise.
+    """How a depth or height picture becomes normals. White is near or high unless the file says otherwise.
 
     Parameters
     ----------
     depth_scale:
-        How far white stands above black, such as 10%, 40px or 5mm; here % is of the picture's width. Default: what
-        the file says, else 10%.
+        Height of white above black, such as 10%, 40px or 5mm; % are of the picture's width. Larger values make the
+        surface steeper. Default: the scale stored in the file, otherwise 10%.
     invert:
-        Dark is near. Files that say what they hold, as nmaptool's own do, need no telling.
+        Read dark as near. Not needed for files that say so themselves, such as those nmaptool writes.
     fov:
-        Degrees that the camera of a perspective depth picture sees across the longer side; the slopes are then
-        those of the picture, and integrate to distance * ln(depth). 0 is orthographic. Default: what the file says,
-        else 0.
+        Field of view of the camera of a perspective depth picture, in degrees across the longer side; 0 is
+        orthographic. With perspective, slopes are measured in the picture and integrate to distance * ln(depth).
+        Default: the value stored in the file, otherwise 0.
     jump:
-        Height of a step from one pixel to the next that is a jump: one part hides another, and no slope is taken
-        across. "auto" finds jumps by the slopes beside them, "none" takes every step for a slope; or say how high,
-        such as 4px.
+        Smallest step between two pixels that counts as a jump, where one part hides another and no slope is taken: a
+        height, such as 4px. "auto" finds jumps from the slopes beside them; "none" treats every step as a slope.
     smooth:
-        How far the surface may leave the stored heights to be smooth. "auto" measures the steps of the codes and the
-        noise, and leaves clean pictures as they are; "none" believes every code; or a height, such as 0.5px.
+        How far the surface may depart from the stored heights to become smooth: a height, such as 0.5px. "auto"
+        measures the quantisation steps and the noise, and leaves clean pictures as they are; "none" keeps every stored
+        height.
     background:
-        "auto": transparent pixels, those without depth and large flat patches at the bottom are not there, so that only
-        the motif is; "flat" keeps those patches as a plate; "none" takes every pixel for surface.
+        "auto" removes transparent pixels, pixels without depth and large flat patches at the lowest height, and keeps
+        only the motif. "flat" keeps those patches as a plate. "none" treats every pixel as surface.
     width:
-        Width of the whole picture, such as 100mm. Default: what the file says.
+        Width of the whole picture, such as 100mm. Default: the width stored in the file.
     """
 
     depth_scale: Length | None = option(None, LengthText("10%"))

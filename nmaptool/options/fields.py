@@ -1,4 +1,4 @@
-"""Fields of the options' dataclasses: a default and a kind each, checked when the options are made."""
+"""Fields of the options dataclasses: each has a default and a kind, and is checked when the options are created."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any, ClassVar, get_args
 
 from nmaptool.options.kinds import Choice, Kind
 
-# a field and what is said of it
+# a field and its description
 _ENTRY = re.compile(r"^(\w+):\n((?:    .*\n?)+)", re.MULTILINE)
 
 
 def option(default: Any, kind: Kind | None = None, short: str = "") -> Any:
-    """A field with its default, what it takes and a short flag; None as the default means that it may be left out."""
+    """A field with its default, its kind and a short flag; a default of None makes it optional."""
     metadata = {"kind": kind, "short": short}
     return dataclasses.field(default=default, metadata={key: value for key, value in metadata.items() if value})
 
@@ -26,16 +26,16 @@ def choice_of(literal: Any, such_as: str = "") -> Choice:
 
 
 def kind_of(field: dataclasses.Field[Any]) -> Kind | None:
-    """What a field of options takes, where that is said."""
+    """The kind of an options field; None if it has none."""
     kind: Kind | None = field.metadata.get("kind")
     return kind
 
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """Base of all options: checks every field by its kind, and names the group that the help shows them in.
+    """Base of all options: checks every field by its kind, and names the group that --help shows the fields in.
 
-    Docstrings list every field under ``Parameters``; the meaning of names that come from a table is added there.
+    Docstrings describe every field under ``Parameters``. Meanings of names that come from a table are appended there.
     """
 
     group: ClassVar[str] = ""
@@ -57,7 +57,7 @@ class Options:
 
 
 def descriptions(options: type[Options]) -> dict[str, str]:
-    """What a class of options says of each field, as one line each; names of a choice as they are now."""
+    """The description of each field of an options class, one line each, with the current names of its choices."""
     written: dict[str, str] = {}
     for owner in options.__mro__:
         for name, text in _ENTRY.findall(getattr(owner, "written_doc", "")):
@@ -68,7 +68,7 @@ def descriptions(options: type[Options]) -> dict[str, str]:
 
 
 def _with_choices(doc: str, members: Mapping[str, Any]) -> str:
-    """A docstring with the meaning of each name below the field that takes it."""
+    """A docstring with the meaning of each choice added below its field."""
 
     def filled(entry: re.Match[str]) -> str:
         member = members.get(entry[1])

@@ -1,4 +1,4 @@
-"""How normals are split into base and detail."""
+"""Options for splitting normals into base and detail."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Filter = Literal["rnf", "grnf", "learned"]
 ImageFilter = Literal["rnf", "grnf"]
 Neighborhood = Literal["surface", "ring"]
 
-# what both filters take for the range of normals and for their passes
+# both filters accept the same sigma_r and iterations
 SIGMA_R = Number("0.5", 0.01, 10)
 ITERATIONS = Count("5", 1, 100)
 
@@ -28,20 +28,20 @@ class FilterOptions(Options, group="Filter"):
     Parameters
     ----------
     filter:
-        "rnf" takes the filtered normals as the base; "grnf" does so only where the filter changed a normal more than a
-        threshold found in the mesh itself, and keeps the original elsewhere; "learned" is grnf with a filter that was
-        trained on many meshes and has no parameters.
+        "rnf" uses the filtered normals as the base. "grnf" uses them only where the filter changed a normal by more
+        than a threshold computed from the mesh itself, and keeps the original normal elsewhere. "learned" is grnf with
+        a filter that was trained on many meshes and has no parameters.
     neighborhood:
-        Faces that are averaged: "surface", those within 2.5 sigma_s along the surface; "ring", those that share a
-        vertex, as the paper prints it.
+        Faces to average over: "surface", all within 2.5 sigma_s along the surface; "ring", those that share a vertex,
+        as printed in the paper.
     sigma_s:
-        Size of what counts as detail: a plain number is in mean edge lengths of the mesh, 2% is of the mesh's longest
-        side, 1.5mm is a length.
+        Size of detail: finer features go to the detail, larger ones stay in the base. A plain number is in mean edge
+        lengths of the mesh, 2% is of the mesh's longest side, 1.5mm is a length.
     sigma_r:
-        How different (length of the difference of unit normals) two sides of an edge must be for the edge to stay in
-        the base.
+        How sharp an edge must be to stay in the base, measured as the length of the difference between the unit normals
+        on its two sides. Larger values smooth more edges away.
     iterations:
-        Passes of the filter; the first blurs, the others bring back the larger forms.
+        Number of filter passes. The first pass blurs; the others bring back the larger forms.
     """
 
     filter: Filter = option("rnf", choice_of(Filter))
@@ -72,18 +72,18 @@ class SplitOptions(Options, group="Filter"):
     Parameters
     ----------
     filter:
-        "rnf" takes the filtered normals as the base; "grnf" does so only where the filter changed a normal more than a
-        threshold found in the map itself, and keeps the original elsewhere.
+        "rnf" uses the filtered normals as the base. "grnf" uses them only where the filter changed a normal by more
+        than a threshold computed from the map itself, and keeps the original normal elsewhere.
     sigma_s:
-        Size of what counts as detail, such as 1% (of the longer side), 8px or 0.5mm.
+        Size of detail, such as 1% (of the longer side), 8px or 0.5mm. Finer features go to the detail, larger ones stay
+        in the base.
     sigma_r:
-        How different (length of the difference of unit normals) two sides of an edge must be for the edge to stay in
-        the base.
+        How sharp an edge must be to stay in the base, measured as the length of the difference between the unit normals
+        on its two sides. Larger values smooth more edges away.
     iterations:
-        Passes of the filter; the first blurs, the others bring back the larger forms.
+        Number of filter passes. The first pass blurs; the others bring back the larger forms.
     detail_encoding:
-        What the detail map holds: "rotation" (undone by blending with mode rnm), "slope" (by mode pd), or
-        "difference".
+        What the detail map stores: "rotation" (blend it back with mode rnm), "slope" (with mode pd), or "difference".
     """
 
     filter: ImageFilter = option("rnf", choice_of(ImageFilter))

@@ -1,8 +1,8 @@
-"""What can be written, by ending: one table for each kind of thing.
+"""Output formats by file ending: one table for each kind of output.
 
-Help texts, error messages and writers derive from these tables, so a format is added by one entry, at run time too:
-``NORMAL_MAP_FORMATS[".xyz"] = MapFormat("my format", write, bits=("8",))``. An entry without a writer is written by
-`nmaptool.io`. Nothing heavy is imported here, so that ``nmap --help`` stays quick.
+Help texts, error messages and writers use these tables, so one entry adds a format, also at run time:
+``NORMAL_MAP_FORMATS[".xyz"] = MapFormat("my format", write, bits=("8",))``. `nmaptool.io` writes the
+formats whose entry has no writer. Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from nmaptool.options.write import Bits
 
 @dataclass(frozen=True)
 class FileFormat:
-    """A kind of file that heights or a mesh are written as.
+    """A file format for heights or a mesh.
 
     Parameters
     ----------
     description : str
-        What such a file holds, in one line.
+        What the file holds, in one line.
     write : callable, optional
         ``write(height, path, attributes)`` for heights: a `nmaptool.Height` and a mapping of metadata from str to str.
         ``write(mesh, path)`` for a `nmaptool.Mesh`. Default: the format is one of nmaptool's own.
@@ -35,10 +35,10 @@ class FileFormat:
 
 @dataclass(frozen=True)
 class MapFormat(FileFormat):
-    """A kind of file that normal maps are written as: ``write(normal_map, path, options, attributes)``.
+    """A file format for normal maps: ``write(normal_map, path, options, attributes)``.
 
-    Its arguments are a `nmaptool.NormalMap`, a path, a `nmaptool.WriteOptions` and a mapping of metadata from str to
-    str. By default OpenImageIO writes the file, and it is read back.
+    The arguments are a `nmaptool.NormalMap`, a path, a `nmaptool.WriteOptions` and a mapping of metadata from str to
+    str. By default OpenImageIO writes the file, which is then read back.
 
     Parameters
     ----------
@@ -51,12 +51,12 @@ class MapFormat(FileFormat):
 
 @dataclass(frozen=True)
 class WorkspaceFormat(FileFormat):
-    """A kind of layered file that workspaces are written as: ``write(workspace, path)``.
+    """A layered file format for workspaces: ``write(workspace, path)``.
 
     Parameters
     ----------
     bits : tuple of int
-        Bits of a channel that it holds; 32 for floats.
+        Bits per channel that it can hold; 32 for floats.
     """
 
     bits: tuple[int, ...] = field(kw_only=True)
@@ -103,7 +103,7 @@ class _HasEnding(Protocol):
 
 
 def check_ending(place: _HasEnding, endings: Collection[str], what: str) -> None:
-    """Refuse an ending that ``what``, such as "a preview" or "normal maps", is not written with.
+    """Refuse a file ending that is not in ``endings``; ``what`` names the output, such as "a preview" or "normal maps".
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""Kinds of options: what each takes, how text becomes its value, and the one line that refuses another value.
+"""Kinds of options: the values each accepts, how text is parsed, and the one-line error for any other value.
 
-The options' frozen dataclasses name a kind for each field. The command line, recipes and the documentation read the
+The frozen options dataclasses name a kind for each field. The command line, recipes and the documentation use the
 same kinds, so nothing about an option is written twice.
 """
 
@@ -17,22 +17,22 @@ from nmaptool.core.errors import UsageError
 LARGEST_WEIGHT = 1e6
 _SIZE = re.compile(r"\s*(\d{1,7})\s*[x,×]\s*(\d{1,7})\s*", re.IGNORECASE)
 
-# names, with a description each where the help lists them; a callable where names may be added later
+# names, with descriptions if the help lists them; a callable if names may be added later
 Choices = Mapping[str, str] | tuple[str, ...] | Callable[[], Mapping[str, str] | tuple[str, ...]]
 
 
 @dataclass(frozen=True)
 class Kind:
-    """What an option takes.
+    """The values that an option accepts.
 
     Attributes
     ----------
     such_as : str
         An example, for messages.
     signed : bool
-        Whether text for it may begin with a minus sign.
+        Whether its text may begin with a minus sign.
     toml : type
-        What a recipe writes it as: float (any number), bool or str.
+        Its type in a recipe: float (any number), bool or str.
     """
 
     such_as: str = ""
@@ -40,23 +40,23 @@ class Kind:
     toml: ClassVar[type] = str
 
     def read(self, name: str, value: Any) -> Any:
-        """The value of the field ``name``, checked; text becomes what it stands for.
+        """Check the value of the field ``name``; text is parsed.
 
         Raises
         ------
         UsageError
-            If the value cannot be meant.
+            If the value is not accepted.
         """
         return value
 
     def meanings(self) -> str:
-        """What a table says of the values it offers, for the end of the help text; empty where there is no table."""
+        """Descriptions of the accepted values, appended to the help text; empty if there is no table."""
         return ""
 
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """Any text; the options' class reads it further where it has a form of its own."""
+    """Any text; the options class parses it further if it has a syntax of its own."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Choice(Kind):
 
     @property
     def descriptions(self) -> dict[str, str]:
-        """What each name means, where that is said."""
+        """What each name means, if the table has descriptions."""
         now = self._now()
         return dict(now) if isinstance(now, Mapping) else {}
 
@@ -139,7 +139,7 @@ class Weight(Numeric):
 
 @dataclass(frozen=True)
 class Positive(Numeric):
-    """Greater than zero, finite or not above a limit."""
+    """A finite number greater than zero, with an optional upper limit."""
 
     high: float = math.inf
 
@@ -169,7 +169,7 @@ class Count(Numeric):
 
 
 def require_number(name: str, value: float, low: float, high: float, such_as: str) -> None:
-    """Refuse what is not a finite number between two bounds, both included.
+    """Refuse anything but a finite number between two bounds, both included.
 
     Raises
     ------
@@ -185,7 +185,7 @@ def parse_size(name: str, text: str) -> tuple[int, int]:
     Raises
     ------
     UsageError
-        If the text is no such size.
+        If the text is not a size.
     """
     match = _SIZE.fullmatch(text)
     cols, rows = (int(match.group(1)), int(match.group(2))) if match else (0, 0)

@@ -1,4 +1,4 @@
-"""How a learned filter is trained, and what it looks at."""
+"""Options for training a learned filter, and the features it is given."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ class DescriptorOptions:
     Parameters
     ----------
     sigma_s:
-        Widths of the filters, in mean edge lengths of the mesh.
+        Spatial widths of the filters, in mean edge lengths of the mesh.
     sigma_r:
-        Ranges of the filters, as lengths of differences of unit normals.
+        Ranges of the filters, as lengths of differences between unit normals.
     passes:
-        Passes of each filter in the first stage; later stages make one, led by the stage before.
+        Passes of each filter in the first stage; later stages make one pass, guided by the stage before.
     """
 
     sigma_s: tuple[float, ...] = (3.0, 5.0, 8.0, 10.0, 14.0)
@@ -42,30 +42,30 @@ class DescriptorOptions:
 
     @property
     def size(self) -> int:
-        """Filtered normals a face."""
+        """Number of filtered normals per face."""
         return len(self.sigma_s) * len(self.sigma_r)
 
 
 @dataclass(frozen=True)
 class TrainOptions(Options, group="Filter"):
-    """How a filter is learned.
+    """How a filter is trained.
 
     Parameters
     ----------
     stages:
-        Filters one after the other; each takes the normals that the one before gave.
+        Number of stages. Each stage filters the normals that the one before it gave.
     clusters:
-        Kinds of neighbourhood that have a network of their own, in each stage.
+        Kinds of neighbourhood that each stage tells apart. Each kind has its own network.
     hidden:
-        Units in the one hidden layer of each network.
+        Units in the single hidden layer of each network.
     steps:
-        Most steps of the optimiser for each network.
+        Largest number of optimiser steps for each network.
     samples:
-        Most faces that each stage learns from, drawn alike from all meshes.
+        Largest number of faces that each stage learns from, drawn in equal parts from all meshes.
     weight_decay:
-        How strongly large weights are held back.
+        Weight decay: how strongly large weights are penalised.
     seed:
-        Of the draws; the same seed gives the same filter on one machine.
+        Seed of the random draws. The same seed gives the same filter on the same machine.
     """
 
     stages: int = option(3, Count(high=10))

@@ -1,4 +1,4 @@
-"""Kinds of options that are lengths, distances or scales: text with a unit becomes a value with one."""
+"""Kinds of options for lengths, distances and scales, which parse text with a unit."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def _named(name: str, text: str, read: Callable[[str], _T]) -> _T:
 
 @dataclass(frozen=True)
 class LengthText(SignedText):
-    """A length such as 3mm, 4px or 2%; ``absolute`` ones in mm, cm or in only, since the pitch follows from them."""
+    """A length such as 3mm, 4px or 2%; with ``absolute``, only mm, cm or in, because it sets the pixel size."""
 
     such_as: str = "100mm"
     absolute: bool = False
@@ -56,7 +56,7 @@ class LengthOr(SignedText):
 
 @dataclass(frozen=True)
 class EdgesOrLength(SignedText):
-    """A plain number, in mean edges of the mesh, or a length such as 2% or 1.5mm."""
+    """A plain number, in mean edge lengths of the mesh, or a length such as 2% or 1.5mm."""
 
     low: float = 0.1
     high: float = 1000.0
@@ -95,7 +95,7 @@ class OffsetText(SignedText):
 
 @dataclass(frozen=True)
 class ScaleText(SignedText):
-    """A factor, two factors (across, down), or a width such as 30mm; a plain number becomes text."""
+    """A factor, two factors (across, down), or a width such as 30mm; a plain number is converted to text."""
 
     such_as: str = "0.5"
     toml: ClassVar[type] = float

@@ -1,4 +1,4 @@
-"""Options as they stand in reports and in the metadata of files."""
+"""Options as plain values for reports and file metadata."""
 
 from __future__ import annotations
 
@@ -15,5 +15,5 @@ def plain_values(options: Any) -> dict[str, Any]:
 
 
 def filter_values(options: FilterOptions) -> dict[str, Any]:
-    """`plain_values` of a filter; a learned one has no parameters."""
+    """`plain_values` of a filter; a learned filter has no parameters."""
     return {"filter": options.filter} if options.filter == "learned" else plain_values(options)

@@ -1,4 +1,4 @@
-"""How files are read."""
+"""Options for reading files."""
 
 from __future__ import annotations
 
@@ -28,26 +28,27 @@ class ReadOptions(Options, group="Reading"):
     Parameters
     ----------
     layer:
-        Layer of an EXR that holds several, such as "detail". Also written as FILE.exr:detail.
+        Read this layer of an EXR that holds several, such as "detail". FILE.exr:detail does the same.
     green:
-        Which way the green channel points: "up" (+Y, OpenGL), "down" (DirectX), or "auto": what the file says of
-        itself, else "down" where the picture proves it, else "up".
+        Direction of the green channel: "up" (+Y, OpenGL), "down" (DirectX), or "auto": as stated in the file, otherwise
+        "down" if the picture proves it, otherwise "up".
     swizzle:
-        Which channel feeds x, y and z, each with an optional minus sign: "-g,r,b" reads nx = -G, ny = R, nz = B.
+        Channels to use as x, y and z, each with an optional minus sign: "-g,r,b" reads nx = -G, ny = R, nz = B.
     zero_code:
-        The 8-bit code that means zero: "127.5" (the middle), "128", "127" (truncated when it was written), or "auto".
+        The 8-bit code that means zero: "127.5" (the middle), "128", "127" (if the values were truncated when the file
+        was written), or "auto".
     encoding:
-        How floating-point files store a normal: "signed" (-1 to 1), "unsigned" (0 to 1), or "auto".
+        How a floating-point file stores normals: "signed" (-1 to 1), "unsigned" (0 to 1), or "auto".
     components:
-        What a pixel holds: "xyz" (red, green and blue); "xy": red and green only, z is made from them and blue is
-        ignored, for two-channel and BC5 maps and where blue is not to be trusted (x and y too long together become a
-        vertical wall); "octahedral": two octahedral codes in red and green; or "auto": "xy" for a file with two
-        channels and where blue is constant and cannot be z, else "xyz".
+        What a pixel holds. "xyz": red, green and blue. "xy": red and green only; z is computed and blue is ignored, for
+        two-channel and BC5 maps and where blue is unreliable (if x and y together are too long, the normal becomes a
+        vertical wall). "octahedral": two octahedral codes in red and green. "auto": "xy" if the file has two channels
+        or a constant blue that cannot be z, otherwise "xyz".
     background_color:
-        What the background looks like: "auto", "none" (every pixel is surface), "alpha", "white", "grey", "black",
-        "flat", or a colour such as "#7f7fff".
+        What the background looks like: "auto", "none" (there is none: every pixel is surface), "alpha", "white",
+        "grey", "black", "flat", or a colour such as "#7f7fff".
     max_megapixels:
-        Refuse larger pictures before any memory is taken.
+        Refuse larger pictures before any memory is used.
     """
 
     layer: str | None = option(None, Text("detail"))

@@ -1,4 +1,4 @@
-"""How a mesh is rebuilt to a field of normals."""
+"""Options for rebuilding a mesh to match given normals."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ Boundary = Literal["hold", "free"]
 
 @dataclass(frozen=True)
 class ReconstructOptions(Options, group="Rebuilding"):
-    """How a mesh is rebuilt to a field of normals.
+    """How a mesh is rebuilt to match given normals.
 
     Parameters
     ----------
     scheme:
-        "gsfg-gradient" stitches the projected faces together, all vertices at once, measured over the surface;
-        "gsfg-shape" does so corner by corner; "gsfg" takes the mean of each vertex's projections, as the paper prints
-        it; "poisson" turns faces instead of projecting them, the yardstick of the others.
+        "gsfg-gradient" projects the faces and stitches them together, all vertices at once, with errors measured over
+        the surface. "gsfg-shape" measures them corner by corner. "gsfg" moves each vertex to the mean of its
+        projections, as printed in the paper. "poisson" rotates the faces instead of projecting them; it is the
+        reference for the others.
     steps:
-        Times that faces are shaped and stitched. Poisson takes 1 in the literature.
+        How many times to shape and stitch the faces. The literature uses 1 for Poisson.
     closeness:
-        Pull of each vertex to where it was; forms up to 1/sqrt(closeness) edges across follow the normals. "gsfg"
-        has none.
+        How strongly each vertex is held to its old place. Forms up to 1/sqrt(closeness) edges across follow the
+        normals: smaller values follow them further, larger values keep more of the volume. "gsfg" ignores it.
     boundary:
-        "hold" keeps the vertices of open edges where they are; "free" lets them go.
+        "hold" keeps the vertices on open edges in place; "free" lets them move.
     """
 
     scheme: Scheme = option("gsfg-gradient", choice_of(Scheme))
@@ -44,8 +45,7 @@ class SmoothOptions(Options, group="Rebuilding"):
     Parameters
     ----------
     detail_gain:
-        How much of the detail stays: 0 is smooth, 1 the mesh as it is, 2 has it twice; below 0 it is carved the other
-        way round.
+        How much detail to keep: 0 removes it, 1 leaves the mesh as it is, 2 doubles it. Values below 0 invert it.
     """
 
     detail_gain: float = option(0.0, Number("0 or 2", -10, 10))

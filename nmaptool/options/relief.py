@@ -1,4 +1,4 @@
-"""How a relief is solved."""
+"""Options for solving a relief."""
 
 from __future__ import annotations
 
@@ -25,48 +25,50 @@ _LARGEST_SLOPE = 1e4
 class ReliefOptions(Options, group="Relief"):
     """How a relief is solved from one or two normal maps.
 
-    mu, beta and delta mean what they mean on a picture of 1000 px on its longer side, so that one setting gives one
-    shape at every resolution; --per-pixel takes them literally.
+    mu, beta and delta refer to a picture of 1000 px on its longer side, so the same settings give the same shape at
+    every resolution. --per-pixel takes them literally.
 
     Parameters
     ----------
     mu:
-        Weight of the detail map. 0.1 adds crispness, 1 exaggerates. Without a detail map it does nothing.
+        Weight of the detail map: 0.1 adds crispness, 1 exaggerates. Has no effect without a detail map.
     beta:
-        Pull of every foreground point towards the height delta. Small is round, large is flat: 0.0001 keeps forms of
-        100 px, 0.001 of 32 px, 0.01 of 10 px on a picture of 1000 px; 0 lets the map alone decide.
+        How strongly every point of the motif is pulled towards the height delta. Smaller is rounder, larger is flatter:
+        on a picture of 1000 px, 0.0001 keeps forms of 100 px, 0.001 of 32 px, 0.01 of 10 px. With 0, the map alone
+        decides.
     delta:
-        Height that beta pulls the foreground to, in px of a picture of 1000 px; negative for an engraving.
+        Height that beta pulls the motif towards, in px of a picture of 1000 px. Use a negative height for an engraving.
     background:
-        "plane": the background is a flat plate at height 0; "free": it follows its own normals, nothing is held;
-        "cut": only the foreground is made, with its outline; "surface": the background is held to a curved surface
-        given with --surface.
+        "plane": a flat plate at height 0. "free": the background follows its own normals and is not held. "cut": only
+        the motif is made, ending at its silhouette. "surface": the background is held to the curved surface given with
+        --surface.
     slope_cap:
-        Steepest slope (rise per run) that is believed; normals that graze or face away are brought down to it.
+        Largest slope (rise per run) to keep. Steeper normals, and those that face away, are reduced to it.
     energy:
-        "eq6" averages original and detail (detail keeps its size, the base is compressed by 1 + mu); "eq4" adds
+        "eq6" averages original and detail: the detail keeps its size and the base is compressed by 1 + mu. "eq4" adds
         mu times the detail to the original.
     per_pixel:
-        Count beta and delta in pixels of this very picture instead of one of 1000 px.
+        Measure beta and delta in pixels of this picture instead of one of 1000 px.
     height:
-        Exact height from the lowest to the highest point of the relief, such as 3mm; on a curved background, measured
-        from it.
+        Exact height from the lowest to the highest point of the relief, such as 3mm. On a curved background, it is
+        measured from that background.
     fit:
-        How the exact height is reached: "scale" multiplies all heights, "slope" changes the slopes and keeps delta,
+        How to reach the exact height: "scale" multiplies all heights; "slope" changes the slopes and keeps delta;
         "delta" changes delta and keeps the slopes.
     width:
-        Width of the whole picture, such as 100mm. Default: what the file says, else 100 mm on the longer side.
+        Width of the whole picture, such as 100mm. Default: the width stored in the file, otherwise 100 mm on the longer
+        side.
     solver:
-        "auto" takes the quickest: "dct" (exact) for a picture that is all surface with one weight everywhere,
-        "multigrid" for every mask and all weights, "amg" for a few lines on a large picture. Elsewhere "amg" answers
-        the same by a second way, slower and with more memory, to check by.
+        "auto" picks the fastest: "dct" (exact) if every pixel is surface and has the same weight, "multigrid" for any
+        mask and any weights, "amg" for a few lines on a large picture. Elsewhere, "amg" checks the result by a second
+        method; it is slower and needs more memory.
     tolerance:
-        Relative residual at which the solver stops.
+        Relative residual at which the solver stops. Smaller is more exact and slower.
     max_iterations:
-        Solver iterations after which the solve is given up.
+        Give up if the solver has not converged after this many iterations.
     memory_limit:
-        Most memory that solving may take, such as 8GB; a picture that needs more is refused before the work begins.
-        Default: what is free on the machine.
+        Most memory that the solver may use, such as 8GB. A picture that needs more is refused before the work begins.
+        Default: the machine's free memory.
     """
 
     mu: float = option(0.1, Weight("0.1"))
@@ -102,5 +104,5 @@ class ReliefOptions(Options, group="Relief"):
 
     @property
     def memory_limit_bytes(self) -> int | None:
-        """The limit in bytes; None where none is given."""
+        """The limit in bytes; None if none is given."""
         return None if self.memory_limit is None else memory(self.memory_limit)

@@ -1,4 +1,4 @@
-"""How a map is cropped, mirrored, resized, turned and padded."""
+"""Options for cropping, mirroring, resizing, rotating and padding a map."""
 
 from __future__ import annotations
 
@@ -22,38 +22,40 @@ _SINGULAR = 1e-6
 
 @dataclass(frozen=True)
 class TransformOptions(Options, group="Composing"):
-    """What is done to a map, in this order.
+    """Edits of a map, applied in this order.
 
     Parameters
     ----------
     crop:
         Part to keep: across,down,width,height from the top left corner, such as 10%,10%,80%,50% or 0,0,40mm,30mm.
     flip_h:
-        Mirror left and right.
+        Mirror left to right.
     flip_v:
-        Mirror top and bottom.
+        Mirror top to bottom.
     resize:
-        New columns x rows, such as 2000x1800; the picture keeps its width in mm, and slopes stay. Where it is
-        stretched, heights and the size of a pixel stay, and slopes follow.
+        New size, columns x rows in pixels, such as 2000x1800. The width in mm and the slopes stay the same. If the
+        picture is stretched, heights and the pixel size stay the same and the slopes change.
     scale:
-        Factor, or two (across,down), or a new width such as 30mm; the size of a pixel stays.
+        One scale factor, two (across,down), or a new width, such as 30mm. The pixel size stays the same.
     rotate:
-        Degrees counter-clockwise; quarter turns move pixels without resampling.
+        Rotate counter-clockwise by this many degrees. Quarter turns move pixels without resampling.
     affine:
-        Any other linear map a,b,c,d: a point x,y (down) goes to a*x + b*y, c*x + d*y.
+        Apply any other linear map a,b,c,d: a point x,y (y points down) moves to ax + by, cx + dy.
     keep_size:
-        Keep the picture's size and centre where it is turned, instead of making room for the corners.
+        Keep the picture's size and centre when it is rotated, instead of making room for the corners.
     pad:
-        Border around the result: one distance, or left,top,right,bottom.
+        Add a border: one width for all sides, or left,top,right,bottom.
     height_factor:
-        Factor on heights in px. Default: the scale, so that slopes stay; 1 where the picture is stretched or sheared.
+        Multiply heights in px by this factor. Default: the scale, which keeps slopes; 1 if the picture is stretched or
+        sheared.
     vectors_only:
-        Turn the vectors and leave the pixels: repairs a map that an image editor has mirrored or turned.
+        Turn the vectors but leave the pixels in place. Repairs a map that was mirrored or rotated in an image editor.
     ground:
-        What new corners and borders are: "clear" (transparent), "flat", or "auto": flat where the map has a flat
-        background.
+        What fills new corners and borders: "clear" (transparent), "flat", or "auto" (flat if the map has a flat
+        background, otherwise clear).
     width:
-        Width of the whole picture before, such as 100mm, so that lengths in mm have a meaning. Default: what it says.
+        Width of the whole picture before the edit, such as 100mm, so that lengths can be given in mm. Default: the
+        width stored in the file.
     """
 
     crop: str | None = option(None, SignedText("10%,10%,80%,50%"))
@@ -112,7 +114,7 @@ class TransformOptions(Options, group="Composing"):
 
     @property
     def matrix(self) -> tuple[float, float, float, float]:
-        """``affine`` as numbers; the identity where there is none."""
+        """``affine`` as numbers; the identity if there is none."""
         if self.affine is None:
             return (1.0, 0.0, 0.0, 1.0)
         try:

@@ -1,4 +1,4 @@
-"""How a workspace is packed."""
+"""Options for packing a workspace."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ class PackOptions(Options, group="Outputs"):
     Parameters
     ----------
     bits:
-        Bits per channel: 8 or 16 for PSD, ORA and TIFF, 32 (floats) for EXR. Left out: the most that the format holds.
+        Bits per channel: 8 or 16 for PSD, ORA and TIFF, 32 (floats) for EXR. Default: the most that the format holds.
     half:
-        EXR in half precision.
+        Write EXR in half precision.
     """
 
     bits: int | None = option(None, Kind("16"))

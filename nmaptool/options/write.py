@@ -1,4 +1,4 @@
-"""How normal maps are written."""
+"""Options for writing normal maps."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ class WriteOptions(Options, group="Outputs"):
     Parameters
     ----------
     bits:
-        "8" or "16" bit codes in PNG and TIFF, "half" in EXR, "float" in EXR and TIFF; "auto" is 16 bit in PNG and
-        TIFF, float in EXR.
+        "8" or "16" bits per channel in PNG and TIFF, "half" in EXR, "float" in EXR and TIFF. "auto" is 16 bit in PNG
+        and TIFF, float in EXR.
     write_green:
-        Which way green points in the file: "up" (+Y, OpenGL) or "down" (DirectX).
+        Direction of the green channel in the file: "up" (+Y, OpenGL) or "down" (DirectX).
     write_zero_code:
-        The 8-bit code that stands for zero: "127.5" (the middle), "128" or "127". What is flat is then exactly flat for
-        programs that take that code for zero. "auto" is the middle; in nmap compose convert, what the file had.
+        The 8-bit code to write for zero: "127.5" (the middle), "128" or "127". Programs that read this code as zero
+        then see flat areas as exactly flat. "auto" is the middle; nmap compose convert keeps the code of its input.
     """
 
     bits: Bits = option("auto", choice_of(Bits))
