@@ -7,7 +7,7 @@
 # Each sets up what it needs first: a virtual environment in .venv, and the system packages for it where it may.
 
 VENV ?= .venv
-BIN := $(VENV)/bin
+BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 STAMP := $(VENV)/.ready
 
 .PHONY: demo test check bench filter samples setup clean
