@@ -125,6 +125,8 @@ def test_the_wheel_alone_runs_the_commands(installed):
 def test_the_wheel_alone_bakes_and_carves(installed):
     vase = ROOT / "samples" / "vase.ply"
     done = installed.nmap("bake", vase, "-o", "maps", "--size", "160x160")
+    if done.returncode == 6:  # no OpenGL on this machine
+        done = installed.nmap("bake", vase, "-o", "maps", "--size", "160x160", "--renderer", "numpy")
     assert done.returncode == 0, done.stderr
     words = ("relief", "maps/original.exr", "--detail", "maps/detail.exr", "--height", "4mm", "-o", "vase.npy")
     done = installed.nmap(*words, "-o", "vase.stl")
