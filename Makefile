@@ -7,7 +7,7 @@
 # Each first sets up a virtual environment in .venv, and the system packages for it if it has the rights.
 
 VENV ?= .venv
-BIN := $(VENV)/bin
+BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 STAMP := $(VENV)/.ready
 
 .PHONY: demo test check bench filter samples setup clean

@@ -27,9 +27,12 @@ if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
     fi
 fi
 
-[ -x "$venv/bin/python" ] || "$python" -m venv "$venv"
+[ -x "$venv/bin/python" ] || [ -x "$venv/Scripts/python" ] || "$python" -m venv "$venv"
+if [ -d "$venv/Scripts" ]; then bin=$venv/Scripts; else bin=$venv/bin; fi # Windows has Scripts
 echo "installing nmaptool into $venv"
-"$venv/bin/python" -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+# PIP_FLAGS may say more, such as --only-binary :all: --no-binary pyopengl
+# shellcheck disable=SC2086
+"$bin/python" -m pip install --quiet --disable-pip-version-check ${PIP_FLAGS:-} --editable '.[dev]'
 # the type checker knows packages by their folders: cli is the package nmaptool_cli
 mkdir -p "$venv/typing"
 ln -sfn "$PWD/cli" "$venv/typing/nmaptool_cli"
@@ -38,13 +41,17 @@ ln -sfn "$PWD/cli" "$venv/typing/nmaptool_cli"
 draws='from nmaptool.render import gl
 with gl.drawing():
     pass'
-if ! "$venv/bin/python" -c "$draws" 2>/dev/null; then
+if ! "$bin/python" -c "$draws" 2>/dev/null; then
     install="apt-get install -y libegl1 libgl1 libgl1-mesa-dri libxrender1"
     if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
         { apt-get update -q && $install; } || { echo "This failed: $install" >&2; exit 1; }
     fi
-    if ! "$venv/bin/python" -c "$draws" 2>/dev/null; then
-        "$venv/bin/python" -c "$draws" 2>&1 | tail -1 >&2
+    if ! "$bin/python" -c "$draws" 2>/dev/null; then
+        "$bin/python" -c "$draws" 2>&1 | tail -1 >&2
+        if [ "$(uname -s)" != Linux ]; then
+            echo "OpenGL cannot render meshes here. Everything else works, and so does nmap bake --renderer numpy." >&2
+            exit 0
+        fi
         echo "OpenGL does not work yet. On Debian and Ubuntu run this, then run make again:  sudo $install" >&2
         exit 1
     fi

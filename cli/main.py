@@ -44,6 +44,11 @@ for _name, _help in (
 ):
     app.command(f"nmaptool_cli.{_name}:{_name}", name=_name, help=_help)
 app.command("nmaptool_cli.compose:app", name="compose", help=COMPOSE_HELP)
+app.command(
+    "nmaptool_cli.completion:install_completion",
+    name="--install-completion",
+    help="Complete commands and flags with Tab, in bash, zsh or fish.",
+)
 
 
 def _call(words: list[str]) -> Any:

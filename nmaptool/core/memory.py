@@ -82,6 +82,8 @@ def _groups(root: Path) -> list[int]:
 
 
 def _built_in() -> int | None:
+    if sys.platform == "win32":
+        return None
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, OSError, ValueError):
