@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import nmaptool as nm
 from nmaptool.core.errors import UsageError
 from nmaptool_cli.compose.paste import PLACING
-from nmaptool_cli.main import main
+from nmaptool_cli.main import app, main
 
 ROOT = Path(__file__).parents[1]
 SOURCES = [p for d in ("nmaptool", "cli", "bench", "samples", "tests") for p in sorted((ROOT / d).rglob("*.py"))]
@@ -77,7 +78,7 @@ before = state()
 import nmaptool_cli
 for module in pkgutil.walk_packages(nmaptool_cli.__path__, "nmaptool_cli."):
     importlib.import_module(module.name)
-from nmaptool_cli.main import main
+from nmaptool_cli.main import app, main
 main(["relief", "--help"])
 assert state() == before
 """
@@ -93,9 +94,14 @@ def test_help_loads_nothing_heavy(arguments):
     assert not loaded_by(f"from nmaptool_cli.main import main\nassert main({arguments.split()!r}) == 0") & HEAVY
 
 
+@pytest.fixture
+def wide_help(monkeypatch):
+    """Help in lines of 600 characters, whatever console an earlier test left behind."""
+    monkeypatch.setattr(app, "_console", Console(width=600, height=100))
+
+
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c != "compose"])
-def test_a_commands_own_help_has_its_example_and_lists_have_one_line(command, run, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "600")
+def test_a_commands_own_help_has_its_example_and_lists_have_one_line(command, run, wide_help):
     assert f"Example: nmap {command} " in run(*command.split(), "--help").out
     for words in (["--help"], [*command.split()[:-1], "--help"]):
         shown = run(*words).out
@@ -142,8 +148,7 @@ IO = (nm.ReadOptions, nm.WriteOptions)
         *((f"compose {name}", options) for name in ("blend", "convert", "paste", "transform") for options in IO),
     ],
 )
-def test_every_option_is_a_documented_flag_with_the_librarys_default(command, options, capsys, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "600")
+def test_every_option_is_a_documented_flag_with_the_librarys_default(command, options, capsys, wide_help):
     main([*command.split(), "--help"])
     shown = capsys.readouterr().out
     for field in dataclasses.fields(options):
@@ -154,8 +159,7 @@ def test_every_option_is_a_documented_flag_with_the_librarys_default(command, op
             assert f"[default: {field.default}]" in line
 
 
-def test_every_option_of_a_layer_is_a_flag_of_paste_with_its_default(capsys, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "600")
+def test_every_option_of_a_layer_is_a_flag_of_paste_with_its_default(capsys, wide_help):
     main(["compose", "paste", "--help"])
     shown = capsys.readouterr().out.splitlines()
     defaults = {field.name: field.default for field in dataclasses.fields(nm.LayerOptions)}
