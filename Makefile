@@ -1,5 +1,6 @@
 # make demo   reliefs of the samples, in gallery/
-# make test   every check and test
+# make test   every check and test; make test JOBS=1 uses one process instead of one per core
+# make test-long  the same, with all random trials
 # make check  the checks without the tests
 # make bench  speed and memory, as ratios in one run
 # make filter retrain the filter in the package
@@ -10,7 +11,10 @@ VENV ?= .venv
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 STAMP := $(VENV)/.ready
 
-.PHONY: demo test check bench filter samples setup clean
+# processes that run tests: auto is one per core
+JOBS ?= auto
+
+.PHONY: demo test test-long check bench filter samples setup clean
 
 setup: $(STAMP)
 
@@ -33,9 +37,13 @@ check: $(STAMP)
 	$(BIN)/ruff format --check .
 	MYPYPATH=$(VENV)/typing $(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m pytest -m house tests
 
 test: check
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -m "not house" -n $(JOBS) --dist worksteal
+
+test-long: check
+	$(BIN)/python -m pytest -m "not house" -n $(JOBS) --dist worksteal --long
 
 bench: $(STAMP)
 	$(BIN)/python -m bench.solver

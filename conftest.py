@@ -1,11 +1,40 @@
-"""Examples in docstrings and the README run in a folder of their own, with ``nm`` and ``np`` imported."""
+"""What every test run needs: the option ``--long``, few threads per process, and a folder for the examples.
 
+``make test`` runs one process per core. Each test with random trials asks ``trials(count)`` how many to make: all of
+them with ``--long`` (``make test-long``), else a fifth. Tests marked ``house`` look at the project's own files and run
+in ``make check``. Plain ``pytest`` runs everything in one process.
+"""
+
+import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from _pytest.doctest import DoctestItem
 
 ROOT = Path(__file__).parent
+# before NumPy is imported: OpenBLAS would start a thread per core in each process
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add ``--long``."""
+    parser.addoption("--long", action="store_true", help="make all random trials, not a fifth of them")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Share the cores among the processes of pytest-xdist; two threads are left to each, so that threads are tested."""
+    if hasattr(config, "workerinput"):
+        from nmaptool.core import parallel
+
+        threads = min(parallel.cores(), max(2, parallel.cores() // config.workerinput["workercount"]))
+        parallel.cores = lambda: threads
+
+
+@pytest.fixture(scope="session")
+def trials(request: pytest.FixtureRequest) -> Callable[[int], int]:
+    """``trials(150)``: how many random trials to make of 150."""
+    return lambda count: count if request.config.getoption("--long") else max(count // 5, 1)
 
 
 @pytest.fixture(autouse=True)

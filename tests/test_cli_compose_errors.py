@@ -287,10 +287,10 @@ FLAGS = {
 
 
 @pytest.mark.parametrize("start", FLAGS)
-def test_any_words_end_in_a_map_or_in_one_clear_line(run, place, start, monkeypatch):
+def test_any_words_end_in_a_map_or_in_one_clear_line(run, place, trials, start, monkeypatch):
     pick = random.Random(start)
     flags, values = FLAGS[start].split(), WORDS.split(" ")
-    for _ in range(150):
+    for _ in range(trials(150)):
         words = [w for _ in range(pick.randint(1, 3)) for w in (f"--{pick.choice(flags)}", pick.choice(values))]
         monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(b"")))
         result = run("compose", *start.split(), *words, "-o", "fuzz.exr", "--overwrite", "-q", "--max-megapixels", "1")

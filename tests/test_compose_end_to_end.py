@@ -12,10 +12,10 @@ CAMERA = {"size": "240x240", "pitch": nm.length("1mm"), "renderer": "numpy", "sh
 
 
 def bumpy_mesh():
-    """A finely divided height field of 400 x 400 mm, larger than the picture."""
-    x, y = np.meshgrid(np.linspace(-200, 200, 401), np.linspace(-200, 200, 401))
+    """A height field of 400 x 400 mm, larger than the picture, with an edge per 2 px."""
+    x, y = np.meshgrid(np.linspace(-200, 200, 201), np.linspace(-200, 200, 201))
     z = 25 * np.exp(-((x / 60) ** 2) - (y / 40) ** 2) + 4 * np.sin(x / 15) * np.cos(y / 20)
-    at = np.arange(401 * 401, dtype=np.int32).reshape(401, 401)
+    at = np.arange(201 * 201, dtype=np.int32).reshape(201, 201)
     a, b, c, d = at[:-1, :-1].ravel(), at[:-1, 1:].ravel(), at[1:, 1:].ravel(), at[1:, :-1].ravel()
     faces = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
     return nm.Mesh(np.stack([x.ravel(), y.ravel(), z.ravel()], 1), faces)

@@ -24,7 +24,7 @@ def values():
     depth = nm.depth_to_normals(x * x + y)
     layers = nm.bake(small, nm.BakeOptions(size="48x32", renderer="numpy"))
     smoothed = nm.smooth(small)
-    comparison = nm.compare(small, nm.CompareOptions(renderer="numpy"))
+    comparison = nm.compare(small, nm.CompareOptions(size="64x64", renderer="numpy"))
     workspace = nm.pack([nm.PackedMap(normal_map, mask=np.ones((32, 32), np.float32))])
     unpacked = nm.unpack(workspace)
     states, quick = [], nm.TrainOptions(stages=1, clusters=1, hidden=2, steps=1)

@@ -8,8 +8,6 @@ from workspace_cases import bumpy
 
 import nmaptool as nm
 
-RUNS = 150
-
 
 def damaged(data, chance):
     raw = bytearray(data)
@@ -35,7 +33,8 @@ def damaged(data, chance):
 @pytest.mark.parametrize(
     ("name", "bits"), [("a.psd", 16), ("a.psd", 8), ("a.psb", 16), ("a.ora", 16), ("a.tif", 16), ("a.exr", 32)]
 )
-def test_random_damage(tmp_path, capfd, name, bits):
+def test_random_damage(tmp_path, capfd, trials, name, bits):
+    runs = trials(150)
     mask = np.random.default_rng(0).random((30, 20)).astype(np.float32)
     maps = [bumpy(40, 50), nm.PackedMap(bumpy(30, 20, 1), left=-5, top=20, mask=mask, group=("a", "b"))]
     path = tmp_path / name
@@ -43,7 +42,7 @@ def test_random_damage(tmp_path, capfd, name, bits):
     data = path.read_bytes()
     chance = random.Random(bits)
     refused = 0
-    for _ in range(RUNS):
+    for _ in range(runs):
         path.write_bytes(damaged(data, chance))
         try:
             nm.unpack(nm.read_workspace(path, max_megapixels=2.0))
@@ -51,5 +50,5 @@ def test_random_damage(tmp_path, capfd, name, bits):
             refused += 1
             assert str(error).startswith(str(path))
             assert "\n" not in str(error)
-    assert refused > RUNS / 10
+    assert refused > runs / 10
     assert capfd.readouterr() == ("", "")  # no decoder says a word of its own

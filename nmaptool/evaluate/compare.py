@@ -80,7 +80,7 @@ def compare(
     --------
     >>> import trimesh
     >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
-    >>> comparison = nm.compare(sphere, nm.CompareOptions(renderer="numpy"))
+    >>> comparison = nm.compare(sphere, nm.CompareOptions(size="64x64", renderer="numpy"))
     >>> list(comparison.contenders), comparison.faces
     (['gsfg', 'poisson'], 80)
     """

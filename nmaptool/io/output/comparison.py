@@ -52,7 +52,7 @@ def write_comparison(
     --------
     >>> import trimesh
     >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
-    >>> nm.write_comparison(nm.compare(sphere, nm.CompareOptions(renderer="numpy")), report="comparison.json")
+    >>> nm.write_comparison(nm.compare(sphere, nm.CompareOptions(size="64x64", renderer="numpy")), report="comparison.json")
     """
     values = {"version": __version__, **comparison.to_dict()} if metadata is None else metadata
     comparison_outputs(figure, report=report, overwrite=overwrite).write(comparison, values)
