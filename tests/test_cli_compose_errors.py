@@ -104,7 +104,7 @@ BAD_WORDS = [
     (TRANSFORM, "--scale 0.000001px", r"--scale 1e-06px: is 2\.5e-08 times the layer's size; use 0\.001 to 1000 times"),
     (TRANSFORM, "--ground stone", r'"stone" for --ground'),
     (TRANSFORM, "--vectors-only --pad 1px", r"--vectors-only leaves the pixels where they are"),
-    (TRANSFORM, "--width -3mm", r"'-3mm': must be greater than zero"),
+    (TRANSFORM, "--width -3mm", r"--width=-3mm: must be greater than zero"),
     (TRANSFORM, "second.exr", r"second\.exr: unexpected argument \(see nmap compose transform --help\)$"),
 ]
 

@@ -257,7 +257,7 @@ def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
         (2, r"no output given: add one", clean),
         (2, r"out.png: -o .*b.png also names the output; give only one of them", clean, out, "-o", tmp_path / "b.png"),
         (2, r"out.gif: ends in .gif; normal maps are written as", clean, tmp_path / "out.gif"),
-        (2, r"out.png: `bits` half is not offered for .png; use 16 or 8", clean, out, "--bits", "half"),
+        (2, r"out.png: --bits half is not offered for .png; use 16 or 8", clean, out, "--bits", "half"),
         (2, r"clean.png: is also an input", clean, clean, "--overwrite"),
         (
             2,

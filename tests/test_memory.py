@@ -156,7 +156,7 @@ def test_a_limit_is_kept_and_the_message_says_what_to_do():
 
 def test_the_command_line_refuses_before_it_writes(refused, maps, tmp_path):
     options = "--memory-limit", "1MB", "-o", tmp_path / "out.stl"
-    refused(4, "solver needs about .* of memory, `memory_limit` allows 1MB; ", "relief", maps["clean"], *options)
+    refused(4, "solver needs about .* of memory, --memory-limit allows 1MB; ", "relief", maps["clean"], *options)
     refused(2, "`memory_limit`: memory '1': expected", "relief", maps["clean"], "--memory-limit", "1")
 
 

@@ -60,11 +60,10 @@ def exr_header(cols, rows):
     parts = [
         attribute(b"channels", b"chlist", names),
         attribute(b"compression", b"compression", b"\0"),
-        attribute(b"dataWindow", b"box2i", window),
-        attribute(b"displayWindow", b"box2i", window),
+        *(attribute(name, b"box2i", window) for name in (b"dataWindow", b"displayWindow")),
         attribute(b"lineOrder", b"lineOrder", b"\0"),
         attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1)),
-        attribute(b"screenWindowCenter", b"v2f", struct.pack("<ff", 0, 0)),
+        attribute(b"screenWindowCenter", b"v2f", bytes(8)),
         attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)),
     ]
     return b"\x76\x2f\x31\x01" + struct.pack("<I", 2) + b"".join(parts) + b"\0" + bytes(64)
@@ -89,10 +88,10 @@ def test_a_path_through_a_file(tmp_path):
         nm.read_normal_map(tmp_path / "file" / "map.png")
 
 
-@pytest.mark.parametrize("name", ["n" * 300 + ".png", "n" * 300 + ".exr:base"])
-def test_a_name_that_is_too_long(tmp_path, name):
+@pytest.mark.parametrize("ending", [".png", ".exr:base"])
+def test_a_name_that_is_too_long(tmp_path, ending):
     with pytest.raises(nm.InputError, match=r"cannot be read \(File name too long\)"):
-        nm.read_normal_map(tmp_path / name)
+        nm.read_normal_map(tmp_path / ("n" * 300 + ending))
 
 
 @pytest.mark.parametrize("ending", ["png", "exr", "tif", "jpg"])
@@ -269,9 +268,7 @@ def test_an_exr_one_of_whose_windows_claims_too_much(good, window):
 def test_the_limit_can_be_set(good):
     assert nm.read_normal_map(good["png"], nm.ReadOptions(max_megapixels=0.0093)).frame.shape == (96, 96)
     for path in good.values():
-        with pytest.raises(
-            nm.LimitError, match=r"96 x 96 is .*limit of 0\.009; make it smaller or raise `max_megapixels`"
-        ):
+        with pytest.raises(nm.LimitError, match=r"96 x 96 .* 0\.009; make it smaller or raise `max_megapixels`"):
             nm.read_normal_map(path, nm.ReadOptions(max_megapixels=0.009))
 
 
@@ -299,6 +296,5 @@ def test_a_name_outside_ascii_is_read(good):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every file name is text")
 def test_a_name_that_is_no_text_is_refused(good):
-    path = good["png"].rename(good["png"].with_name(os.fsdecode(b"caf\xe9.png")))
     with pytest.raises(nm.InputError, match=r"rename"):
-        nm.read_normal_map(path)
+        nm.read_normal_map(good["png"].rename(good["png"].with_name(os.fsdecode(b"caf\xe9.png"))))

@@ -107,8 +107,8 @@ def test_train_options_that_cannot_be_meant(changes, message):
     ("changes", "message"),
     [
         ({"sigma_s": ()}, "sigma_s: 0 values, expected 1 to 16"),
-        ({"sigma_s": (0.0,)}, "`sigma`_s 0: must lie between 0.1 and 1000"),
-        ({"sigma_r": (0.2, np.nan)}, "`sigma`_r nan: must lie between 0.01 and 10"),
+        ({"sigma_s": (0.0,)}, "`sigma_s=0`: must lie between 0.1 and 1000"),
+        ({"sigma_r": (0.2, np.nan)}, "`sigma_r=nan`: must lie between 0.01 and 10"),
         ({"passes": 0}, "passes 0: must lie between 1 and 20"),
     ],
 )

@@ -10,6 +10,7 @@ WORKFLOW = (ROOT / ".github" / "workflows" / "test.yml").read_text(encoding="utf
 def recipe(target):
     """The commands of a target of the Makefile, as a shell has them."""
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8").replace("$(BIN)", "$BIN").replace("$(VENV)", ".venv")
+    makefile = makefile.replace("$(JOBS)", "auto")
     return re.findall(r"^\t(.*)$", makefile.split(f"\n{target}: ")[1].split("\n\n")[0], re.MULTILINE)
 
 
