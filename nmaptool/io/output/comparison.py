@@ -52,7 +52,8 @@ def write_comparison(
     --------
     >>> import trimesh
     >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
-    >>> nm.write_comparison(nm.compare(sphere, nm.CompareOptions(size="64x64", renderer="numpy")), report="comparison.json")
+    >>> comparison = nm.compare(sphere, nm.CompareOptions(size="64x64", renderer="numpy"))
+    >>> nm.write_comparison(comparison, report="comparison.json")
     """
     values = {"version": __version__, **comparison.to_dict()} if metadata is None else metadata
     comparison_outputs(figure, report=report, overwrite=overwrite).write(comparison, values)
