@@ -261,7 +261,7 @@ def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
         (2, r"clean.png: is also an input", clean, clean, "--overwrite"),
         (
             2,
-            r'Invalid value "x" for `write_zero_code`. Choose from: "auto", "127", "127.5", "128"',
+            r'Invalid value "x" for --write-zero-code. Choose from: "auto", "127", "127.5", "128"',
             clean,
             out,
             "--write-zero-code",
@@ -270,7 +270,7 @@ def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
         (3, r"missing.png: ", maps["missing"], out),
         (3, r"one.png: has 1 channel", maps["one"], out),
         (3, r"nan.exr: 1 pixel\(s\) hold NaN", maps["nan"], out),
-        (5, r"small.png: exists already; give another name, or `overwrite`", clean, maps["small"]),
+        (5, r"small.png: exists already; give another name, or --overwrite", clean, maps["small"]),
         (5, r"the folder .* does not exist", clean, tmp_path / "no" / "out.png"),
     )
     for code, pattern, *words in cases:

@@ -44,7 +44,7 @@ def test_sizes_out_of_range(text):
 def test_the_option_is_checked_where_it_is_given():
     assert nm.ReliefOptions().memory_limit_bytes is None
     assert nm.ReliefOptions(memory_limit="2GiB").memory_limit_bytes == 2**31
-    with pytest.raises(UsageError, match=r"`memory_limit`: memory '8': expected a number with a unit"):
+    with pytest.raises(UsageError, match=r"`memory_limit='8'`: expected a number with a unit"):
         nm.ReliefOptions(memory_limit="8")
 
 
@@ -157,7 +157,7 @@ def test_a_limit_is_kept_and_the_message_says_what_to_do():
 def test_the_command_line_refuses_before_it_writes(refused, maps, tmp_path):
     options = "--memory-limit", "1MB", "-o", tmp_path / "out.stl"
     refused(4, "solver needs about .* of memory, --memory-limit allows 1MB; ", "relief", maps["clean"], *options)
-    refused(2, "`memory_limit`: memory '1': expected", "relief", maps["clean"], "--memory-limit", "1")
+    refused(2, "--memory-limit 1: expected", "relief", maps["clean"], "--memory-limit", "1")
 
 
 def test_a_picture_too_large_for_the_machine_is_refused(monkeypatch):

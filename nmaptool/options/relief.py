@@ -98,7 +98,7 @@ class ReliefOptions(Options, group="Relief"):
             try:
                 memory(self.memory_limit)
             except UsageError as error:
-                raise UsageError(f"`memory_limit`: {error}") from None
+                raise UsageError(f"`memory_limit={self.memory_limit!r}`: {str(error).partition(': ')[2]}") from None
         if self.fit != "scale" and self.height is None:
             raise UsageError(f"`fit={self.fit!r}`: needs `height`, such as `height='3mm'`")
 
