@@ -1,4 +1,4 @@
-"""Options as the words of a command line: ``--sigma-s 2%`` for ``sigma_s='2%'``."""
+"""Options as flags of the command line: ``--sigma-s 2%`` for ``sigma_s='2%'``."""
 
 from __future__ import annotations
 

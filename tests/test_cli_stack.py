@@ -51,7 +51,7 @@ def test_it_writes_what_compose_gives(run, folder):
     assert metadata["outside"] == []
     assert metadata["files"]["recipes"] == ["parts/leaf.toml"]
     assert metadata["options"]["width"] == "40mm"
-    assert f"layer 5 (idea): hidden, left out\nnmap: warning: {folder}/parts/leaf.toml: its canvas is left" in done.err
+    assert f"layer 5 (idea): hidden, left out\nnmap: warning: {folder}/parts/leaf.toml: its canvas is ignored" in done.err
     assert "bunny: over, strength 0.8 at" in done.err
     assert f"wrote {out}" in done.err
 

@@ -21,6 +21,9 @@ GLOBS = (
     "setup.sh",
     "Makefile",
     "bench/**/*.py",
+    "cli/**/*.py",
+    "nmaptool/**/*.py",
+    "nmaptool/**/*.pyi",
 )
 FILES = sorted({path for pattern in GLOBS for path in ROOT.glob(pattern)})
 PROSE = {

@@ -108,7 +108,7 @@ def test_absolute_names_stay_and_an_inner_canvas_is_noted(folder):
     path = write(folder, "scene.toml", ONE + link(inner))
     recipe = nm.read_recipe(path)
     assert recipe.layers[1].layers[0].file == f"{folder}/leaf.png"
-    assert recipe.notes == (f"{inner}: its canvas is left aside; its layers lie on that of {path}",)
+    assert recipe.notes == (f"{inner}: its canvas is ignored; its layers lie on the canvas of {path}",)
 
 
 def test_a_hidden_recipe_is_not_read(folder):

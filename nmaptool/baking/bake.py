@@ -178,7 +178,7 @@ def _sized(prepared: PreparedMesh, cameras: list[Camera], width: Length | None) 
 
 
 def _updated(mesh: Mesh, split: Decomposition) -> tuple[Mesh, Decomposition]:
-    """The mesh rebuilt to its base normals, and the split whose base is what came of them (paper, Fig. 10)."""
+    """The mesh rebuilt to its base normals, and the split whose base is the normals that resulted (paper, Fig. 10)."""
     rebuilt = reconstruct(mesh, split.base).mesh
     base = rebuilt.geometry.normals
     return rebuilt, dataclasses.replace(split, base=base, residual=split.normals - base)

@@ -1,4 +1,4 @@
-"""All layers of all views on one picture, as maps and under a raking light, to be looked over at a glance."""
+"""A contact sheet: all layers of all views on one picture, as maps and under a raking light."""
 
 from __future__ import annotations
 

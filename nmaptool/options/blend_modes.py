@@ -56,12 +56,12 @@ class BlendMode:
 
 
 BLEND_MODES: dict[str, BlendMode] = {
-    "rnm": BlendMode("turns the detail with the base and undoes what bake writes", "reoriented"),
-    "pd": BlendMode("adds slopes, and two surfaces stay a surface", "partial_derivative", adds_slopes=True),
+    "rnm": BlendMode("rotates the detail with the base; restores the original from the maps of bake", "reoriented"),
+    "pd": BlendMode("adds slopes, so two surfaces give a surface", "partial_derivative", adds_slopes=True),
     "whiteout": BlendMode("is a cheaper form of pd", "whiteout", adds_slopes=True),
     "udn": BlendMode("is cheaper still and keeps the base's z", "udn", flat_base=False, adds_slopes=True),
     "linear": BlendMode("is the direction of the sum", "linear", "sum", keeps_flat=False, flat_base=False),
-    "overlay": BlendMode("is what image editors do", "overlay", "result", keeps_flat=False, flat_base=False),
+    "overlay": BlendMode("is the overlay of image editors", "overlay", "result", keeps_flat=False, flat_base=False),
 }
 
 

@@ -63,9 +63,9 @@ class WorkspaceFormat(FileFormat):
 
 
 NORMAL_MAP_FORMATS: dict[str, MapFormat] = {
-    ".png": MapFormat("codes of 16 or 8 bits", bits=("16", "8")),
+    ".png": MapFormat("16- or 8-bit codes", bits=("16", "8")),
     ".exr": MapFormat("signed floats, 32 or 16 bits (half)", bits=("float", "half")),
-    ".tif": MapFormat("codes of 16 or 8 bits, or signed floats", bits=("16", "8", "float")),
+    ".tif": MapFormat("16- or 8-bit codes, or signed floats", bits=("16", "8", "float")),
     ".tiff": MapFormat("the same as .tif", bits=("16", "8", "float")),
 }
 HEIGHT_FORMATS: dict[str, FileFormat] = {
@@ -73,7 +73,7 @@ HEIGHT_FORMATS: dict[str, FileFormat] = {
     ".tif": FileFormat("heights in mm, 32-bit floats"),
     ".tiff": FileFormat("the same as .tif"),
     ".npy": FileFormat("heights in mm, 64-bit floats, NaN outside the surface"),
-    ".png": FileFormat("heights as codes of 16 bits, their range in mm in the metadata"),
+    ".png": FileFormat("heights as 16-bit codes, with their range in mm in the metadata"),
 }
 MESH_FORMATS: dict[str, FileFormat] = {
     ".stl": FileFormat("triangles in mm, binary"),

@@ -26,7 +26,7 @@ class ReliefOptions(Options, group="Relief"):
     """How a relief is solved from one or two normal maps.
 
     mu, beta and delta refer to a picture of 1000 px on its longer side, so the same settings give the same shape at
-    every resolution. --per-pixel takes them literally.
+    every resolution. --per-pixel uses them unscaled.
 
     Parameters
     ----------

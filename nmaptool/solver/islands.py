@@ -87,7 +87,7 @@ class Islands:
 
     @property
     def labels(self) -> NDArray[np.int32]:
-        """(H+1, W+1) island of each vertex, 0 for none; made anew each time it is asked for."""
+        """(H+1, W+1) island of each vertex, 0 for none; computed on every access."""
         return self._runs.map()
 
     @property

@@ -1,1 +1,1 @@
-"""The values that travel between the features, checked once at construction."""
+"""The values that features exchange, checked once at construction."""

@@ -82,7 +82,7 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
     off = float((np.abs(colors.lengths(codes[covered]) - 1) > _OFF_LENGTH).mean()) if covered.any() else 0.0
     if off > _OFF_SHARE and curve is None:
         words = f"{off:.0%} of its vectors were not of unit length and were normalised"
-        found.append(("off-length", words, "painting, blurring and resizing as colours does that; look them over"))
+        found.append(("off-length", words, "painting, blurring and resizing as colours does that; check them"))
     normals = unit(vectors)
     normals[alpha <= 0] = FLAT
     now = _signature_now(straight, alpha, layer)

@@ -17,7 +17,7 @@ from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool.types.composition import ComposeReport, Composition
 from nmaptool.types.picture import RasterImage
 
-# what the writer says of itself
+# attributes that the writer sets
 _RENEWED = ("version", "kind", "green", "zero_code", "encoding", "pitch_mm", "recipe")
 
 
@@ -85,7 +85,7 @@ def convert(
 
 
 def converted_map(image: RasterImage, result: Composition, settled: WriteOptions) -> WrittenMap:
-    """The map of a conversion as it is written, with what its file says of itself that stays true.
+    """The map of a conversion as it is written, with the attributes of its file that still hold.
 
     Parameters
     ----------

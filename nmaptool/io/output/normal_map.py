@@ -28,7 +28,7 @@ class WrittenMap:
     attributes : mapping
         More metadata of the file, such as the recipe.
     kept : mapping
-        Metadata of the file that the map came from; what the map says of itself comes after it.
+        Metadata of the file that the map came from; the attributes of the map come after it.
     pictures : mapping of str to callable
         Makes the picture of each kind, such as ``placed``; ``curl`` is known anyhow.
     options : WriteOptions, optional

@@ -141,7 +141,7 @@ class _Linking:
         self.sources.append(named)
         if inner.canvas != CanvasOptions():
             outer = chain.recipes[0][1]
-            self.notes.append(f"{path}: its canvas is left aside; its layers lie on that of {outer}")
+            self.notes.append(f"{path}: its canvas is ignored; its layers lie on the canvas of {outer}")
         return inner
 
 

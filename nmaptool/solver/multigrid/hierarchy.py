@@ -20,7 +20,7 @@ from nmaptool.solver.multigrid.transfer import Transfer
 from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
-# a grid this small, or a level with this share of off-grid vertices, is left to algebra
+# a grid this small, or a level with this share of off-grid vertices, is solved algebraically
 _SMALLEST = 2000
 _MOST_STRAYS = 0.4
 # coarse vertices that are not worth a second thread, and those of a band: each takes some 70 arrays
