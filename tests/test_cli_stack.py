@@ -51,7 +51,8 @@ def test_it_writes_what_compose_gives(run, folder):
     assert metadata["outside"] == []
     assert metadata["files"]["recipes"] == ["parts/leaf.toml"]
     assert metadata["options"]["width"] == "40mm"
-    assert f"layer 5 (idea): hidden, left out\nnmap: warning: {folder}/parts/leaf.toml: its canvas is ignored" in done.err
+    warning = f"nmap: warning: {folder}/parts/leaf.toml: its canvas is ignored"
+    assert f"layer 5 (idea): hidden, left out\n{warning}" in done.err
     assert "bunny: over, strength 0.8 at" in done.err
     assert f"wrote {out}" in done.err
 
