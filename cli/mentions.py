@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from typing import Any
 
-from nmaptool.core.mentions import number_text, rendered
+from nmaptool.core.mentions import rendered
 
 
 def flag_of(name: str) -> str:
@@ -26,5 +26,5 @@ def _words(name: str, value: Any) -> str:
     """A flag and its value, as the shell takes them; a minus sign needs =."""
     if value is None or value is True:
         return flag_of(name)
-    word = shlex.quote(value) if isinstance(value, str) else number_text(value)
+    word = shlex.quote(f"{value:g}" if isinstance(value, float) else str(value))
     return f"{flag_of(name)}{'=' if word.startswith('-') else ' '}{word}"

@@ -10,7 +10,6 @@ from pathlib import PurePath
 from typing import Any
 
 from nmaptool.core.errors import InputError, LimitError, UsageError
-from nmaptool.core.mentions import number_text as as_number
 from nmaptool.core.mentions import rendered
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
 from nmaptool.options.fields import Options, kind_of
@@ -216,7 +215,7 @@ def _key(name: str, value: Any) -> str:
     if value is None:
         return name
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return f"{name} = {as_number(value) if is_number else json.dumps(value, ensure_ascii=False)}"
+    return f"{name} = {number_text(value) if is_number else json.dumps(value, ensure_ascii=False)}"
 
 
 def number_text(number: float) -> str:

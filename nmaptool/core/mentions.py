@@ -36,15 +36,6 @@ def options_in(text: str) -> tuple[str, ...]:
     return tuple(found[1] for found in _MENTION.finditer(text))
 
 
-def number_text(value: float) -> str:
-    """A number as a person writes it.
-
-    >>> number_text(20000000), number_text(-1e10), number_text(0.25)
-    ('20000000', '-1e+10', '0.25')
-    """
-    return str(value) if isinstance(value, int) else f"{value:g}"
-
-
 def _value(text: str) -> Any:
     """What is written after ``name=``: a literal of Python, or inf or nan; other text stays text."""
     for read in (ast.literal_eval, float):

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.core.errors import UsageError
-from nmaptool.core.units import Length, Offset, offsets
+from nmaptool.core.units import Length, Offset
 from nmaptool.options.blend_modes import blend_meanings, layer_meanings
 from nmaptool.options.fields import Options, choice_of, option
 from nmaptool.options.kinds import Choice, SignedText, Switch, Text, Weight, parse_size
-from nmaptool.options.length_kinds import LengthText, OffsetText, ScaleText, parse_scale
+from nmaptool.options.length_kinds import LengthText, OffsetText, ScaleText, parse_distances, parse_scale
 from nmaptool.options.transform import HEIGHT_FACTOR, ROTATION
 
 Anchor = Literal[
@@ -115,10 +115,7 @@ class LayerOptions(Options, group="Composing"):
         if self.at is None:
             across, down = ANCHORS[self.anchor]
             return Offset(100 * across, "%"), Offset(100 * down, "%")
-        try:
-            across_, down_ = offsets(self.at, (2,), "30%,12mm")
-        except UsageError as error:
-            raise UsageError(f"`at={self.at!r}`: {str(error).removeprefix(f'{self.at!r}: ')}") from None
+        across_, down_ = parse_distances("at", self.at, (2,), "30%,12mm")
         return across_, down_
 
     @property

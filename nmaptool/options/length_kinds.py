@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar
 
 from nmaptool.core.errors import UsageError
-from nmaptool.core.units import Length, Offset, length, offset
+from nmaptool.core.units import Length, Offset, length, offset, offsets
 from nmaptool.options.kinds import SignedText, require_number
 
 _T = TypeVar("_T")
@@ -130,3 +130,17 @@ def parse_scale(text: str, name: str = "scale") -> tuple[float, float] | Length:
         expected = f"one or two factors between {_SMALLEST_SCALE:g} and {_LARGEST_SCALE:g}, such as 0.5"
         raise UsageError(f"`{name}={text!r}`: expected {expected}")
     return factors[0], factors[-1]
+
+
+def parse_distances(name: str, text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, ...]:
+    """Distances with commas between them, as many as one of ``counts``.
+
+    Raises
+    ------
+    UsageError
+        If the text is none of these.
+    """
+    try:
+        return offsets(text, counts, such_as)
+    except UsageError as error:
+        raise UsageError(f"`{name}={text!r}`: {str(error).removeprefix(f'{text!r}: ')}") from None

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from nmaptool.core.errors import UsageError
-from nmaptool.core.units import Length, Offset, offsets
+from nmaptool.core.units import Length, Offset
 from nmaptool.options.fields import Options, choice_of, option
 from nmaptool.options.kinds import Number, SignedText, Switch, parse_size
-from nmaptool.options.length_kinds import LengthText, ScaleText, parse_scale
+from nmaptool.options.length_kinds import LengthText, ScaleText, parse_distances, parse_scale
 
 NewGround = Literal["auto", "clear", "flat"]
 ROTATION = Number("30", -3600, 3600)
@@ -97,7 +97,7 @@ class TransformOptions(Options, group="Composing"):
         """Left, top, width and height to keep."""
         if self.crop is None:
             return None
-        left, top, across, down = _distances("crop", self.crop, (4,), "10%,10%,80%,50%")
+        left, top, across, down = parse_distances("crop", self.crop, (4,), "10%,10%,80%,50%")
         if min(across.value, down.value) <= 0:
             raise UsageError(f"`crop={self.crop!r}`: width and height must be greater than zero")
         return left, top, across, down
@@ -107,7 +107,7 @@ class TransformOptions(Options, group="Composing"):
         """Left, top, right and bottom borders."""
         if self.pad is None:
             return (Offset(0.0, "px"),) * 4
-        given = _distances("pad", self.pad, (1, 4), "20px or 10px,20px,10px,20px")
+        given = parse_distances("pad", self.pad, (1, 4), "20px or 10px,20px,10px,20px")
         if min(border.value for border in given) < 0:
             raise UsageError(f"`pad={self.pad!r}`: must be zero or more; cut with `crop`")
         return given if len(given) == 4 else given * 4
@@ -129,10 +129,3 @@ class TransformOptions(Options, group="Composing"):
                 f"`affine={self.affine!r}`: is singular: it flattens the picture to a line; a*d - b*c must not be 0"
             )
         return a, b, c, d
-
-
-def _distances(name: str, text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, ...]:
-    try:
-        return offsets(text, counts, such_as)
-    except UsageError as error:
-        raise UsageError(f"`{name}={text!r}`: {str(error).removeprefix(f'{text!r}: ')}") from None
