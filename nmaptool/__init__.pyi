@@ -78,6 +78,7 @@ from .options import ReadOptions as ReadOptions
 from .options import ReconstructOptions as ReconstructOptions
 from .options import ReliefOptions as ReliefOptions
 from .options import SmoothOptions as SmoothOptions
+from .options import SolidOptions as SolidOptions
 from .options import SplitOptions as SplitOptions
 from .options import TrainOptions as TrainOptions
 from .options import TransformOptions as TransformOptions
@@ -95,6 +96,7 @@ from .reliefs.inputs import pitch_of as pitch_of
 from .reliefs.integrate import integrate as integrate
 from .reliefs.relief import relief as relief
 from .reliefs.session import ReliefSession as ReliefSession
+from .solids.solid import solid as solid
 from .types.comparison import Comparison as Comparison
 from .types.comparison import Contender as Contender
 from .types.comparison import CurvePoint as CurvePoint
@@ -130,6 +132,9 @@ from .types.reconstruction import SmoothReport as SmoothReport
 from .types.reconstruction import SmoothResult as SmoothResult
 from .types.relief import Relief as Relief
 from .types.relief import ReliefReport as ReliefReport
+from .types.solid import Body as Body
+from .types.solid import Part as Part
+from .types.solid import Solid as Solid
 from .types.unpacked import UnpackedLayer as UnpackedLayer
 from .types.unpacked import UnpackResult as UnpackResult
 from .types.workspace import Workspace as Workspace

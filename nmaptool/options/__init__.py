@@ -21,6 +21,7 @@ from nmaptool.options.learned import DescriptorOptions, TrainOptions
 from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.reconstruct import Boundary, ReconstructOptions, Scheme, SmoothOptions
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
+from nmaptool.options.solid import Outline, SolidOptions
 from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.workspace import PackOptions
 from nmaptool.options.write import Bits, HeightsAt, WriteOptions, WrittenGreen, WrittenZeroCode
@@ -54,6 +55,7 @@ __all__ = [
     "LayerOptions",
     "MeshReadOptions",
     "NewGround",
+    "Outline",
     "PackOptions",
     "ReadOptions",
     "ReconstructOptions",
@@ -62,6 +64,7 @@ __all__ = [
     "Scheme",
     "Shading",
     "SmoothOptions",
+    "SolidOptions",
     "SolverName",
     "SplitOptions",
     "TrainOptions",

@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 from nmaptool.core.errors import UsageError
 
 LARGEST_WEIGHT = 1e6
+_MANY = re.compile(r"\s*(\d{1,12}(?:\.\d{1,6})?)\s*([km]?)\s*", re.IGNORECASE)
 _SIZE = re.compile(r"\s*(\d{1,7})\s*[x,×]\s*(\d{1,7})\s*", re.IGNORECASE)
 
 # names, with descriptions if the help lists them; a callable if names may be added later
@@ -168,6 +169,20 @@ class Count(Numeric):
         return value
 
 
+@dataclass(frozen=True)
+class ManyText(Text):
+    """A large whole number as text, such as 200k or 1.5M; a plain number is converted to text."""
+
+    low: int = 1
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        text = str(value)
+        if parse_many(name, text) < self.low:
+            raise UsageError(f"`{name}={text!r}`: must be at least {self.low}, such as {self.such_as}")
+        return text
+
+
 def require_number(name: str, value: float, low: float, high: float, such_as: str) -> None:
     """Refuse anything but a finite number between two bounds, both included.
 
@@ -177,6 +192,24 @@ def require_number(name: str, value: float, low: float, high: float, such_as: st
     """
     if not (math.isfinite(value) and low <= value <= high):
         raise UsageError(f"`{name}={value:g}`: must lie between {low:g} and {high:g}, such as {such_as}")
+
+
+def parse_many(name: str, text: str) -> int:
+    """A whole number such as ``200000``, ``200k`` or ``1.5M``.
+
+    >>> parse_many("triangles", "1.5M")
+    1500000
+
+    Raises
+    ------
+    UsageError
+        If the text is not a whole number.
+    """
+    match = _MANY.fullmatch(text)
+    count = float(match[1]) * {"": 1, "k": 1e3, "m": 1e6}[match[2].lower()] if match else 0.5
+    if count != round(count):
+        raise UsageError(f"`{name}={text!r}`: expected a whole number, such as 200k or 1500000")
+    return round(count)
 
 
 def parse_size(name: str, text: str) -> tuple[int, int]:

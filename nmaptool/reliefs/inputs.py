@@ -70,6 +70,12 @@ class ReliefMaps:
     beta: Float32 | None
     delta: Float32 | None
 
+    @property
+    def coverage(self) -> Float32:
+        """(H, W) float32: share of each pixel that is motif."""
+        covered = self.original.coverage
+        return covered if self.mask is None else covered * self.mask
+
 
 def check_maps(
     original: Any, detail: Any, mask: Any, surface: Any, mu_map: Any, beta_map: Any, delta_map: Any

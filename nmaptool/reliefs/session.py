@@ -164,7 +164,8 @@ class ReliefSession:
                 frame.longer_side,
                 case.pulled,
             )
-        return Relief(height, case.layout.motif, dataclasses.replace(report, seconds=stages.elapsed))
+        report = dataclasses.replace(report, seconds=stages.elapsed)
+        return Relief(height, case.layout.motif, report, self._maps.coverage)
 
     def _weights(self, options: ReliefOptions) -> Weights:
         maps = self._maps
@@ -255,7 +256,7 @@ class ReliefSession:
             options.background,
             motif,
             original.coverage >= 0.5,
-            original.coverage if mask is None else original.coverage * mask,
+            maps.coverage,
             base_px,
             given.height_term_mask(original, motif, mask),
             ground,

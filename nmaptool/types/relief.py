@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.options import ReliefOptions
 from nmaptool.types.height import Height
 from nmaptool.types.report import Report
@@ -95,11 +95,14 @@ class Relief(Pictured):
     foreground : (H, W) bool
         The pixels of the motif.
     report : ReliefReport
+    coverage : (H, W) float32 or None
+        Share of each pixel that is motif; None where it is not known.
     """
 
     height: Height
     foreground: Mask
     report: ReliefReport
+    coverage: Float32 | None = None
 
     @property
     def z_mm(self) -> Float64:

@@ -1,0 +1,1 @@
+"""Height fields to triangles: surfaces, closed solids, outlines, fewer triangles within an error."""

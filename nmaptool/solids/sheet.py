@@ -1,0 +1,168 @@
+"""A height field over a mask of pixels, as bands of triangles: two for each pixel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.solids.shape import Shape
+from nmaptool.types.solid import Faces, Nodes, Part
+
+_BAND_PIXELS = 1 << 17
+
+
+@dataclass(frozen=True)
+class Placing:
+    """How pixels become millimetres.
+
+    Attributes
+    ----------
+    pitch_mm : float
+    left_px, bottom_px : float
+        The left edge of the grid, and its lower edge, from the lower left corner of the picture.
+    """
+
+    pitch_mm: float
+    left_px: float
+    bottom_px: float
+
+    def xyz_mm(self, places_px: Float64, z_mm: Float64, rows: int) -> Float64:
+        """(n, 3) float64 mm of places (x right, y down from the top of a grid of ``rows`` rows) and heights."""
+        out = np.empty((len(places_px), 3))
+        out[:, 0] = (places_px[:, 0] + self.left_px) * self.pitch_mm
+        out[:, 1] = (rows + self.bottom_px - places_px[:, 1]) * self.pitch_mm
+        out[:, 2] = z_mm
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A height field over a shape.
+
+    Attributes
+    ----------
+    z_mm : (H+1, W+1) float64
+    shape : Shape
+    placing : Placing
+    facing : int
+        1 for a front, seen from +z; -1 for a back.
+    first_node : int
+        What is added to the nodes of the shape.
+    """
+
+    z_mm: Float64
+    shape: Shape
+    placing: Placing
+    facing: int = 1
+    first_node: int = 0
+
+    @property
+    def face_count(self) -> int:
+        """Two for each pixel."""
+        return 2 * int(np.count_nonzero(self.shape.mask))
+
+    def z_of(self, nodes: Nodes) -> Float64:
+        """Heights of nodes of the shape."""
+        z: Float64 = self.z_mm.ravel()[self.shape.vertex_of(nodes)]
+        return z
+
+    @property
+    def node_count(self) -> int:
+        """One more than the highest node number."""
+        return self.first_node + self.shape.node_count
+
+    def xyz_of(self, nodes: Nodes) -> Float64:
+        """(n, 3) float64 mm of nodes of the shape."""
+        return self.placing.xyz_mm(self.shape.places_px(nodes), self.z_of(nodes), self.shape.mask.shape[0])
+
+    def parts(self) -> Iterator[Part]:
+        """The triangles, in bands of rows from the top."""
+        rows, cols = self.shape.mask.shape
+        step = max(1, _BAND_PIXELS // cols)
+        for top in range(0, rows, step):
+            band = self.shape.mask[top : top + step]
+            if band.any():
+                yield self._band(top, min(top + step, rows))
+
+    def _band(self, top: int, end: int) -> Part:
+        """The triangles of rows ``top`` to ``end``."""
+        shape, width = self.shape, self.shape.mask.shape[1] + 1
+        first = top * width
+        count = (end + 1 - top) * width
+        grid = np.arange(count, dtype=np.int32).reshape(-1, width)
+        corners = {"nw": grid[:-1, :-1], "ne": grid[:-1, 1:], "sw": grid[1:, :-1], "se": grid[1:, 1:]}
+        nodes = np.arange(first, first + count, dtype=np.int64)
+        seconds = self._seconds(top, end)
+        if len(seconds):
+            corners = {name: each.copy() for name, each in corners.items()}
+            vertices = shape.splits.vertices[seconds] - first
+            row, col = np.divmod(vertices, width)
+            extra = (count + np.arange(len(seconds))).astype(np.int32)
+            right = shape.splits.lower_is_right[seconds]
+            corners["nw"][row[right], col[right]] = extra[right]
+            corners["ne"][row[~right], col[~right] - 1] = extra[~right]
+            nodes = np.concatenate([nodes, shape.splits.first + seconds])
+        inside = shape.mask[top:end]
+        faces = _two_each(corners, inside, self.falls(top, end)[inside])
+        if self.facing < 0:
+            faces = faces[:, ::-1]
+        return Part(self._xyz(top, end, nodes[count:]), faces, nodes + self.first_node)
+
+    def _xyz(self, top: int, end: int, seconds: Nodes) -> Float64:
+        """The vertices of rows ``top`` to ``end`` of the grid, and the second nodes there."""
+        rows, cols = self.shape.mask.shape
+        width, place = cols + 1, self.placing
+        out = np.empty(((end + 1 - top) * width + len(seconds), 3))
+        grid = out[: (end + 1 - top) * width].reshape(-1, width, 3)
+        grid[..., 0] = (np.arange(width) + place.left_px) * place.pitch_mm
+        grid[..., 1] = ((rows + place.bottom_px - np.arange(top, end + 1)) * place.pitch_mm)[:, None]
+        grid[..., 2] = self.z_mm[top : end + 1]
+        low, high = np.searchsorted(self.shape.moved, [top * width, (end + 1) * width])
+        moved = self.shape.moved[low:high]
+        out[moved - top * width] = self.xyz_of(moved)
+        out[len(out) - len(seconds) :] = self.xyz_of(seconds)
+        return out
+
+    def _seconds(self, top: int, end: int) -> Nodes:
+        """The splits whose lower pixel lies in these rows."""
+        width = self.shape.mask.shape[1] + 1
+        low, high = np.searchsorted(self.shape.splits.vertices, [top * width, end * width])
+        return np.arange(low, high)
+
+    def falls(self, top: int, end: int) -> Mask:
+        """(end - top, W) bool: whether each pixel is split along its falling diagonal."""
+        falls = falling_diagonals(self.z_mm, top, end)
+        cols = self.shape.mask.shape[1]
+        low, high = np.searchsorted(self.shape.forced, [top * cols, end * cols])
+        falls.ravel()[self.shape.forced[low:high] - top * cols] = self.shape.forced_falls[low:high]
+        return falls
+
+
+def falling_diagonals(z_mm: Float64, top: int, end: int) -> Mask:
+    """Whether the surface bends less along the falling diagonal of each pixel of some rows.
+
+    Splitting there preserves diagonal ridges and valleys.
+    """
+    rows = np.clip(np.arange(top - 1, end + 2), 0, len(z_mm) - 1)
+    z = np.pad(z_mm[rows], ((0, 0), (1, 1)), mode="edge")
+    bend_falling = np.abs(z[:-3, :-3] - z[1:-2, 1:-2] - z[2:-1, 2:-1] + z[3:, 3:])
+    bend_rising = np.abs(z[3:, :-3] - z[2:-1, 1:-2] - z[1:-2, 2:-1] + z[:-3, 3:])
+    falls: Mask = bend_falling <= bend_rising
+    return falls
+
+
+def _two_each(corners: dict[str, Faces], inside: Mask, falls: Mask) -> Faces:
+    """(2 n, 3) int32: two triangles for each of the n pixels inside, counter-clockwise seen from the viewer."""
+    nw, ne, sw, se = (corners[name][inside] for name in ("nw", "ne", "sw", "se"))
+    faces = np.empty((len(nw), 2, 3), np.int32)
+    # falling: nw sw se, nw se ne; rising: nw sw ne, sw se ne
+    faces[:, 0, 0] = nw
+    faces[:, 0, 1] = sw
+    faces[:, 0, 2] = np.where(falls, se, ne)
+    faces[:, 1, 0] = np.where(falls, nw, sw)
+    faces[:, 1, 1] = se
+    faces[:, 1, 2] = ne
+    return faces.reshape(-1, 3)

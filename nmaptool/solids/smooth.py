@@ -1,0 +1,246 @@
+"""A smooth outline: nodes of the outline of a mask move to where coverage says the edge is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Float64, Mask
+from nmaptool.core.grid import corner_sum
+from nmaptool.solids.outline import CORNERS, OutlineEdges, corner_nodes, find_splits, outline_edges
+from nmaptool.solids.shape import Shape, split_moves
+from nmaptool.types.solid import Nodes
+
+# nodes stay within half a pixel, so that parts of the outline that do not touch cannot meet
+_FURTHEST_PX = 0.45
+_STEPS = 3
+_RELAXATIONS = 6
+# triangles smaller than this are avoided, where a whole one has 0.5
+_SMALLEST_AREA_PX = 0.04
+_SMALL_AREA_PX = 0.2
+# a move is kept where it ends this near to the contour
+_NEAR = 0.1
+# soft pixels: partly covered
+_SOFT = (0.04, 0.96)
+_SOFT_SHARE = 0.25
+# blurs the steps of a mask without soft pixels
+_BLUR_PX = 1.5
+
+
+def soft_share(mask: Mask, coverage: Float32) -> float:
+    """Share of the pixels along the outline of a mask that are partly covered."""
+    edges = outline_edges(mask, find_splits(mask))
+    inside = coverage[edges.rows, edges.cols]
+    if not len(inside):
+        return 0.0
+    padded = np.pad(coverage, 1)
+    around = [padded[edges.rows + 1 + down, edges.cols + 1 + right] for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1))]
+    values = np.stack([inside, *around])
+    return float(((values > _SOFT[0]) & (values < _SOFT[1])).any(axis=0).mean())
+
+
+def has_soft_edges(mask: Mask, coverage: Float32) -> bool:
+    """Whether coverage describes the outline of the mask more finely than its pixels."""
+    return soft_share(mask, coverage) >= _SOFT_SHARE
+
+
+def smooth_shape(mask: Mask, coverage: Float32) -> tuple[Shape, float]:
+    """The shape of a mask with its outline moved to where coverage is one half.
+
+    The nodes of the outline move by less than half a pixel, and no pixel is turned over, so islands, holes and bridges
+    stay as the mask has them. Without soft pixels the steps of the mask are smoothed.
+
+    Parameters
+    ----------
+    mask : (H, W) bool
+    coverage : (H, W) float32
+        Share of each pixel that is covered, 0 to 1.
+
+    Returns
+    -------
+    shape : Shape
+    deviation_px : float
+        The greatest distance between the smooth outline's nodes and the outline of the pixels.
+    """
+    splits = find_splits(mask)
+    edges = outline_edges(mask, splits)
+    ring = _Ring.of(edges, mask, splits.first, splits.vertices)
+    contour = _Contour.of(coverage if has_soft_edges(mask, coverage) else _blurred(coverage))
+    by_px = _towards(contour, ring)
+    fixed_nodes, fixed_by = split_moves(splits)
+    by_px[np.searchsorted(ring.nodes, fixed_nodes)] = fixed_by
+    shape = Shape(mask, splits, ring.nodes, by_px)
+    shape = _without_folds(shape, ring.is_split)
+    kept = np.abs(shape.by_px).max(axis=1) > 0
+    deviation_px = float(np.hypot(*shape.by_px.T).max(initial=0.0))
+    return Shape(mask, splits, shape.moved[kept], shape.by_px[kept], shape.forced, shape.forced_falls), deviation_px
+
+
+def _blurred(coverage: Float32) -> Float32:
+    from scipy import ndimage  # takes long to load
+
+    blurred: Float32 = ndimage.gaussian_filter(coverage, _BLUR_PX, mode="nearest")
+    return blurred
+
+
+@dataclass(frozen=True, eq=False)
+class _Ring:
+    """The nodes of an outline, with their neighbours on it.
+
+    ``free`` is (n, 2): 1 where a node may move across and down. Nodes on the border of the picture slide along it.
+    """
+
+    nodes: Nodes
+    grid_px: Float64
+    before: Nodes
+    after: Nodes
+    free: Float64
+    is_split: Mask
+
+    @classmethod
+    def of(cls, edges: OutlineEdges, mask: Mask, first_second: int, split: Nodes) -> _Ring:
+        rows, cols = mask.shape
+        order = np.argsort(edges.start)
+        nodes = edges.start[order]
+        after = np.searchsorted(nodes, edges.end[order])
+        before = np.empty_like(after)
+        before[after] = np.arange(len(after))
+        is_split = (nodes >= first_second) | np.isin(nodes, split)
+        vertex = nodes.copy()
+        vertex[nodes >= first_second] = split[nodes[nodes >= first_second] - first_second]
+        row, col = np.divmod(vertex, cols + 1)
+        grid = np.column_stack([col, row]).astype(np.float64)
+        sides, ends = (col == 0) | (col == cols), (row == 0) | (row == rows)
+        border = sides | ends
+        along = border & border[before] & border[after]
+        free = np.column_stack([~sides & ~along, ~ends & ~along]).astype(np.float64)
+        free[is_split] = 0.0
+        return cls(nodes, grid, before, after, free, is_split)
+
+
+@dataclass(frozen=True, eq=False)
+class _Contour:
+    """Coverage at the vertices of the grid, with its slopes; its level one half is the edge."""
+
+    values: Float64
+    across: Float64
+    down: Float64
+
+    @classmethod
+    def of(cls, coverage: Float32) -> _Contour:
+        counts = corner_sum(np.ones(coverage.shape))
+        values = corner_sum(coverage.astype(np.float64)) / counts
+        down, across = np.gradient(values)
+        return cls(values, across, down)
+
+    def at(self, places_px: Float64) -> tuple[Float64, Float64]:
+        """(n,) coverage and (n, 2) slopes at places, x right and y down."""
+        from scipy import ndimage  # takes long to load
+
+        here = places_px.T[::-1]
+        sampled = [ndimage.map_coordinates(each, here, order=1, mode="nearest") for each in self._fields]
+        return sampled[0], np.column_stack(sampled[1:])
+
+    @property
+    def _fields(self) -> tuple[Float64, Float64, Float64]:
+        return self.values, self.across, self.down
+
+    def step(self, places_px: Float64, free: Float64) -> Float64:
+        """(n, 2) the way to the contour, along the free directions."""
+        values, slopes = self.at(places_px)
+        slopes = slopes * free
+        squared = np.maximum((slopes**2).sum(axis=1), 1e-6)
+        way: Float64 = ((0.5 - values) / squared)[:, None] * slopes
+        return way
+
+
+def _towards(contour: _Contour, ring: _Ring) -> Float64:
+    """(n, 2) moves of the nodes to the contour, evenly along it; 0 where it is not near."""
+    by_px = np.zeros_like(ring.grid_px)
+
+    def project(by_px: Float64) -> Float64:
+        moved = by_px + contour.step(ring.grid_px + by_px, ring.free)
+        return np.clip(moved, -_FURTHEST_PX, _FURTHEST_PX)
+
+    for _ in range(_STEPS):
+        by_px = project(by_px)
+    for _ in range(_RELAXATIONS):
+        here = ring.grid_px + by_px
+        before, after = here[ring.before], here[ring.after]
+        along = after - before
+        along /= np.maximum(np.hypot(*along.T), 1e-9)[:, None]
+        slide = (((before + after) / 2 - here) * along).sum(axis=1)
+        by_px = project(np.clip(by_px + 0.5 * slide[:, None] * along * ring.free, -_FURTHEST_PX, _FURTHEST_PX))
+    values, _ = contour.at(ring.grid_px + by_px)
+    by_px[np.abs(values - 0.5) > _NEAR] = 0.0
+    return by_px
+
+
+def _without_folds(shape: Shape, is_fixed: Mask) -> Shape:
+    """Take back moves until every pixel around the outline can be split into two fair triangles."""
+    by_px = shape.by_px.copy()
+    pixels = _Quads.around(shape)
+    for attempt in range(8):
+        falling, rising = pixels.smallest_areas(by_px)
+        bad = np.maximum(falling, rising) < _SMALLEST_AREA_PX
+        if not bad.any():
+            break
+        touched = np.unique(pixels.moved_corners[bad])
+        touched = touched[touched >= 0]
+        touched = touched[~is_fixed[touched]]
+        by_px[touched] *= 0.5 if attempt < 6 else 0.0
+    falling, rising = pixels.smallest_areas(by_px)
+    forced = pixels.is_inside & (np.minimum(falling, rising) < _SMALL_AREA_PX) & (falling != rising)
+    where, falls = pixels.numbers[forced], (falling > rising)[forced]
+    order = np.argsort(where)
+    return Shape(shape.mask, shape.splits, shape.moved, by_px, where[order], falls[order])
+
+
+@dataclass(frozen=True, eq=False)
+class _Quads:
+    """Pixels with a moved corner: their numbers, whether they are in the mask, corners on the grid and their moves.
+
+    Corners are in the order nw, sw, se, ne; ``moved_corners`` are rows of the moves, -1 where a corner is not moved.
+    """
+
+    numbers: Nodes
+    is_inside: Mask
+    grid_px: Float64
+    moved_corners: Nodes
+
+    @classmethod
+    def around(cls, shape: Shape) -> _Quads:
+        rows, cols = shape.mask.shape
+        row, col = np.divmod(shape.vertex_of(shape.moved), cols + 1)
+        around = []
+        for down, right in CORNERS.values():
+            r, c = row - down, col - right
+            inside = (r >= 0) & (r < rows) & (c >= 0) & (c < cols)
+            around.append((r * cols + c)[inside])
+        numbers = np.unique(np.concatenate(around))
+        r, c = np.divmod(numbers, cols)
+        inside = shape.mask[r, c]
+        grid = np.stack([np.column_stack([c + right, r + down]) for down, right in CORNERS.values()], axis=1)
+        moved = np.empty((len(numbers), 4), np.int64)
+        for number, corner in enumerate(CORNERS):
+            down, right = CORNERS[corner]
+            plain = (r + down) * (cols + 1) + c + right
+            nodes = np.where(inside, corner_nodes(r, c, cols, shape.splits, corner), plain)
+            at = np.minimum(np.searchsorted(shape.moved, nodes), len(shape.moved) - 1)
+            moved[:, number] = np.where(shape.moved[at] == nodes, at, -1)
+        return cls(numbers, inside, grid.astype(np.float64), moved)
+
+    def smallest_areas(self, by_px: Float64) -> tuple[Float64, Float64]:
+        """The smaller triangle's area along the falling and along the rising diagonal of each pixel."""
+        moves = np.concatenate([by_px, np.zeros((1, 2))])[self.moved_corners]
+        nw, sw, se, ne = np.moveaxis(self.grid_px + moves, 1, 0)
+        falling = np.minimum(_area(nw, sw, se), _area(nw, se, ne))
+        rising = np.minimum(_area(nw, sw, ne), _area(sw, se, ne))
+        return falling, rising
+
+
+def _area(a: Float64, b: Float64, c: Float64) -> Float64:
+    """Area of triangles that run counter-clockwise on the screen, y down."""
+    area: Float64 = ((c - a)[:, 0] * (b - a)[:, 1] - (c - a)[:, 1] * (b - a)[:, 0]) / 2
+    return area

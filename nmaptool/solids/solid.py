@@ -1,0 +1,188 @@
+"""A relief to triangles: an open surface, or closed bodies with walls and a back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.errors import InputError
+from nmaptool.core.grid import touching_vertices
+from nmaptool.core.units import Length
+from nmaptool.options.solid import SolidOptions
+from nmaptool.solids.curved_back import hollow_back, shell_back
+from nmaptool.solids.flat_back import FlatBack
+from nmaptool.solids.integral import volume_below
+from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
+from nmaptool.solids.pieces import pieces_of
+from nmaptool.solids.shape import Shape, pixel_shape, pixels_touching
+from nmaptool.solids.sheet import Placing, Sheet
+from nmaptool.solids.smooth import has_soft_edges, smooth_shape
+from nmaptool.solids.walls import wall_parts
+from nmaptool.types.height import Height
+from nmaptool.types.inputs import as_height
+from nmaptool.types.relief import Relief
+from nmaptool.types.solid import Body, Part, Solid
+
+
+def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid:
+    """Triangulate a relief: an open surface, or closed bodies with walls and a back.
+
+    Every body is a manifold, whatever the mask: pixels that touch only at a corner do not share that corner.
+
+    Parameters
+    ----------
+    relief : Height or Relief
+        A relief has the coverage of its outline, a height field only its pixels.
+    options : SolidOptions, optional
+        Default: the open surface with two triangles for each pixel.
+
+    Returns
+    -------
+    Solid
+        In mm: +x right, +y up, +z to the viewer, the lower left corner of the picture at (0, 0). Height 0 of the relief
+        stays at z = 0, and the back lies below it.
+
+    Raises
+    ------
+    InputError
+        If the base is thinner than the relief is deep, or the relief falls apart and ``one_piece`` is given.
+    UsageError
+        If it is something else, such as an array, which does not know the size of a pixel.
+
+    Examples
+    --------
+    >>> height = nm.Height(np.zeros((3, 4)), np.ones((2, 3), bool), nm.Frame(2, 3, pitch_mm=0.5))
+    >>> nm.solid(height, nm.SolidOptions(base=nm.length("2mm")))
+    <Solid 1.5 x 1 x 2 mm, 1 closed body, 42 faces>
+    """
+    options = options or SolidOptions()
+    height = as_height(relief)
+    coverage = relief.coverage if isinstance(relief, Relief) else None
+    shape, facts = _shape_of(height, coverage, options)
+    pieces = [_Piece.of(height, *placed, options) for placed in pieces_of(shape)] if options.is_closed else []
+    if len(pieces) > 1 and options.one_piece:
+        sizes = sorted(int(np.count_nonzero(piece.front.shape.mask)) for piece in pieces)
+        raise InputError(
+            f"`one_piece`: the relief has {len(pieces)} separate pieces, the largest of {sizes[-1]} px and the smallest "
+            f"of {sizes[0]} px; connect them in the mask, or leave out `one_piece`"
+        )
+    if not options.is_closed:
+        return _surface(height, shape, facts)
+    facts |= {"pieces": len(pieces)}
+    bounds = np.array([piece.bounds_mm for piece in pieces])
+    name = "relief" if len(pieces) == 1 else "relief {}"
+    return Solid(
+        tuple(piece.body(name.format(number)) for number, piece in enumerate(pieces, start=1)),
+        True,
+        np.stack([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)]),
+        sum(piece.volume_mm3 for piece in pieces),
+        facts,
+    )
+
+
+def _shape_of(height: Height, coverage: Float32 | None, options: SolidOptions) -> tuple[Shape, dict[str, Any]]:
+    """The shape of a relief's surface, and what was found."""
+    mask = height.domain
+    smooth = options.outline == "smooth"
+    if options.outline == "auto" and coverage is not None and not mask.all():
+        smooth = has_soft_edges(mask, coverage)
+    if not smooth or mask.all():
+        return pixel_shape(mask, find_splits(mask)), {"outline": "exact", "outline_deviation_mm": 0.0}
+    shape, deviation_px = smooth_shape(mask, mask.astype(np.float32) if coverage is None else coverage)
+    return shape, {"outline": "smooth", "outline_deviation_mm": deviation_px * height.pitch_mm}
+
+
+def _surface(height: Height, shape: Shape, facts: dict[str, Any]) -> Solid:
+    """The open surface, as one body."""
+    sheet = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0))
+    body = Body("relief", sheet.parts, sheet.face_count, shape.node_count)
+    return Solid((body,), False, _bounds_of(sheet, outline_edges(shape.mask, shape.splits)), facts=facts)
+
+
+def _bounds_of(sheet: Sheet, edges: OutlineEdges) -> Float64:
+    """(2, 3) float64: the box around a sheet."""
+    rim = sheet.xyz_of(edges.start)
+    inside = sheet.z_mm[touching_vertices(sheet.shape.mask)]
+    low, high = rim.min(axis=0), rim.max(axis=0)
+    low[2], high[2] = inside.min(), inside.max()
+    return np.stack([low, high])
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """A closed body: its front, its outline and its back."""
+
+    front: Sheet
+    edges: OutlineEdges
+    back: Sheet | FlatBack
+
+    @classmethod
+    def of(cls, height: Height, shape: Shape, top: int, left: int, options: SolidOptions) -> _Piece:
+        rows, cols = shape.mask.shape
+        z_mm = height.z_mm[top : top + rows + 1, left : left + cols + 1]
+        placing = Placing(height.pitch_mm, left, height.frame.rows - top - rows)
+        front = Sheet(z_mm, shape, placing)
+        edges = outline_edges(shape.mask, shape.splits)
+        return cls(front, edges, _back_of(front, edges, height, options))
+
+    @property
+    def bounds_mm(self) -> Float64:
+        """(2, 3) float64: the box around the body."""
+        bounds = _bounds_of(self.front, self.edges)
+        back = self.back
+        bounds[0, 2] = back.z_mm if isinstance(back, FlatBack) else back.z_mm[touching_vertices(back.shape.mask)].min()
+        return bounds
+
+    @property
+    def volume_mm3(self) -> float:
+        """Between front and back, from the heights."""
+        if isinstance(self.back, FlatBack):
+            flat = Sheet(np.full_like(self.front.z_mm, self.back.z_mm), self.front.shape, self.front.placing)
+            return volume_below(self.front) - volume_below(flat)
+        return volume_below(self.front) - volume_below(self.back)
+
+    def body(self, name: str) -> Body:
+        """Its triangles."""
+        faces = self.front.face_count + 2 * len(self.edges.start) + self.back.face_count
+        return Body(name, self._parts, faces, self.back.node_count)
+
+    def _parts(self) -> Iterator[Part]:
+        yield from self.front.parts()
+        edges, offset = self.edges, self.front.shape.node_count
+        yield from wall_parts(edges.start, edges.end, self.front.xyz_of, self.back.xyz_of, offset)
+        yield from self.back.parts()
+
+
+def _back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOptions) -> Sheet | FlatBack:
+    """The back that the options ask for."""
+    shape, first = front.shape, front.shape.node_count
+    in_mm = _in_mm(height)
+    if options.shell is not None:
+        z_mm = shell_back(front.z_mm, shape.mask, in_mm(options.shell), height.pitch_mm)
+        return Sheet(z_mm, shape, front.placing, -1, first)
+    assert options.base is not None  # options are closed
+    base_mm = in_mm(options.base)
+    deepest = -float(front.z_mm[touching_vertices(shape.mask)].min())
+    if deepest >= base_mm:
+        raise InputError(
+            f"`base='{options.base}'`: the relief reaches {deepest:.4g} mm below height 0, so its base must be thicker, "
+            f"such as `base='{deepest + 1:.1f}mm'`"
+        )
+    if options.hollow is not None:
+        z_mm = hollow_back(front.z_mm, shape.mask, in_mm(options.hollow), base_mm, height.pitch_mm)
+        return Sheet(z_mm, shape, front.placing, -1, first)
+    outline = np.zeros(shape.node_count, bool)
+    outline[edges.start] = True
+    beside = pixels_touching(shape.moved[outline[shape.moved]], shape)
+    return FlatBack(shape, front.placing, -base_mm, first, edges, beside)
+
+
+def _in_mm(height: Height):  # type: ignore[no-untyped-def]
+    def in_mm(length: Length) -> float:
+        return length.to_mm(height.pitch_mm, height.frame.longer_side)
+
+    return in_mm
