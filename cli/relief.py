@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.options import HeightsAt, ReadOptions, ReliefOptions
+from nmaptool.options import HeightsAt, ReadOptions, ReliefOptions, SolidOptions
 from nmaptool.options.fields import Options, choice_of, option
-from nmaptool.options.formats import RELIEF_FORMATS
+from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS
+from nmaptool.options.kinds import Switch
+from nmaptool.options.plain_values import plain_values
 from nmaptool_cli.command import command
 from nmaptool_cli.inputs import read_grey, read_map
 from nmaptool_cli.outputs import FileOf, ReportOutputs
@@ -23,6 +25,7 @@ from nmaptool_cli.streams import refuse_stream
 if TYPE_CHECKING:
     import nmaptool as nm
     from nmaptool.core.progress import Progress
+    from nmaptool.io.output.relief import WrittenRelief
     from nmaptool.io.output.transaction import Outputs
 
 # names of the inputs in the library's error messages, by role
@@ -76,23 +79,34 @@ class ReliefOutputs(ReportOutputs):
     at:
         Where height files hold heights: at pixel "centers", as a picture of the relief, or at pixel "corners", with one
         more row and column. "corners" loses nothing and can be read back exactly as --surface.
+    dry_run:
+        Solve, and print size, triangles and file sizes, but write no files.
     """
 
     output: tuple[Path, ...] = option((), FileOf(formats=lambda: RELIEF_FORMATS), short="-o")
     preview: Path | None = option(None)
     at: HeightsAt = option("centers", choice_of(HeightsAt))
+    dry_run: bool = option(False, Switch())
 
-    def plan(self, prints_json: bool) -> Outputs[nm.Relief]:
+    @property
+    def meshes(self) -> list[Path]:
+        """The outputs that hold triangles."""
+        return [path for path in self.output if path.suffix.lower() in MESH_FORMATS]
+
+    def plan(self, prints_json: bool, solid: SolidOptions) -> Outputs[WrittenRelief]:
         """The files to write."""
         from nmaptool.io.output.relief import relief_outputs
 
         refuse_stream("a relief or a preview is written to a file, such as -o relief.stl", *self.output, self.preview)
         if not (self.output or self.preview or self.report or prints_json):
             raise UsageError("no output given: add one, such as -o relief.stl --preview relief.png")
+        if solid != SolidOptions() and not self.meshes:
+            given = next(f.name for f in dataclasses.fields(solid) if getattr(solid, f.name) != f.default)
+            raise UsageError(f"`{given}`: is for meshes; name one, such as -o relief.3mf")
         return relief_outputs(self.output, preview=self.preview, at=self.at, **self.shared)
 
 
-@command(ReliefInputs, ReliefOutputs, ReliefOptions, ReadOptions)
+@command(ReliefInputs, ReliefOutputs, ReliefOptions, SolidOptions, ReadOptions)
 def relief(run: Run, map: str, /) -> None:
     """Make a relief in millimetres from one or two normal maps.
 
@@ -106,18 +120,30 @@ def relief(run: Run, map: str, /) -> None:
         Original or base normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
     inputs = asdict(run[ReliefInputs])
-    outputs = run[ReliefOutputs].plan(run.options.json)
+    given = run[ReliefOutputs]
+    outputs = given.plan(run.options.json, run[SolidOptions])
     run.begin(outputs, original=map, **inputs)
+    import nmaptool as nm
+    from nmaptool.io.output.relief import WrittenRelief
     from nmaptool_cli.wording.reliefs import describe_relief
+    from nmaptool_cli.wording.solids import describe_solid
 
     with run.work() as (files, progress), _named_inputs(inputs):
         maps, result = _solve(run, files, progress)
+        solid = nm.solid(result, run[SolidOptions]) if given.meshes else None
     describe_relief(run, maps, result)
+    if solid is not None:
+        describe_solid(run, solid, given.meshes)
     read = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
     metadata = run.header(inputs=read, reading=asdict(run[ReadOptions]), **result.report.to_dict())
-    heights = run[ReliefOutputs].output
-    written = [f"{path}{_png_range(path, result) if path in heights else ''}" for path in outputs.paths]
-    run.finish(outputs, result, metadata, written=written)
+    if solid is not None:
+        metadata["solid"] = {"options": plain_values(run[SolidOptions]), **solid.to_dict()}
+    if given.dry_run:
+        run.say("  nothing written (--dry-run)")
+        run.finish(dataclasses.replace(outputs, targets=(), report=None), WrittenRelief(result), metadata)
+        return
+    written = [f"{path}{_png_range(path, result) if path in given.output else ''}" for path in outputs.paths]
+    run.finish(outputs, WrittenRelief(result, solid), metadata, written=written)
 
 
 def _solve(run: Run, files: Mapping[str, Any], progress: Progress | None) -> tuple[list[nm.NormalMap], nm.Relief]:

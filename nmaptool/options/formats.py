@@ -80,6 +80,7 @@ MESH_FORMATS: dict[str, FileFormat] = {
     ".ply": FileFormat("triangles in mm, binary"),
     ".obj": FileFormat("triangles in mm, text"),
     ".glb": FileFormat("triangles in metres"),
+    ".3mf": FileFormat("triangles in mm, with unit, title and thumbnail, for 3D printing"),
 }
 # a relief is written as heights or as a mesh: a view of both tables, heights first
 RELIEF_FORMATS: Mapping[str, FileFormat] = ChainMap(MESH_FORMATS, HEIGHT_FORMATS)

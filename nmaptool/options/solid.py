@@ -21,8 +21,9 @@ class SolidOptions(Options, group="Solid"):
     Parameters
     ----------
     base:
-        Close the surface to a solid with walls and a flat back this far below height 0, such as 2mm. Default: the
-        surface stays open.
+        Close the surface to a solid with walls and a flat back. The back lies this far below the plate, or below the
+        lowest point of a relief without a plate (--background cut, free or surface), such as 2mm. Default: the surface
+        stays open.
     shell:
         Close the surface to a shell of this thickness, whose back follows the front, such as 1.5mm. Use it instead of
         --base.

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.grid import touching_vertices
+from nmaptool.solids.rim import rim_heights
 from nmaptool.solids.shape import Shape
 from nmaptool.types.solid import Faces, Nodes, Part
 
@@ -67,7 +70,23 @@ class Sheet:
     def z_of(self, nodes: Nodes) -> Float64:
         """Heights of nodes of the shape."""
         z: Float64 = self.z_mm.ravel()[self.shape.vertex_of(nodes)]
+        moved = self.shape.moved
+        if len(moved):
+            at = np.minimum(np.searchsorted(moved, nodes), len(moved) - 1)
+            z = np.where(moved[at] == nodes, self._moved_z_mm[at], z)
         return z
+
+    @cached_property
+    def _moved_z_mm(self) -> Float64:
+        """Heights of the moved nodes."""
+        return rim_heights(self.z_mm, self.shape)
+
+    def z_range(self) -> tuple[float, float]:
+        """Lowest and highest node."""
+        inside = touching_vertices(self.shape.mask)
+        inside.ravel()[self.shape.vertex_of(self.shape.moved)] = False
+        z = np.concatenate([self.z_mm[inside], self.z_of(self.shape.moved)])
+        return float(z.min()), float(z.max())
 
     @property
     def node_count(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +11,6 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64
 from nmaptool.core.errors import InputError
-from nmaptool.core.grid import touching_vertices
 from nmaptool.core.units import Length
 from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.curved_back import hollow_back, shell_back
@@ -43,8 +43,8 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     Returns
     -------
     Solid
-        In mm: +x right, +y up, +z to the viewer, the lower left corner of the picture at (0, 0). Height 0 of the relief
-        stays at z = 0, and the back lies below it.
+        In mm: +x right, +y up, +z to the viewer, the lower left corner of the picture at (0, 0). Heights stay as they
+        are: the plate lies at z = 0 and the back below it.
 
     Raises
     ------
@@ -63,7 +63,9 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     height = as_height(relief)
     coverage = relief.coverage if isinstance(relief, Relief) else None
     shape, facts = _shape_of(height, coverage, options)
-    pieces = [_Piece.of(height, *placed, options) for placed in pieces_of(shape)] if options.is_closed else []
+    height = _in_range(height, shape)
+    zero_mm = _zero_of(relief, height)
+    pieces = [_Piece.of(height, *placed, options, zero_mm) for placed in pieces_of(shape)] if options.is_closed else []
     if len(pieces) > 1 and options.one_piece:
         sizes = sorted(int(np.count_nonzero(piece.front.shape.mask)) for piece in pieces)
         raise InputError(
@@ -84,6 +86,13 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     )
 
 
+def _zero_of(relief: Height | Relief, height: Height) -> float:
+    """The height that a base is measured from: the plate's, or the lowest of a relief without a plate."""
+    if isinstance(relief, Relief) and relief.report.options.background != "plane":
+        return height.range_mm[0]
+    return 0.0
+
+
 def _shape_of(height: Height, coverage: Float32 | None, options: SolidOptions) -> tuple[Shape, dict[str, Any]]:
     """The shape of a relief's surface, and what was found."""
     mask = height.domain
@@ -96,6 +105,16 @@ def _shape_of(height: Height, coverage: Float32 | None, options: SolidOptions) -
     return shape, {"outline": "smooth", "outline_deviation_mm": deviation_px * height.pitch_mm}
 
 
+def _in_range(height: Height, shape: Shape) -> Height:
+    """Heights whose range is kept by the moved nodes of the outline."""
+    low, high = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0)).z_range()
+    wanted_low, wanted_high = height.range_mm
+    if (low, high) == (wanted_low, wanted_high) or low == high:
+        return height
+    factor = (wanted_high - wanted_low) / (high - low)
+    return dataclasses.replace(height, z_mm=(height.z_mm - low) * factor + wanted_low)
+
+
 def _surface(height: Height, shape: Shape, facts: dict[str, Any]) -> Solid:
     """The open surface, as one body."""
     sheet = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0))
@@ -106,9 +125,8 @@ def _surface(height: Height, shape: Shape, facts: dict[str, Any]) -> Solid:
 def _bounds_of(sheet: Sheet, edges: OutlineEdges) -> Float64:
     """(2, 3) float64: the box around a sheet."""
     rim = sheet.xyz_of(edges.start)
-    inside = sheet.z_mm[touching_vertices(sheet.shape.mask)]
     low, high = rim.min(axis=0), rim.max(axis=0)
-    low[2], high[2] = inside.min(), inside.max()
+    low[2], high[2] = sheet.z_range()
     return np.stack([low, high])
 
 
@@ -121,20 +139,20 @@ class _Piece:
     back: Sheet | FlatBack
 
     @classmethod
-    def of(cls, height: Height, shape: Shape, top: int, left: int, options: SolidOptions) -> _Piece:
+    def of(cls, height: Height, shape: Shape, top: int, left: int, options: SolidOptions, zero_mm: float) -> _Piece:
         rows, cols = shape.mask.shape
         z_mm = height.z_mm[top : top + rows + 1, left : left + cols + 1]
         placing = Placing(height.pitch_mm, left, height.frame.rows - top - rows)
         front = Sheet(z_mm, shape, placing)
         edges = outline_edges(shape.mask, shape.splits)
-        return cls(front, edges, _back_of(front, edges, height, options))
+        return cls(front, edges, _back_of(front, edges, height, options, zero_mm))
 
     @property
     def bounds_mm(self) -> Float64:
         """(2, 3) float64: the box around the body."""
         bounds = _bounds_of(self.front, self.edges)
         back = self.back
-        bounds[0, 2] = back.z_mm if isinstance(back, FlatBack) else back.z_mm[touching_vertices(back.shape.mask)].min()
+        bounds[0, 2] = back.z_mm if isinstance(back, FlatBack) else back.z_range()[0]
         return bounds
 
     @property
@@ -157,7 +175,9 @@ class _Piece:
         yield from self.back.parts()
 
 
-def _back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOptions) -> Sheet | FlatBack:
+def _back_of(
+    front: Sheet, edges: OutlineEdges, height: Height, options: SolidOptions, zero_mm: float
+) -> Sheet | FlatBack:
     """The back that the options ask for."""
     shape, first = front.shape, front.shape.node_count
     in_mm = _in_mm(height)
@@ -165,8 +185,8 @@ def _back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOp
         z_mm = shell_back(front.z_mm, shape.mask, in_mm(options.shell), height.pitch_mm)
         return Sheet(z_mm, shape, front.placing, -1, first)
     assert options.base is not None  # options are closed
-    base_mm = in_mm(options.base)
-    deepest = -float(front.z_mm[touching_vertices(shape.mask)].min())
+    base_mm = in_mm(options.base) - zero_mm
+    deepest = -front.z_range()[0]
     if deepest >= base_mm:
         raise InputError(
             f"`base='{options.base}'`: the relief reaches {deepest:.4g} mm below height 0, so its base must be thicker, "

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.core.arrays import Float64, read_only
+from nmaptool.core.arrays import Float64, Mask, read_only
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.shown import OneLine, counted
 
@@ -29,11 +29,14 @@ class Part:
         Rows of ``xyz_mm``, counter-clockwise seen from outside.
     nodes : (n,) int64
         Number of each vertex in the body: two parts share a vertex where they have the same number.
+    keeps_unused : bool
+        Whether vertices that no face uses are written, too.
     """
 
     xyz_mm: Float64
     faces: Faces
     nodes: Nodes
+    keeps_unused: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -58,6 +61,57 @@ class Body(OneLine):
 
     def _line(self) -> str:
         return f"{self.name}: {counted(self.face_count, 'face')}"
+
+
+@dataclass(frozen=True, eq=False)
+class NumberedBody:
+    """A body whose vertices are numbered from 0.
+
+    Attributes
+    ----------
+    body : Body
+    numbers : (node_count,) int32
+        Number of each node; -1 for those that no face uses.
+    vertex_count : int
+    """
+
+    body: Body
+    numbers: NDArray[np.int32]
+    vertex_count: int
+
+    @classmethod
+    def of(cls, body: Body) -> NumberedBody:
+        """Number the vertices; the parts are made once for it."""
+        numbers = np.full(body.node_count, -1, np.int32)
+        count = 0
+        for part in body.parts():
+            used = part.nodes[_used(part)]
+            fresh = used[numbers[used] < 0]
+            numbers[fresh] = np.arange(count, count + len(fresh), dtype=np.int32)
+            count += len(fresh)
+        return cls(body, numbers, count)
+
+    def vertices(self) -> Iterator[Float64]:
+        """(k, 3) float64 mm: the vertices in the order of their numbers, in bands."""
+        count = 0
+        for part in self.body.parts():
+            rows = np.flatnonzero(_used(part))
+            numbers = self.numbers[part.nodes[rows]]
+            new = numbers >= count
+            count += int(np.count_nonzero(new))
+            yield part.xyz_mm[rows[new]]
+
+    def faces(self) -> Iterator[Faces]:
+        """(m, 3) int32 numbers of vertices, in bands."""
+        for part in self.body.parts():
+            yield self.numbers[part.nodes][part.faces]
+
+
+def _used(part: Part) -> Mask:
+    """(n,) bool: the vertices of a part that are written."""
+    used = np.full(len(part.nodes), part.keeps_unused)
+    used[part.faces] = True
+    return used
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,17 +153,23 @@ class Solid(OneLine):
         x, y, z = (self.bounds_mm[1] - self.bounds_mm[0]).tolist()
         return x, y, z
 
-    def to_mesh(self) -> Mesh:
-        """All triangles as one mesh, in memory.
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON."""
+        return {
+            "closed": self.is_closed,
+            "bodies": len(self.bodies),
+            "triangles": self.face_count,
+            "size_mm": list(self.size_mm),
+            "volume_mm3": self.volume_mm3 if self.is_closed else None,
+            **self.facts,
+        }
 
-        Vertices are numbered in the order in which faces first name them.
-        """
-        vertices, faces, first = [], [], 0
-        for body in self.bodies:
-            for xyz_mm, triangles in numbered(body):
-                vertices.append(xyz_mm)
-                faces.append(triangles + first)
-            first = sum(len(each) for each in vertices)
+    def to_mesh(self) -> Mesh:
+        """All triangles as one mesh, in memory; vertices are numbered in the order in which the parts use them."""
+        bodies = [NumberedBody.of(body) for body in self.bodies]
+        firsts = np.cumsum([0, *(body.vertex_count for body in bodies)])
+        vertices = [xyz_mm for body in bodies for xyz_mm in body.vertices()]
+        faces = [each + first for body, first in zip(bodies, firsts, strict=False) for each in body.faces()]
         return Mesh(np.concatenate(vertices), np.concatenate(faces).astype(np.int32))
 
     def _line(self) -> str:
@@ -118,25 +178,3 @@ class Solid(OneLine):
         return f"{x:.4g} x {y:.4g} x {z:.4g} mm, {kind if self.is_closed else 'open surface'}, " + counted(
             self.face_count, "face"
         )
-
-
-def numbered(body: Body) -> Iterator[tuple[Float64, Nodes]]:
-    """The parts of a body with vertices numbered from 0 in order of appearance.
-
-    Yields
-    ------
-    xyz_mm : (k, 3) float64
-        Vertices that no earlier part had.
-    faces : (m, 3) int64
-        Numbers of vertices of this and earlier parts.
-    """
-    numbers = np.full(body.node_count, -1, np.int32)
-    count = 0
-    for part in body.parts():
-        used = np.zeros(len(part.nodes), bool)
-        used[part.faces] = True
-        new = used & (numbers[part.nodes] < 0)
-        fresh = part.nodes[new]
-        numbers[fresh] = np.arange(count, count + len(fresh), dtype=np.int32)
-        count += len(fresh)
-        yield part.xyz_mm[new], numbers[part.nodes][part.faces].astype(np.int64)

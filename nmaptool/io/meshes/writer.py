@@ -1,20 +1,19 @@
-"""Meshes through trimesh, in millimetres; GLB in metres."""
+"""Meshes to files, in millimetres; GLB in metres."""
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
 
-from nmaptool.core.arrays import Float64
-from nmaptool.core.errors import OutputError, reason_of
+from nmaptool.io.solids.writer import write_solid
 from nmaptool.options.formats import MESH_FORMATS, check_ending
 from nmaptool.types.mesh import Mesh
+from nmaptool.types.solid import Body, Part, Solid
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
-    """Write triangles: binary STL and PLY, OBJ, with coordinates in mm; or GLB in metres, as its specification says.
+    """Write triangles: binary STL and PLY, OBJ, 3MF, with coordinates in mm; or GLB in metres.
 
     Parameters
     ----------
@@ -29,26 +28,16 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
         If it cannot be written.
     """
     check_ending(path, MESH_FORMATS, "meshes")
-    (MESH_FORMATS[path.suffix.lower()].write or _write_triangles)(mesh, path)
+    write = MESH_FORMATS[path.suffix.lower()].write
+    if write is not None:
+        write(mesh, path)
+    else:
+        write_solid(_as_solid(mesh), path, title=mesh.name, is_checked=False)
 
 
-def _write_triangles(mesh: Mesh, path: Path) -> None:
-    import trimesh
-
-    kind = path.suffix.lower()
-    in_metres = kind == ".glb"
-    vertices = mesh.vertices_mm / 1000 if in_metres else mesh.vertices_mm
-    shape = trimesh.Trimesh(vertices, mesh.faces, process=False, metadata={"units": "m" if in_metres else "mm"})
-    # OBJ has a fixed number of decimals, which must do for a mesh of any size
-    decimals = {"digits": _decimals(vertices)} if kind == ".obj" else {}
-    data = shape.export(file_type=kind[1:], **decimals)
-    try:
-        path.write_bytes(data.encode() if isinstance(data, str) else data)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None
-
-
-def _decimals(vertices: Float64) -> int:
-    """At least as many as tell 1e-9 of the largest coordinate, and no fewer than 8."""
-    largest = float(np.abs(vertices).max(initial=0.0))
-    return 8 if not largest > 0 else max(8, 9 - math.floor(math.log10(largest)))
+def _as_solid(mesh: Mesh) -> Solid:
+    vertices = mesh.vertices_mm
+    part = Part(vertices, mesh.faces, np.arange(len(vertices)), keeps_unused=True)
+    body = Body("mesh", lambda: iter([part]), len(mesh.faces), len(vertices))
+    low, high = np.nan_to_num(vertices).min(axis=0, initial=0.0), np.nan_to_num(vertices).max(axis=0, initial=0.0)
+    return Solid((body,), False, np.stack([low, high]))

@@ -4,36 +4,47 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import cached_property, partial
 from pathlib import Path
 
 from nmaptool._version import __version__
+from nmaptool.figures.notebook import png_of
 from nmaptool.figures.preview import preview as preview_picture
-from nmaptool.io.meshes import writer as meshes
 from nmaptool.io.output.targets import Destination, place_of
 from nmaptool.io.output.transaction import Metadata, Outputs, Target, wanted
 from nmaptool.io.pictures import heights
 from nmaptool.io.pictures.writer import write_image
-from nmaptool.meshes.tessellate import surface_mesh
-from nmaptool.options import HeightsAt
+from nmaptool.io.solids.writer import write_solid
+from nmaptool.options import HeightsAt, SolidOptions
 from nmaptool.options.fields import choice_of
 from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS
-from nmaptool.types.mesh import Mesh
+from nmaptool.solids.solid import solid as triangulate
 from nmaptool.types.relief import Relief
+from nmaptool.types.solid import Solid
+
+
+@dataclass(frozen=True, eq=False)
+class WrittenRelief:
+    """A relief, and its triangles for files of meshes."""
+
+    relief: Relief
+    solid: Solid | None = None
 
 
 class _Surface:
     """What the files of a relief share."""
 
-    def __init__(self, at: HeightsAt, relief: Relief, metadata: Metadata) -> None:
+    def __init__(self, at: HeightsAt, written: WrittenRelief, metadata: Metadata) -> None:
         recipe = {key: metadata[key] for key in ("options", "reading", "files") if key in metadata}
-        self.height, self.at = relief.height, at
+        self.relief, self.height, self.at = written.relief, written.relief.height, at
+        self._solid = written.solid
         self.attributes = {"version": __version__, **{key: json.dumps(value) for key, value in recipe.items()}}
 
     @cached_property
-    def mesh(self) -> Mesh:
-        """The surface as a mesh, made once for all files of one."""
-        return surface_mesh(self.height)
+    def solid(self) -> Solid:
+        """The triangles, planned once for all files."""
+        return triangulate(self.relief) if self._solid is None else self._solid
 
 
 def relief_outputs(
@@ -43,7 +54,7 @@ def relief_outputs(
     report: Destination | None = None,
     overwrite: bool = False,
     at: HeightsAt = "centers",
-) -> Outputs[Relief]:
+) -> Outputs[WrittenRelief]:
     """The plan of `write_relief`."""
     choice_of(HeightsAt).read("at", at)
     surfaces = [Target(place_of(output), "a relief", tuple(RELIEF_FORMATS), _write_surface) for output in outputs]
@@ -59,6 +70,7 @@ def write_relief(
     overwrite: bool = False,
     metadata: Metadata | None = None,
     at: HeightsAt = "centers",
+    solid: Solid | SolidOptions | None = None,
 ) -> None:
     """Write a relief to any number of files: all of them appear, or none.
 
@@ -66,7 +78,7 @@ def write_relief(
     ----------
     relief : Relief
     *outputs : str, Path or OutputStream
-        Heights and meshes, by ending: .exr .tif .npy .png .stl .ply .obj .glb.
+        Heights and meshes, by ending: .exr .tif .npy .png .stl .ply .obj .glb .3mf. Meshes are read back and checked.
     preview : str, Path or OutputStream, optional
         Shaded picture, .png.
     report : str, Path or OutputStream, optional
@@ -78,13 +90,17 @@ def write_relief(
     at : str
         Where height files hold heights: "centers" of the pixels, or their "corners", which lose nothing. Meshes have
         the heights of the corners either way.
+    solid : Solid or SolidOptions, optional
+        The triangles for meshes, or how to make them. Default: the open surface.
 
     Raises
     ------
     UsageError
         If a relief is not written with an ending, or the preview is not named .png.
+    InputError
+        If the solid cannot be made, see `nmaptool.solid`.
     OutputError
-        If a file cannot be written, or exists and ``overwrite`` is False.
+        If a file cannot be written or fails its check, or exists and ``overwrite`` is False.
 
     Examples
     --------
@@ -94,12 +110,14 @@ def write_relief(
     <Mesh relief.stl: 384 vertices, 128 faces, 1 mm to a unit (assumed)>
     """
     plan = relief_outputs(outputs, preview=preview, report=report, overwrite=overwrite, at=at)
-    plan.write(relief, relief.report.to_dict() if metadata is None else metadata)
+    plan.check()
+    made = triangulate(relief, solid) if isinstance(solid, SolidOptions) else solid
+    plan.write(WrittenRelief(relief, made), relief.report.to_dict() if metadata is None else metadata)
 
 
 def _write_surface(surface: _Surface, path: Path) -> None:
     if path.suffix.lower() in MESH_FORMATS:
-        meshes.write_mesh(surface.mesh, path)
+        write_solid(surface.solid, path, title=path.stem, thumbnail_png=partial(png_of, surface.height))
     else:
         heights.write_height(surface.height, path, surface.attributes, at=surface.at)
 

@@ -1,0 +1,1 @@
+"""Triangles to files, part by part, and back to check them."""

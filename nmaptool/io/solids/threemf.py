@@ -1,0 +1,84 @@
+"""3MF: millimetres, a title, a thumbnail, and one object for each body."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import BinaryIO, cast
+from xml.sax.saxutils import escape, quoteattr
+
+from nmaptool.io.solids.text import rows_as_text
+from nmaptool.types.solid import NumberedBody, Solid
+
+MODEL_PATH = "3D/3dmodel.model"
+_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+_PACKAGE = "http://schemas.openxmlformats.org/package/2006"
+_XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
+_VERTEX = '<vertex x="%.9g" y="%.9g" z="%.9g"/>\n'
+_TRIANGLE = '<triangle v1="%d" v2="%d" v3="%d"/>\n'
+_LEVEL = 6
+
+
+def write_3mf(solid: Solid, path: Path, metadata: Mapping[str, str], thumbnail_png: bytes = b"") -> None:
+    """Write every body as an object of a 3MF file in mm.
+
+    Parameters
+    ----------
+    solid : Solid
+    path : Path
+    metadata : mapping of str to str
+        Such as ``Title`` and ``Application``.
+    thumbnail_png : bytes
+        A picture for file managers and slicers; none if empty.
+    """
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr(_entry("[Content_Types].xml"), _content_types())
+        archive.writestr(_entry("_rels/.rels"), _relations(bool(thumbnail_png)))
+        if thumbnail_png:
+            archive.writestr(_entry("Metadata/thumbnail.png"), thumbnail_png)
+        with archive.open(_entry(MODEL_PATH), "w", force_zip64=True) as file:
+            _write_model(cast("BinaryIO", file), solid, metadata)
+
+
+def _entry(name: str) -> zipfile.ZipInfo:
+    """An entry without the time of writing, so that the same relief gives the same bytes."""
+    entry = zipfile.ZipInfo(name)
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    return entry
+
+
+def _write_model(file: BinaryIO, solid: Solid, metadata: Mapping[str, str]) -> None:
+    facts = "".join(f"<metadata name={quoteattr(key)}>{escape(value)}</metadata>\n" for key, value in metadata.items())
+    file.write(f'{_XML}<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE}">\n{facts}<resources>\n'.encode())
+    for number, body in enumerate(solid.bodies, start=1):
+        numbered = NumberedBody.of(body)
+        file.write(f'<object id="{number}" name={quoteattr(body.name)} type="model"><mesh><vertices>\n'.encode())
+        for vertices in numbered.vertices():
+            file.writelines(rows_as_text(_VERTEX, vertices))
+        file.write(b"</vertices><triangles>\n")
+        for faces in numbered.faces():
+            file.writelines(rows_as_text(_TRIANGLE, faces))
+        file.write(b"</triangles></mesh></object>\n")
+    items = "".join(f'<item objectid="{number}"/>' for number in range(1, len(solid.bodies) + 1))
+    file.write(f"</resources>\n<build>{items}</build>\n</model>\n".encode())
+
+
+def _content_types() -> str:
+    kinds = {
+        "rels": "application/vnd.openxmlformats-package.relationships+xml",
+        "model": "application/vnd.ms-package.3dmanufacturing-3dmodel+xml",
+        "png": "image/png",
+    }
+    entries = "".join(f'<Default Extension="{ending}" ContentType="{kind}"/>' for ending, kind in kinds.items())
+    return f'{_XML}<Types xmlns="{_PACKAGE}/content-types">{entries}</Types>'
+
+
+def _relations(has_thumbnail: bool) -> str:
+    model = f'<Relationship Target="/{MODEL_PATH}" Id="model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
+    picture = (
+        f'<Relationship Target="/Metadata/thumbnail.png" Id="thumbnail" Type="{_PACKAGE}/relationships/metadata/thumbnail"/>'
+        if has_thumbnail
+        else ""
+    )
+    return f'{_XML}<Relationships xmlns="{_PACKAGE}/relationships">{model}{picture}</Relationships>'
