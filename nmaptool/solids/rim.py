@@ -33,7 +33,7 @@ def rim_heights(z_mm: Float64, shape: Shape) -> Float64:
     """
     vertex = shape.vertex_of(shape.moved)
     own: Float64 = z_mm.ravel()[vertex]
-    if not len(vertex):
+    if shape.is_foot_line or not len(vertex):
         return own
     rows, cols = z_mm.shape
     inside = touching_vertices(shape.mask) & ~touching_vertices(np.pad(~shape.mask, 1, constant_values=True))[1:-1, 1:-1]

@@ -36,6 +36,9 @@ class Shape:
         Pixels ``row * W + col`` whose diagonal is given, ascending.
     forced_falls : (m,) bool
         Whether it falls, from the upper left to the lower right corner.
+    is_foot_line : bool
+        Whether the moved nodes lie where a motif meets its plate, and not on the outline of the mask: they keep the
+        heights of their vertices.
     """
 
     mask: Mask
@@ -44,6 +47,7 @@ class Shape:
     by_px: Float64 = field(default_factory=lambda: np.zeros((0, 2)))
     forced: Nodes = field(default_factory=_no_nodes)
     forced_falls: Mask = field(default_factory=lambda: np.zeros(0, bool))
+    is_foot_line: bool = False
 
     @property
     def node_count(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,7 +75,32 @@ def smooth_shape(mask: Mask, coverage: Float32) -> tuple[Shape, float]:
     shape = _without_folds(shape, ring.is_split)
     kept = np.abs(shape.by_px).max(axis=1) > 0
     deviation_px = float(np.hypot(*shape.by_px.T).max(initial=0.0))
-    return Shape(mask, splits, shape.moved[kept], shape.by_px[kept], shape.forced, shape.forced_falls), deviation_px
+    shape = dataclasses.replace(shape, moved=shape.moved[kept], by_px=shape.by_px[kept])
+    return shape, deviation_px
+
+
+def smooth_foot_line(motif: Mask, coverage: Float32) -> tuple[Shape, float]:
+    """The shape of a whole picture, in which the outline of a motif on a plate is moved as by `smooth_shape`.
+
+    Parameters
+    ----------
+    motif : (H, W) bool
+    coverage : (H, W) float32
+
+    Returns
+    -------
+    shape : Shape
+        Of all pixels.
+    deviation_px : float
+    """
+    shape, deviation_px = smooth_shape(motif, coverage)
+    first = shape.splits.first
+    kept = (shape.moved < first) & ~np.isin(shape.moved, shape.splits.vertices)
+    whole = np.ones_like(motif)
+    foot = Shape(
+        whole, find_splits(whole), shape.moved[kept], shape.by_px[kept], shape.forced, shape.forced_falls, True
+    )
+    return foot, deviation_px
 
 
 def _blurred(coverage: Float32) -> Float32:
@@ -191,7 +217,7 @@ def _without_folds(shape: Shape, is_fixed: Mask) -> Shape:
         touched = touched[~is_fixed[touched]]
         by_px[touched] *= 0.5 if attempt < 6 else 0.0
     falling, rising = pixels.smallest_areas(by_px)
-    forced = pixels.is_inside & (np.minimum(falling, rising) < _SMALL_AREA_PX) & (falling != rising)
+    forced = (np.minimum(falling, rising) < _SMALL_AREA_PX) & (falling != rising)
     where, falls = pixels.numbers[forced], (falling > rising)[forced]
     order = np.argsort(where)
     return Shape(shape.mask, shape.splits, shape.moved, by_px, where[order], falls[order])

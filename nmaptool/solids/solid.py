@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
 from nmaptool.core.units import Length
 from nmaptool.options.solid import SolidOptions
@@ -20,7 +20,7 @@ from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
 from nmaptool.solids.pieces import pieces_of
 from nmaptool.solids.shape import Shape, pixel_shape, pixels_touching
 from nmaptool.solids.sheet import Placing, Sheet
-from nmaptool.solids.smooth import has_soft_edges, smooth_shape
+from nmaptool.solids.smooth import has_soft_edges, smooth_foot_line, smooth_shape
 from nmaptool.solids.walls import wall_parts
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import as_height
@@ -61,8 +61,7 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     """
     options = options or SolidOptions()
     height = as_height(relief)
-    coverage = relief.coverage if isinstance(relief, Relief) else None
-    shape, facts = _shape_of(height, coverage, options)
+    shape, facts = _shape_of(relief, height, options)
     height = _in_range(height, shape)
     zero_mm = _zero_of(relief, height)
     pieces = [_Piece.of(height, *placed, options, zero_mm) for placed in pieces_of(shape)] if options.is_closed else []
@@ -93,15 +92,20 @@ def _zero_of(relief: Height | Relief, height: Height) -> float:
     return 0.0
 
 
-def _shape_of(height: Height, coverage: Float32 | None, options: SolidOptions) -> tuple[Shape, dict[str, Any]]:
+def _shape_of(relief: Height | Relief, height: Height, options: SolidOptions) -> tuple[Shape, dict[str, Any]]:
     """The shape of a relief's surface, and what was found."""
     mask = height.domain
-    smooth = options.outline == "smooth"
-    if options.outline == "auto" and coverage is not None and not mask.all():
-        smooth = has_soft_edges(mask, coverage)
-    if not smooth or mask.all():
+    motif = relief.foreground if isinstance(relief, Relief) else mask
+    coverage = relief.coverage if isinstance(relief, Relief) else None
+    has_foot_line = mask.all() and not motif.all()
+    edge = motif if has_foot_line else mask
+    is_smooth = options.outline == "smooth" or (
+        options.outline == "auto" and coverage is not None and has_soft_edges(edge, coverage)
+    )
+    if not is_smooth or edge.all():
         return pixel_shape(mask, find_splits(mask)), {"outline": "exact", "outline_deviation_mm": 0.0}
-    shape, deviation_px = smooth_shape(mask, mask.astype(np.float32) if coverage is None else coverage)
+    moved = smooth_foot_line if has_foot_line else smooth_shape
+    shape, deviation_px = moved(edge, edge.astype(np.float32) if coverage is None else coverage)
     return shape, {"outline": "smooth", "outline_deviation_mm": deviation_px * height.pitch_mm}
 
 
