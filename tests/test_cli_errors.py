@@ -25,10 +25,10 @@ CTRL_C = (
     "import os, signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
     "from nmaptool.io.pictures import reader as images\nfrom nmaptool.io.output import relief as outputs\n"
     "from nmaptool_cli.main import main\n"
-    "def interrupted(mesh, path):\n"
+    "def interrupted(solid, path, **more):\n"
     "    path.write_bytes(bytes(99))\n"
     "    os.kill(os.getpid(), signal.SIGINT)\n"
-    "outputs.meshes.write_mesh = interrupted\n"
+    "outputs.write_solid = interrupted\n"
     "sys.exit(main(sys.argv[1:]))\n"
 )
 

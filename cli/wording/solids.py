@@ -26,7 +26,9 @@ def describe_solid(run: Run, solid: Solid, meshes: Sequence[Path]) -> None:
     if facts["outline"] == "smooth":
         run.say(f"  outline smoothed, at most {facts['outline_deviation_mm']:.3g} mm from the pixels")
     error = f", at most {facts['max_error_mm']:.3g} mm from the full grid" if "max_error_mm" in facts else ""
-    sizes = [f"{path.suffix.lower()} {'about ' * (path.suffix.lower() != '.stl')}{_size(path, solid)}" for path in meshes]
+    sizes = [
+        f"{path.suffix.lower()} {'about ' * (path.suffix.lower() != '.stl')}{_size(path, solid)}" for path in meshes
+    ]
     run.say(f"  {solid.face_count} triangles{error}: {', '.join(dict.fromkeys(sizes))}")
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.solids.outline import CORNERS, corner_nodes
-from nmaptool.solids.sheet import Sheet
 from nmaptool.solids.shape import pixels_touching
+from nmaptool.solids.sheet import Sheet
 
 _BAND_ROWS = 256
 

@@ -39,12 +39,12 @@ def _cropped(shape: Shape, mask: Mask, top: int, left: int) -> Shape:
     forced_row, forced_col = forced_row - top, forced_col - left
     own = _at(mask, forced_row, forced_col)
     forced = forced_row[own] * mask.shape[1] + forced_col[own]
-    return Shape(mask, splits, local[kept][order], by_px[kept][order], forced, shape.forced_falls[own])
+    return Shape(
+        mask, splits, local[kept][order], by_px[kept][order], forced, shape.forced_falls[own], shape.keeps_heights
+    )
 
 
-def _local_nodes(
-    whole: Splits, own: Splits, mask: Mask, nodes: Nodes, row: Nodes, col: Nodes
-) -> tuple[Nodes, Mask]:
+def _local_nodes(whole: Splits, own: Splits, mask: Mask, nodes: Nodes, row: Nodes, col: Nodes) -> tuple[Nodes, Mask]:
     """Node numbers in a piece of nodes of the whole at a row and column of the piece, and whether they belong to it."""
     vertex = row * (mask.shape[1] + 1) + col
     is_second = nodes >= whole.first
@@ -55,9 +55,9 @@ def _local_nodes(
     if not len(whole.vertices):
         return vertex, touches
     is_split = at >= 0
-    right = whole.lower_is_right[at]
-    lower = _at(mask, row, np.where(right, col, col - 1))
-    upper = _at(mask, row - 1, np.where(right, col - 1, col))
+    leans_right = whole.lower_is_right[at]
+    lower = _at(mask, row, np.where(leans_right, col, col - 1))
+    upper = _at(mask, row - 1, np.where(leans_right, col - 1, col))
     kept = np.where(is_split, np.where(is_second, lower, upper), touches)
     seconds = _found(own.vertices, vertex)
     return np.where(is_second & upper & lower & (seconds >= 0), own.first + seconds, vertex), kept

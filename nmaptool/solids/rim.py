@@ -1,4 +1,4 @@
-"""Heights along a moved outline: continued from the surface inside, since pixels on the outline hold part of a motif."""
+"""Heights along a moved outline, continued from the surface inside: pixels on the outline are motif only in part."""
 
 from __future__ import annotations
 
@@ -33,10 +33,12 @@ def rim_heights(z_mm: Float64, shape: Shape) -> Float64:
     """
     vertex = shape.vertex_of(shape.moved)
     own: Float64 = z_mm.ravel()[vertex]
-    if shape.is_foot_line or not len(vertex):
+    if shape.keeps_heights or not len(vertex):
         return own
     rows, cols = z_mm.shape
-    inside = touching_vertices(shape.mask) & ~touching_vertices(np.pad(~shape.mask, 1, constant_values=True))[1:-1, 1:-1]
+    inside = (
+        touching_vertices(shape.mask) & ~touching_vertices(np.pad(~shape.mask, 1, constant_values=True))[1:-1, 1:-1]
+    )
     row, col = np.divmod(vertex, cols)
     target = shape.places_px(shape.moved)
     step = np.arange(-_REACH, _REACH + 1)
@@ -53,4 +55,5 @@ def rim_heights(z_mm: Float64, shape: Shape) -> Float64:
     normal += _RIDGE * np.einsum("nbb->n", normal)[:, None, None] * np.diag([0.0, 1.0, 1.0]) + 1e-12 * np.eye(3)
     load = np.einsum("nkb,nk->nb", weighted, z_mm[r, c] - own[:, None])
     fitted: Float64 = own + np.linalg.solve(normal, load[..., None])[:, 0, 0]
-    return np.where(count >= _FEWEST, fitted, own)
+    is_split = np.isin(vertex, shape.splits.vertices)
+    return np.where((count >= _FEWEST) & ~is_split, fitted, own)

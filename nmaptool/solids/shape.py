@@ -36,9 +36,9 @@ class Shape:
         Pixels ``row * W + col`` whose diagonal is given, ascending.
     forced_falls : (m,) bool
         Whether it falls, from the upper left to the lower right corner.
-    is_foot_line : bool
-        Whether the moved nodes lie where a motif meets its plate, and not on the outline of the mask: they keep the
-        heights of their vertices.
+    keeps_heights : bool
+        Whether moved nodes keep the heights of their vertices: where they hardly move, and where a motif meets its
+        plate. Otherwise their heights continue the surface inside.
     """
 
     mask: Mask
@@ -47,7 +47,7 @@ class Shape:
     by_px: Float64 = field(default_factory=lambda: np.zeros((0, 2)))
     forced: Nodes = field(default_factory=_no_nodes)
     forced_falls: Mask = field(default_factory=lambda: np.zeros(0, bool))
-    is_foot_line: bool = False
+    keeps_heights: bool = False
 
     @property
     def node_count(self) -> int:
@@ -83,7 +83,7 @@ def split_moves(splits: Splits) -> tuple[Nodes, Float64]:
 
 def pixel_shape(mask: Mask, splits: Splits) -> Shape:
     """The shape whose outline follows the pixels; only split vertices are drawn apart."""
-    return Shape(mask, splits, *split_moves(splits))
+    return Shape(mask, splits, *split_moves(splits), keeps_heights=True)
 
 
 def pixels_touching(nodes: Nodes, shape: Shape) -> Mask:

@@ -54,6 +54,8 @@ class Sheet:
         1 for a front, seen from +z; -1 for a back.
     first_node : int
         What is added to the nodes of the shape.
+    moved_z_mm : (n,) float64, optional
+        Heights of the moved nodes. Default: continued from the surface inside.
     """
 
     z_mm: Float64
@@ -61,6 +63,7 @@ class Sheet:
     placing: Placing
     facing: int = 1
     first_node: int = 0
+    moved_z_mm: Float64 | None = None
 
     @property
     def face_count(self) -> int:
@@ -73,13 +76,13 @@ class Sheet:
         moved = self.shape.moved
         if len(moved):
             at = np.minimum(np.searchsorted(moved, nodes), len(moved) - 1)
-            z = np.where(moved[at] == nodes, self._moved_z_mm[at], z)
+            z = np.where(moved[at] == nodes, self.z_of_moved[at], z)
         return z
 
     @cached_property
-    def _moved_z_mm(self) -> Float64:
+    def z_of_moved(self) -> Float64:
         """Heights of the moved nodes."""
-        return rim_heights(self.z_mm, self.shape)
+        return rim_heights(self.z_mm, self.shape) if self.moved_z_mm is None else self.moved_z_mm
 
     def z_range(self) -> tuple[float, float]:
         """Lowest and highest node."""

@@ -36,7 +36,9 @@ def soft_share(mask: Mask, coverage: Float32) -> float:
     if not len(inside):
         return 0.0
     padded = np.pad(coverage, 1)
-    around = [padded[edges.rows + 1 + down, edges.cols + 1 + right] for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1))]
+    around = [
+        padded[edges.rows + 1 + down, edges.cols + 1 + right] for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1))
+    ]
     values = np.stack([inside, *around])
     return float(((values > _SOFT[0]) & (values < _SOFT[1])).any(axis=0).mean())
 
@@ -157,7 +159,7 @@ class _Contour:
     def of(cls, coverage: Float32) -> _Contour:
         counts = corner_sum(np.ones(coverage.shape))
         values = corner_sum(coverage.astype(np.float64)) / counts
-        down, across = np.gradient(values)
+        down, across = (np.asarray(slope, np.float64) for slope in np.gradient(values))
         return cls(values, across, down)
 
     def at(self, places_px: Float64) -> tuple[Float64, Float64]:

@@ -68,8 +68,8 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     if len(pieces) > 1 and options.one_piece:
         sizes = sorted(int(np.count_nonzero(piece.front.shape.mask)) for piece in pieces)
         raise InputError(
-            f"`one_piece`: the relief has {len(pieces)} separate pieces, the largest of {sizes[-1]} px and the smallest "
-            f"of {sizes[0]} px; connect them in the mask, or leave out `one_piece`"
+            f"`one_piece`: the relief has {len(pieces)} separate pieces, the largest of {sizes[-1]} px and the "
+            f"smallest of {sizes[0]} px; connect them in the mask, or leave out `one_piece`"
         )
     if not options.is_closed:
         return _surface(height, shape, facts)
@@ -184,29 +184,27 @@ def _back_of(
 ) -> Sheet | FlatBack:
     """The back that the options ask for."""
     shape, first = front.shape, front.shape.node_count
-    in_mm = _in_mm(height)
+
+    def in_mm(length: Length) -> float:
+        return length.to_mm(height.pitch_mm, height.frame.longer_side)
+
     if options.shell is not None:
         z_mm = shell_back(front.z_mm, shape.mask, in_mm(options.shell), height.pitch_mm)
-        return Sheet(z_mm, shape, front.placing, -1, first)
+        # moved nodes are as far behind the front as the vertices that they come from
+        behind = front.z_of_moved - (front.z_mm - z_mm).ravel()[shape.vertex_of(shape.moved)]
+        return Sheet(z_mm, shape, front.placing, -1, first, behind)
     assert options.base is not None  # options are closed
     base_mm = in_mm(options.base) - zero_mm
     deepest = -front.z_range()[0]
     if deepest >= base_mm:
         raise InputError(
-            f"`base='{options.base}'`: the relief reaches {deepest:.4g} mm below height 0, so its base must be thicker, "
-            f"such as `base='{deepest + 1:.1f}mm'`"
+            f"`base='{options.base}'`: the relief reaches {deepest:.4g} mm below height 0, so its base must be "
+            f"thicker, such as `base='{deepest + 1:.1f}mm'`"
         )
     if options.hollow is not None:
         z_mm = hollow_back(front.z_mm, shape.mask, in_mm(options.hollow), base_mm, height.pitch_mm)
-        return Sheet(z_mm, shape, front.placing, -1, first)
+        return Sheet(z_mm, shape, front.placing, -1, first, z_mm.ravel()[shape.vertex_of(shape.moved)])
     outline = np.zeros(shape.node_count, bool)
     outline[edges.start] = True
     beside = pixels_touching(shape.moved[outline[shape.moved]], shape)
     return FlatBack(shape, front.placing, -base_mm, first, edges, beside)
-
-
-def _in_mm(height: Height):  # type: ignore[no-untyped-def]
-    def in_mm(length: Length) -> float:
-        return length.to_mm(height.pitch_mm, height.frame.longer_side)
-
-    return in_mm

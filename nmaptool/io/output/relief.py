@@ -57,7 +57,11 @@ def relief_outputs(
 ) -> Outputs[WrittenRelief]:
     """The plan of `write_relief`."""
     choice_of(HeightsAt).read("at", at)
-    surfaces = [Target(place_of(output), "a relief", tuple(RELIEF_FORMATS), _write_surface) for output in outputs]
+    places = [place_of(output) for output in outputs]
+    surfaces = [
+        Target(place, "a relief", tuple(RELIEF_FORMATS), partial(_write_surface, title=Path(str(place)).stem))
+        for place in places
+    ]
     views = wanted(preview, "a preview", (".png",), _write_preview)
     return Outputs([*surfaces, *views], place_of(report), overwrite, report_endings=(), prepare=partial(_Surface, at))
 
@@ -115,9 +119,9 @@ def write_relief(
     plan.write(WrittenRelief(relief, made), relief.report.to_dict() if metadata is None else metadata)
 
 
-def _write_surface(surface: _Surface, path: Path) -> None:
+def _write_surface(surface: _Surface, path: Path, title: str) -> None:
     if path.suffix.lower() in MESH_FORMATS:
-        write_solid(surface.solid, path, title=path.stem, thumbnail_png=partial(png_of, surface.height))
+        write_solid(surface.solid, path, title=title, thumbnail_png=partial(png_of, surface.height))
     else:
         heights.write_height(surface.height, path, surface.attributes, at=surface.at)
 

@@ -107,7 +107,7 @@ def _volume(corners: Float64) -> float:
 def _hashes(corners: Float64) -> tuple[Hashes, Hashes]:
     """Two (3, n) numbers for the corners of triangles, equal where the corners are equal in single precision."""
     bits = (corners.astype(np.float32) + np.float32(0.0)).view(np.uint32)  # + 0 makes -0 equal to 0
-    mixed = bits[..., 0].T * _MIX[0] + bits[..., 1].T * _MIX[1] + bits[..., 2].T * _MIX[2]
+    mixed = bits[..., 0].T * _MIX[0] + bits[..., 1].T * _MIX[1] + bits[..., 2].T * _MIX[2] + _SECOND
     mixed ^= mixed >> np.uint64(29)
     mixed *= _MIX[1]
     mixed ^= mixed >> np.uint64(32)

@@ -57,9 +57,7 @@ def _scene(solid: Solid, bodies: list[NumberedBody]) -> tuple[dict[str, Any], in
             accessors.append({"bufferView": len(views) - 1, "componentType": kind, "count": count, **more})
             offset += count * stride
         last = len(accessors) - 1
-        meshes.append(
-            {"name": body.body.name, "primitives": [{"attributes": {"POSITION": last - 1}, "indices": last}]}
-        )
+        meshes.append({"name": body.body.name, "primitives": [{"attributes": {"POSITION": last - 1}, "indices": last}]})
     nodes = [{"name": body.body.name, "mesh": number} for number, body in enumerate(bodies)]
     return {
         "asset": {"version": "2.0", "generator": "nmaptool"},

@@ -12,12 +12,13 @@ from nmaptool.io.solids.text import rows_as_text
 from nmaptool.types.solid import NumberedBody, Solid
 
 MODEL_PATH = "3D/3dmodel.model"
+_THUMBNAIL_PATH = "Metadata/thumbnail.png"
+_MODEL_KIND = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _PACKAGE = "http://schemas.openxmlformats.org/package/2006"
 _XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
 _VERTEX = '<vertex x="%.9g" y="%.9g" z="%.9g"/>\n'
 _TRIANGLE = '<triangle v1="%d" v2="%d" v3="%d"/>\n'
-_LEVEL = 6
 
 
 def write_3mf(solid: Solid, path: Path, metadata: Mapping[str, str], thumbnail_png: bytes = b"") -> None:
@@ -36,7 +37,7 @@ def write_3mf(solid: Solid, path: Path, metadata: Mapping[str, str], thumbnail_p
         archive.writestr(_entry("[Content_Types].xml"), _content_types())
         archive.writestr(_entry("_rels/.rels"), _relations(bool(thumbnail_png)))
         if thumbnail_png:
-            archive.writestr(_entry("Metadata/thumbnail.png"), thumbnail_png)
+            archive.writestr(_entry(_THUMBNAIL_PATH), thumbnail_png)
         with archive.open(_entry(MODEL_PATH), "w", force_zip64=True) as file:
             _write_model(cast("BinaryIO", file), solid, metadata)
 
@@ -75,10 +76,10 @@ def _content_types() -> str:
 
 
 def _relations(has_thumbnail: bool) -> str:
-    model = f'<Relationship Target="/{MODEL_PATH}" Id="model" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>'
-    picture = (
-        f'<Relationship Target="/Metadata/thumbnail.png" Id="thumbnail" Type="{_PACKAGE}/relationships/metadata/thumbnail"/>'
-        if has_thumbnail
-        else ""
+    targets = {"model": (f"/{MODEL_PATH}", _MODEL_KIND)}
+    if has_thumbnail:
+        targets["thumbnail"] = (f"/{_THUMBNAIL_PATH}", f"{_PACKAGE}/relationships/metadata/thumbnail")
+    entries = "".join(
+        f'<Relationship Target="{target}" Id="{name}" Type="{kind}"/>' for name, (target, kind) in targets.items()
     )
-    return f'{_XML}<Relationships xmlns="{_PACKAGE}/relationships">{model}{picture}</Relationships>'
+    return f'{_XML}<Relationships xmlns="{_PACKAGE}/relationships">{entries}</Relationships>'

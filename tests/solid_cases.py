@@ -1,0 +1,77 @@
+"""Masks and heights for solids, and what is checked of their triangles."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import manifold3d
+import numpy as np
+import trimesh
+from scipy import ndimage
+
+import nmaptool as nm
+
+PLATE = SimpleNamespace(options=nm.ReliefOptions())  # stands for a report: all that a solid asks of it
+
+# masks with what is hard: islands, holes, corners that touch, bridges of one pixel
+HARD_MASKS = {
+    "one pixel": ["#"],
+    "corner": ["#.", ".#"],
+    "other corner": [".#", "#."],
+    "ring of corners": [".#.", "#.#", ".#."],
+    "hole that touches the outside": ["####", "#.##", "##.#", "####"],
+    "hole and island": ["#####", "#...#", "#.#.#", "#...#", "#####"],
+    "bridge": ["##...##", "#######", "##...##"],
+    "checkerboard": ["#.#.#", ".#.#.", "#.#.#", ".#.#."],
+    "comb": ["#.#.#.#", "#######"],
+    "stairs": ["#....", "##...", ".##..", "..##.", "...##"],
+}
+
+
+def mask_of(rows: list[str]) -> np.ndarray:
+    """(H, W) bool of a drawing."""
+    return np.array([[char == "#" for char in row] for row in rows])
+
+
+def random_relief(seed: int) -> nm.Relief:
+    """A random mask from noise to blobs, random heights, and for every second seed a coverage."""
+    rng = np.random.default_rng(seed)
+    rows, cols = (int(side) for side in rng.integers(1, 40, 2))
+    blur = rng.choice([0.0, 0.7, 1.5, 3.0])
+    noise = rng.standard_normal((rows, cols))
+    field = ndimage.gaussian_filter(noise, blur) if blur else noise
+    field /= field.std() + 1e-9
+    mask = field > rng.choice([-0.5, 0.0, 0.5])
+    mask.flat[int(np.argmax(field))] = True
+    z_mm = ndimage.gaussian_filter(rng.standard_normal((rows + 1, cols + 1)), 1) * rng.choice([0.1, 1.0])
+    coverage = np.clip(field * rng.choice([0.3, 1.0, 5.0]) + 0.5, 0, 1).astype(np.float32)
+    height = nm.Height(z_mm, mask, nm.Frame(rows, cols, pitch_mm=0.1))
+    return nm.Relief(height, mask, PLATE, coverage if seed % 2 else None)  # type: ignore[arg-type]
+
+
+def random_options(seed: int) -> nm.SolidOptions:
+    """One of the backs, one of the outlines."""
+    rng = np.random.default_rng([seed, 1])
+    backs = ({"base": "3mm"}, {"base": "3mm", "hollow": "0.5mm"}, {"shell": "0.4mm"})
+    back = {name: nm.length(text) for name, text in backs[rng.integers(3)].items()}
+    return nm.SolidOptions(outline=str(rng.choice(["auto", "exact", "smooth"])), **back)  # type: ignore[arg-type]
+
+
+def check_solid(solid: nm.Solid) -> None:
+    """Closed, consistently wound, outward, a manifold also in single precision, and as large as it says."""
+    mesh = solid.to_mesh()
+    assert len(mesh.faces) == solid.face_count
+    shape = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    assert shape.is_watertight
+    assert shape.is_winding_consistent
+    assert np.abs(shape.bounds - solid.bounds_mm).max() < 1e-9
+    assert shape.volume > 0
+    assert abs(shape.volume / solid.volume_mm3 - 1) < 1e-9
+    assert trimesh.triangles.area(shape.triangles).min() > 1e-9
+    single = mesh.vertices.astype(np.float32)
+    assert (
+        manifold3d.Manifold(manifold3d.Mesh(single, mesh.faces.astype(np.uint32))).status() == manifold3d.Error.NoError
+    )
+    merged = trimesh.Trimesh(single, mesh.faces, process=True)  # as a file without shared vertices is read
+    assert merged.is_watertight
+    assert len(merged.faces) == solid.face_count
