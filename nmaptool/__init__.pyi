@@ -60,7 +60,6 @@ from .maps.decoding import decode_image as decode_image
 from .maps.decoding import decode_normal_map as decode_normal_map
 from .maps.inspect import inspect_map as inspect_map
 from .meshes.clean import clean_mesh as clean_mesh
-from .meshes.tessellate import surface_mesh as surface_mesh
 from .options import BLEND_MODES as BLEND_MODES
 from .options import BakeOptions as BakeOptions
 from .options import BlendMode as BlendMode
@@ -97,6 +96,7 @@ from .reliefs.integrate import integrate as integrate
 from .reliefs.relief import relief as relief
 from .reliefs.session import ReliefSession as ReliefSession
 from .solids.solid import solid as solid
+from .solids.surface import surface_mesh as surface_mesh
 from .types.comparison import Comparison as Comparison
 from .types.comparison import Contender as Contender
 from .types.comparison import CurvePoint as CurvePoint
@@ -132,8 +132,6 @@ from .types.reconstruction import SmoothReport as SmoothReport
 from .types.reconstruction import SmoothResult as SmoothResult
 from .types.relief import Relief as Relief
 from .types.relief import ReliefReport as ReliefReport
-from .types.solid import Body as Body
-from .types.solid import Part as Part
 from .types.solid import Solid as Solid
 from .types.unpacked import UnpackedLayer as UnpackedLayer
 from .types.unpacked import UnpackResult as UnpackResult

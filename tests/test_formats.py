@@ -15,8 +15,8 @@ from nmaptool.options.formats import FileFormat, MapFormat, WorkspaceFormat
 TABLES = {
     "NORMAL_MAP_FORMATS": [".png", ".exr", ".tif", ".tiff"],
     "HEIGHT_FORMATS": [".exr", ".tif", ".tiff", ".npy", ".png"],
-    "MESH_FORMATS": [".stl", ".ply", ".obj", ".glb"],
-    "RELIEF_FORMATS": [".exr", ".tif", ".tiff", ".npy", ".png", ".stl", ".ply", ".obj", ".glb"],
+    "MESH_FORMATS": [".stl", ".ply", ".obj", ".glb", ".3mf"],
+    "RELIEF_FORMATS": [".exr", ".tif", ".tiff", ".npy", ".png", ".stl", ".ply", ".obj", ".glb", ".3mf"],
     "WORKSPACE_FORMATS": [".psd", ".psb", ".ora", ".tif", ".tiff", ".exr"],
 }
 
@@ -67,9 +67,9 @@ def test_a_relief_is_written_as_what_heights_and_meshes_are(relief, tmp_path, ru
     nm.write_relief(relief, tmp_path / "a.asc", tmp_path / "a.count")
     assert (tmp_path / "a.asc").read_text() == "(21, 31) mm"
     assert (tmp_path / "a.count").read_text() == str(2 * 20 * 30)
-    with pytest.raises(UsageError, match=r"a relief is written as \.exr, .*\.png, \.asc, \.stl, .*\.glb, \.count$"):
+    with pytest.raises(UsageError, match=r"a relief is written as \.exr, .*\.png, \.asc, \.stl, .*\.3mf, \.count$"):
         nm.write_relief(relief, tmp_path / "a.xyz")
-    with pytest.raises(UsageError, match=r"a mesh is written as \.stl, \.ply, \.obj, \.glb, \.count$"):
+    with pytest.raises(UsageError, match=r"a mesh is written as \.stl, \.ply, \.obj, \.glb, \.3mf, \.count$"):
         nm.write_mesh(nm.surface_mesh(relief.height), tmp_path / "a.asc")
     assert run("relief", clean_map, "-o", tmp_path / "b.count").code == 0
 

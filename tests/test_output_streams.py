@@ -92,13 +92,13 @@ def test_nothing_goes_to_a_stream_when_a_later_target_fails(relief, tmp_path, te
 
 
 def test_nothing_goes_to_a_stream_when_a_file_cannot_be_renamed(relief, tmp_path, temporary, monkeypatch):
-    written = nm.surface_mesh
+    written = nm.solid
 
-    def late(height):
+    def late(relief):
         (tmp_path / "a.npy").write_text("another program's")
-        return written(height)
+        return written(relief)
 
-    monkeypatch.setattr("nmaptool.io.output.relief.surface_mesh", late)
+    monkeypatch.setattr("nmaptool.io.output.relief.triangulate", late)
     stream = io.BytesIO()
     with pytest.raises(OutputError, match=r"a\.npy: exists already"):
         nm.write_relief(relief, nm.OutputStream(stream, ".stl"), tmp_path / "a.npy")

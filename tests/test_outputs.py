@@ -161,7 +161,7 @@ def test_all_files_appear_or_none(carved, tmp_path, monkeypatch):
     def fail(*args, **kwargs):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("pathlib.Path.write_bytes", fail)
+    monkeypatch.setattr("nmaptool.io.solids.stl._records", fail)
     with pytest.raises(OutputError, match=r"a.stl: cannot be written \(No space left on device\)"):
         nm.write_relief(carved, *targets)
     assert list(tmp_path.iterdir()) == []
@@ -180,13 +180,13 @@ def test_existing_files_stay_unless_overwrite_is_said(carved, tmp_path):
 
 def test_a_file_that_appears_meanwhile_is_not_replaced(carved, tmp_path, monkeypatch):
     path = tmp_path / "a.stl"
-    written = nm.surface_mesh
+    written = nm.solid
 
-    def late(height):
+    def late(relief):
         path.write_text("another program's")
-        return written(height)
+        return written(relief)
 
-    monkeypatch.setattr("nmaptool.io.output.relief.surface_mesh", late)
+    monkeypatch.setattr("nmaptool.io.output.relief.triangulate", late)
     with pytest.raises(OutputError, match="exists already"):
         nm.write_relief(carved, path)
     assert path.read_text() == "another program's"

@@ -84,7 +84,8 @@ def test_random_solids_pass_other_programs(tmp_path, trials):
 
 def test_a_3mf_file_has_title_unit_bodies_and_thumbnail(tmp_path):
     relief = nm.relief(np.dstack([np.full((8, 8), 0.5), np.zeros((8, 8)), np.ones((8, 8))]))
-    nm.write_relief(relief, tmp_path / "leaf & vine.3mf", solid=nm.SolidOptions(base=nm.length("2mm")))
+    solid = nm.solid(relief, nm.SolidOptions(base=nm.length("20mm")))
+    nm.write_relief(relief, tmp_path / "leaf & vine.3mf", solid=solid)
     with zipfile.ZipFile(tmp_path / "leaf & vine.3mf") as archive:
         model = archive.read("3D/3dmodel.model").decode()
         assert archive.read("Metadata/thumbnail.png").startswith(b"\x89PNG")

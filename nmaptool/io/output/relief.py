@@ -16,7 +16,7 @@ from nmaptool.io.output.transaction import Metadata, Outputs, Target, wanted
 from nmaptool.io.pictures import heights
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.io.solids.writer import write_solid
-from nmaptool.options import HeightsAt, SolidOptions
+from nmaptool.options import HeightsAt
 from nmaptool.options.fields import choice_of
 from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS
 from nmaptool.solids.solid import solid as triangulate
@@ -74,7 +74,7 @@ def write_relief(
     overwrite: bool = False,
     metadata: Metadata | None = None,
     at: HeightsAt = "centers",
-    solid: Solid | SolidOptions | None = None,
+    solid: Solid | None = None,
 ) -> None:
     """Write a relief to any number of files: all of them appear, or none.
 
@@ -94,15 +94,13 @@ def write_relief(
     at : str
         Where height files hold heights: "centers" of the pixels, or their "corners", which lose nothing. Meshes have
         the heights of the corners either way.
-    solid : Solid or SolidOptions, optional
-        The triangles for meshes, or how to make them. Default: the open surface.
+    solid : Solid, optional
+        The triangles for meshes, from `nmaptool.solid`. Default: the open surface.
 
     Raises
     ------
     UsageError
         If a relief is not written with an ending, or the preview is not named .png.
-    InputError
-        If the solid cannot be made, see `nmaptool.solid`.
     OutputError
         If a file cannot be written or fails its check, or exists and ``overwrite`` is False.
 
@@ -114,9 +112,7 @@ def write_relief(
     <Mesh relief.stl: 384 vertices, 128 faces, 1 mm to a unit (assumed)>
     """
     plan = relief_outputs(outputs, preview=preview, report=report, overwrite=overwrite, at=at)
-    plan.check()
-    made = triangulate(relief, solid) if isinstance(solid, SolidOptions) else solid
-    plan.write(WrittenRelief(relief, made), relief.report.to_dict() if metadata is None else metadata)
+    plan.write(WrittenRelief(relief, solid), relief.report.to_dict() if metadata is None else metadata)
 
 
 def _write_surface(surface: _Surface, path: Path, title: str) -> None:
