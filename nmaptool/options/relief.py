@@ -15,6 +15,7 @@ from nmaptool.options.length_kinds import LengthText
 BackgroundMode = Literal["plane", "free", "cut", "surface"]
 Energy = Literal["eq6", "eq4"]
 Fit = Literal["scale", "slope", "delta"]
+Edge = Literal["blend", "wall", "auto"]
 SolverName = Literal["auto", "dct", "multigrid", "amg"]
 
 _SMALLEST_BETA = 1e-9
@@ -42,6 +43,12 @@ class ReliefOptions(Options, group="Relief"):
         "plane": a flat plate at height 0. "free": the background follows its own normals and is not held. "cut": only
         the motif is made, ending at its silhouette. "surface": the background is held to the curved surface given with
         --surface.
+    edge:
+        Outline of the motif on a flat plate. "blend": it runs down into the plate, right for figures. "wall": it stands
+        as a vertical wall, and the surface behind it is free, right for architecture, lettering and inlays. "auto": a
+        wall if most of the motif is flat.
+    edge_height:
+        Mean height of the wall of --edge wall, such as 2mm. Default: the height of the free surface at its outline.
     slope_cap:
         Largest slope (rise per run) to keep. Steeper normals, and those that face away, are reduced to it.
     energy:
@@ -75,6 +82,8 @@ class ReliefOptions(Options, group="Relief"):
     beta: float = option(0.001, Weight("0.001"))
     delta: float = option(30.0, Numeric("30"))
     background: BackgroundMode = option("plane", choice_of(BackgroundMode))
+    edge: Edge = option("blend", choice_of(Edge))
+    edge_height: Length | None = option(None, LengthText("2mm"))
     slope_cap: float = option(3.0, Positive("3", _LARGEST_SLOPE))
     energy: Energy = option("eq6", choice_of(Energy))
     per_pixel: bool = option(False, Switch())
@@ -99,6 +108,12 @@ class ReliefOptions(Options, group="Relief"):
                 memory(self.memory_limit)
             except UsageError as error:
                 raise UsageError(f"`memory_limit={self.memory_limit!r}`: {str(error).partition(': ')[2]}") from None
+        if self.edge == "wall" and self.background != "plane":
+            raise UsageError(f"`edge='wall'`: needs a flat plate, `background='plane'`, not {self.background}")
+        if self.edge_height is not None and self.edge == "blend":
+            raise UsageError(f"`edge_height='{self.edge_height}'`: needs `edge='wall'`")
+        if self.edge != "blend" and self.fit != "scale":
+            raise UsageError(f"`fit={self.fit!r}`: is for `edge='blend'`; a wall goes with `fit='scale'`")
         if self.fit != "scale" and self.height is None:
             raise UsageError(f"`fit={self.fit!r}`: needs `height`, such as `height='3mm'`")
 

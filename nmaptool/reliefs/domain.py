@@ -46,6 +46,7 @@ def build_domain(
     base_px: Float64 | None = None,
     pulled: Mask | None = None,
     ground: Mask | None = None,
+    stands: bool = False,
 ) -> Domain:
     """The domain of a background mode.
 
@@ -68,9 +69,13 @@ def build_domain(
         Where the height term acts. Default: the motif.
     ground : (H, W) bool, optional
         Where the curved background is, for ``surface``. Default: everywhere.
+    stands : bool
+        Whether the motif stands on its plate with walls, so that its outline is free.
     """
     rows, cols = foreground.shape
     pulled = foreground if pulled is None else pulled
+    if stands:
+        return Domain(np.ones(foreground.shape, bool), foreground, pulled, ~touching_vertices(foreground))
     if mode in ("plane", "surface"):
         everywhere = np.ones(foreground.shape, bool) if ground is None else ground | foreground
         # faces between held vertices only have no say: leaving them out keeps separate motifs separate

@@ -8,6 +8,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
+from nmaptool.core.units import Length
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs.fit import factor_for_range
 from nmaptool.reliefs.heights import SolveSettings, SolveStatistics, SystemHeights
@@ -69,9 +70,12 @@ def finish(
     ConvergenceError
         If the solver does not reach its tolerance.
     """
-    wanted_px = None
-    if options.height is not None:
-        wanted_px = options.height.to_mm(pitch_mm, max(layout.motif.shape)) / pitch_mm
+    wanted_px = _in_px(options.height, layout, pitch_mm)
+    if layout.standing is not None:
+        above, statistics = heights.at(delta, settings, warm_start)
+        edge_px = _in_px(options.edge_height, layout, pitch_mm)
+        above = layout.standing.heights(above, options, edge_px, wanted_px)
+        return _finished(above, layout, pitch_mm, delta, 1.0, statistics)
     if wanted_px is None or options.fit == "scale":
         above, statistics = heights.at(delta, settings, warm_start)
         scale = 1.0
@@ -89,6 +93,10 @@ def finish(
     above = slope * first
     above += delta * second
     return _finished(above, layout, pitch_mm, delta, slope, statistics)
+
+
+def _in_px(length: Length | None, layout: Layout, pitch_mm: float) -> float | None:
+    return None if length is None else length.to_mm(pitch_mm, max(layout.motif.shape)) / pitch_mm
 
 
 def _factor(above: Float64, layout: Layout, wanted_px: float, options: ReliefOptions) -> float:

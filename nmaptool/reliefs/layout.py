@@ -9,6 +9,7 @@ import numpy as np
 from nmaptool.core.arrays import Float64, Mask, read_only
 from nmaptool.core.grid import touching_vertices
 from nmaptool.reliefs.domain import Domain
+from nmaptool.reliefs.standing import Standing
 
 
 class Layout:
@@ -20,10 +21,13 @@ class Layout:
     motif : (H, W) bool
     tolerance : float
         To which the background's height was integrated, where it is a normal map.
+    standing : Standing, optional
+        The motif, where it stands on its plate with walls.
     """
 
-    def __init__(self, domain: Domain, motif: Mask, tolerance: float) -> None:
+    def __init__(self, domain: Domain, motif: Mask, tolerance: float, standing: Standing | None = None) -> None:
         self.domain = domain
+        self.standing = standing
         self.motif = read_only(motif)
         self.tolerance = tolerance
         # None: every vertex

@@ -14,6 +14,7 @@ from nmaptool.reliefs.finish import finish
 from nmaptool.reliefs.heights import SolveSettings, SystemHeights
 from nmaptool.reliefs.layout import Layout
 from nmaptool.reliefs.report import SolverFacts, facts_of, report_of
+from nmaptool.reliefs.standing import Standing, bridged, stands
 from nmaptool.reliefs.targets import CappedSlopes, Weights, build_targets, capped_slopes, to_pixels
 from nmaptool.solver import QuadSystem, Solver, prepare
 from nmaptool.types.height import Height
@@ -152,7 +153,9 @@ class ReliefSession:
             heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, settings, warm_start)
         with stages.stage("finish"):
             frame = dataclasses.replace(original.frame, pitch_mm=pitch_mm)
-            height = Height(heights.z_mm, case.layout.domain.surface, frame)
+            standing = case.layout.standing
+            raised = None if standing is None else standing.motif
+            height = Height(heights.z_mm, case.layout.domain.surface, frame, raised)
             report = report_of(
                 options,
                 case.layout,
@@ -239,7 +242,7 @@ class ReliefSession:
     def _ground_key(self, options: ReliefOptions, pitch_mm: float) -> tuple[object, ...]:
         """What the layout depends on, besides the tolerance to which a normal map of the background is integrated."""
         if options.background != "surface":
-            return (options.background,)
+            return (options.background, options.edge)
         return (options.background, options.slope_cap if isinstance(self._maps.surface, NormalMap) else pitch_mm)
 
     def _holds(self, case: _Case, options: ReliefOptions) -> bool:
@@ -252,6 +255,10 @@ class ReliefSession:
         original, mask = maps.original, maps.mask
         motif = given.motif_of(original, mask, fading=options.background in ("plane", "surface"))
         base_px, ground = given.base_of(maps.surface, pitch_mm, options)
+        standing = None
+        if stands(options, original.normals, motif):
+            motif = bridged(motif, maps.coverage)
+            standing = Standing(motif)
         domain = build_domain(
             options.background,
             motif,
@@ -260,5 +267,6 @@ class ReliefSession:
             base_px,
             given.height_term_mask(original, motif, mask),
             ground,
+            standing is not None,
         )
-        return Layout(domain, motif, options.tolerance)
+        return Layout(domain, motif, options.tolerance, standing)

@@ -27,11 +27,15 @@ class Height(Pictured):
         Pixels (faces) that belong to the surface.
     frame : Frame
         Size; the pitch must be known.
+    raised : (H, W) bool, optional
+        Pixels of a motif that stands on its plate with vertical walls. The vertices along its outline have the height
+        of the motif; all other pixels lie at height 0.
     """
 
     z_mm: Float64
     domain: Mask
     frame: Frame
+    raised: Mask | None = None
 
     def __post_init__(self) -> None:
         rows, cols = self.frame.shape
@@ -43,12 +47,16 @@ class Height(Pictured):
             )
         if self.domain.shape != (rows, cols) or self.domain.dtype != np.bool_:
             raise InputError(f"domain is {self.domain.dtype} {self.domain.shape}, expected bool {(rows, cols)}")
+        if self.raised is not None and (self.raised.shape != (rows, cols) or self.raised.dtype != np.bool_):
+            raise InputError(f"raised is {self.raised.dtype} {self.raised.shape}, expected bool {(rows, cols)}")
         if not np.all(np.isfinite(self.z_mm)):
             raise InputError("heights must be finite")
         if not self.domain.any():
             raise InputError("the height field has no pixel in its domain")
         object.__setattr__(self, "z_mm", read_only(self.z_mm))
         object.__setattr__(self, "domain", read_only(self.domain))
+        if self.raised is not None:
+            object.__setattr__(self, "raised", read_only(self.raised))
 
     @property
     def pitch_mm(self) -> float:
@@ -70,6 +78,8 @@ class Height(Pictured):
     def at_pixels(self) -> Float64:
         """(H, W) float64 heights in mm at pixel centres (mean of the corners), NaN outside the domain."""
         centre = corner_mean(self.z_mm)
+        if self.raised is not None:
+            centre[~self.raised] = 0.0
         centre[~self.domain] = np.nan
         return centre
 

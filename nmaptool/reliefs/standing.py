@@ -1,0 +1,147 @@
+"""A motif that stands on its plate with vertical walls: its pixels, its islands, its heights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Float64, Mask
+from nmaptool.core.errors import InputError
+from nmaptool.core.grid import places, touching_vertices
+from nmaptool.options import ReliefOptions
+
+# normals within ten degrees of the viewer are flat
+_FLAT_NZ = float(np.cos(np.radians(10)))
+_MOSTLY_FLAT = 0.5
+# least height of a wall whose height is not given, as a share of the range of its motif
+_LEAST_WALL = 0.05
+_ROUNDING = 1e-9
+
+
+def flat_share(normals: Float32, motif: Mask) -> float:
+    """Share of a motif whose normals lie within ten degrees of the viewer."""
+    return float((normals[..., 2][motif] > _FLAT_NZ).mean())
+
+
+def stands(options: ReliefOptions, normals: Float32, motif: Mask) -> bool:
+    """Whether the outline of a motif is a wall: as the options say, or because most of the motif is flat."""
+    if options.edge != "auto":
+        return options.edge == "wall"
+    return options.background == "plane" and not motif.all() and flat_share(normals, motif) > _MOSTLY_FLAT
+
+
+def bridged(motif: Mask, coverage: Float32) -> Mask:
+    """A motif without pixels that touch only at a corner, where four walls would meet in one line.
+
+    Of the two pixels of the plate at such a corner, the one with more coverage joins the motif.
+    """
+    out = motif.copy()
+    while True:
+        nw, ne, sw, se = out[:-1, :-1], out[:-1, 1:], out[1:, :-1], out[1:, 1:]
+        falling, rising = nw & se & ~ne & ~sw, ne & sw & ~nw & ~se
+        row, col = places(falling | rising)
+        if not len(row):
+            return out
+        falls = falling[row, col]
+        first = (row, np.where(falls, col + 1, col))
+        second = (row + 1, np.where(falls, col, col + 1))
+        takes_first = coverage[first] >= coverage[second]
+        out[np.where(takes_first, first[0], second[0]), np.where(takes_first, first[1], second[1])] = True
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """A motif that stands on its plate.
+
+    Attributes
+    ----------
+    motif : (H, W) bool
+        Without pixels that touch only at a corner.
+    """
+
+    motif: Mask
+
+    @cached_property
+    def _islands(self) -> tuple[Float64, Mask, int]:
+        """(H+1, W+1) number of the island of each vertex, 0 on the plate; vertices on the outline; the count."""
+        from scipy import ndimage  # takes long to load
+
+        labels, count = ndimage.label(self.motif)
+        rows, cols = self.motif.shape
+        of_vertices = np.zeros((rows + 1, cols + 1), labels.dtype)
+        for down in (0, 1):
+            for right in (0, 1):
+                part = of_vertices[down : rows + down, right : cols + right]
+                np.maximum(part, labels, out=part)
+        inside = np.pad(self.motif, 1)
+        outline = (of_vertices > 0) & touching_vertices(~inside)[1:-1, 1:-1]
+        return of_vertices, outline, count
+
+    def heights(
+        self, above: Float64, options: ReliefOptions, edge_px: float | None, wanted_px: float | None
+    ) -> Float64:
+        """Heights of a motif that was solved free of its plate.
+
+        Parameters
+        ----------
+        above : (H+1, W+1) float64
+            Solved heights in px.
+        options : ReliefOptions
+        edge_px : float or None
+            Mean height of the outline of each island. Default: as solved, but no part of an outline at or below the
+            plate.
+        wanted_px : float or None
+            Exact height from the plate to the highest point.
+
+        Returns
+        -------
+        (H+1, W+1) float64
+            0 on the plate.
+
+        Raises
+        ------
+        InputError
+            If the heights asked for contradict each other, or an outline would reach the plate.
+        """
+        islands, outline, count = self._islands
+        side = -1.0 if options.delta < 0 else 1.0  # an engraving goes down from its plate
+        z = side * above
+        numbers = np.arange(count + 1)
+        sizes = np.bincount(islands[outline], minlength=count + 1)
+        means = np.bincount(islands[outline], z[outline], count + 1) / np.maximum(sizes, 1)
+        free = z - means[islands]
+        free[islands == 0] = 0.0
+        if edge_px is None:
+            low = np.full(count + 1, np.inf)
+            np.minimum.at(low, islands[outline], free[outline])
+            wall = np.maximum(means, _LEAST_WALL * max(float(np.ptp(free)), _ROUNDING) - low)
+            z = free + np.where(numbers == 0, 0.0, wall)[islands]
+            z *= 1.0 if wanted_px is None else wanted_px / float(z.max())
+            return side * z
+        factor = _factor(options, float(free.max()), edge_px, wanted_px)
+        z = factor * free + np.where(numbers == 0, 0.0, edge_px)[islands]
+        if float(z[outline].min()) <= 0:
+            lowest = float(free[outline].min()) * factor
+            raise InputError(
+                f"`edge_height='{options.edge_height}'`: the outline reaches {-lowest / edge_px:.3g} times as far below "
+                "its mean height and would cut into the plate; use a larger `edge_height`"
+            )
+        return side * z
+
+
+def _factor(options: ReliefOptions, rise_px: float, edge_px: float, wanted_px: float | None) -> float:
+    """What the surface behind the wall is multiplied by to reach the exact height."""
+    if wanted_px is None:
+        return 1.0
+    if wanted_px <= edge_px:
+        raise InputError(
+            f"`edge_height='{options.edge_height}'`: must be less than `height='{options.height}'`, "
+            "which is measured from the plate"
+        )
+    if rise_px <= _ROUNDING * edge_px:
+        raise InputError(
+            f"`height='{options.height}'`: the motif is flat, so its height is that of its wall; leave out `edge_height`"
+        )
+    return (wanted_px - edge_px) / rise_px
