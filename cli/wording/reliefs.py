@@ -44,6 +44,7 @@ def describe_solve(report: ReliefReport) -> Iterator[str]:
     low, high = report.height_min_mm, report.height_max_mm
     size = f"pitch {report.pitch_mm:.4g} mm ({report.pitch_from})"
     yield f"  height {low:.3f} to {high:.3f} mm = {report.height_range_mm:.3f} mm, {size}"
+    yield from _describe_edge(report)
     if o.background == "surface":
         yield f"  relief {report.relief_range_mm:.3f} mm from its curved background"
     if report.below_background_share > 0.02 and report.delta_px > 0:
@@ -51,3 +52,15 @@ def describe_solve(report: ReliefReport) -> Iterator[str]:
         yield f"  {report.below_background_share:.1%} of the motif lies below its background{remedy}"
     if report.pitch_from == "assumed":
         yield "  no size given: 100 mm on the longer side is assumed; set yours with --width 80mm"
+
+
+def _describe_edge(report: ReliefReport) -> Iterator[str]:
+    """How the outline meets the plate, where that was chosen or may be wrong."""
+    flat = f"{report.flat_share:.0%} of the motif is flat"
+    if report.edge == "wall":
+        chosen = f" ({flat}; --edge blend lets it run down)" if report.options.edge == "auto" else ""
+        yield f"  edge: a wall of {abs(report.edge_height_mm):.3g} mm on average{chosen}"
+    elif report.options.edge == "auto":
+        yield f"  edge: runs down into the plate (only {flat}; --edge wall lets it stand)"
+    elif report.options.background == "plane" and report.flat_share > 0.5 and report.foreground_share < 1:
+        yield f"  {flat} and becomes rounded towards its outline; --edge wall keeps it flat"

@@ -23,9 +23,13 @@ class Layout:
         To which the background's height was integrated, where it is a normal map.
     standing : Standing, optional
         The motif, where it stands on its plate with walls.
+    flat_share : float
+        Share of the motif that is flat against the viewer.
     """
 
-    def __init__(self, domain: Domain, motif: Mask, tolerance: float, standing: Standing | None = None) -> None:
+    def __init__(
+        self, domain: Domain, motif: Mask, tolerance: float, standing: Standing | None = None, flat_share: float = 0.0
+    ) -> None:
         self.domain = domain
         self.standing = standing
         self.motif = read_only(motif)
@@ -34,6 +38,7 @@ class Layout:
         self._inside = None if domain.surface.all() else touching_vertices(domain.surface)
         self.holds = bool(domain.held.any())
         self.motif_share = float(motif.mean())
+        self.flat_share = flat_share
         self.left_alone = float((motif & ~domain.foreground).mean())
 
     @functools.cached_property

@@ -14,7 +14,7 @@ from nmaptool.reliefs.finish import finish
 from nmaptool.reliefs.heights import SolveSettings, SystemHeights
 from nmaptool.reliefs.layout import Layout
 from nmaptool.reliefs.report import SolverFacts, facts_of, report_of
-from nmaptool.reliefs.standing import Standing, bridged, stands
+from nmaptool.reliefs.standing import Standing, bridged, flat_share, stands
 from nmaptool.reliefs.targets import CappedSlopes, Weights, build_targets, capped_slopes, to_pixels
 from nmaptool.solver import QuadSystem, Solver, prepare
 from nmaptool.types.height import Height
@@ -269,4 +269,4 @@ class ReliefSession:
             ground,
             standing is not None,
         )
-        return Layout(domain, motif, options.tolerance, standing)
+        return Layout(domain, motif, options.tolerance, standing, flat_share(original.normals, motif))

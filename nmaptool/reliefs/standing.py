@@ -105,30 +105,36 @@ class Standing:
         InputError
             If the heights asked for contradict each other, or an outline would reach the plate.
         """
+        from scipy import ndimage  # takes long to load
+
         islands, outline, count = self._islands
         side = -1.0 if options.delta < 0 else 1.0  # an engraving goes down from its plate
-        z = side * above
         numbers = np.arange(count + 1)
-        sizes = np.bincount(islands[outline], minlength=count + 1)
-        means = np.bincount(islands[outline], z[outline], count + 1) / np.maximum(sizes, 1)
-        free = z - means[islands]
-        free[islands == 0] = 0.0
+        z = side * above
+        means = np.append(0.0, ndimage.mean(z, np.where(outline, islands, -1), numbers[1:]))
+        free: Float64 = z - means[islands]
         if edge_px is None:
-            low = np.full(count + 1, np.inf)
-            np.minimum.at(low, islands[outline], free[outline])
+            low = np.append(0.0, ndimage.minimum(free, np.where(outline, islands, -1), numbers[1:]))
             wall = np.maximum(means, _LEAST_WALL * max(float(np.ptp(free)), _ROUNDING) - low)
-            z = free + np.where(numbers == 0, 0.0, wall)[islands]
-            z *= 1.0 if wanted_px is None else wanted_px / float(z.max())
-            return side * z
+            wall[0] = 0.0
+            free += wall[islands]
+            free *= side if wanted_px is None else side * wanted_px / float(free.max())
+            return free
         factor = _factor(options, float(free.max()), edge_px, wanted_px)
-        z = factor * free + np.where(numbers == 0, 0.0, edge_px)[islands]
-        if float(z[outline].min()) <= 0:
-            lowest = float(free[outline].min()) * factor
+        lowest = -factor * float(free[outline].min())
+        if lowest >= edge_px:
             raise InputError(
-                f"`edge_height='{options.edge_height}'`: the outline reaches {-lowest / edge_px:.3g} times as far below "
-                "its mean height and would cut into the plate; use a larger `edge_height`"
+                f"`edge_height='{options.edge_height}'`: the outline would cut into the plate, because it varies by "
+                f"{lowest / edge_px:.3g} times that height; use a larger `edge_height`"
             )
-        return side * z
+        free *= factor
+        free[islands > 0] += edge_px
+        free *= side
+        return free
+
+    def mean_edge(self, z: Float64) -> float:
+        """The mean height of the outline, in the unit of the heights."""
+        return float(z[self._islands[1]].mean())
 
 
 def _factor(options: ReliefOptions, rise_px: float, edge_px: float, wanted_px: float | None) -> float:
@@ -142,6 +148,7 @@ def _factor(options: ReliefOptions, rise_px: float, edge_px: float, wanted_px: f
         )
     if rise_px <= _ROUNDING * edge_px:
         raise InputError(
-            f"`height='{options.height}'`: the motif is flat, so its height is that of its wall; leave out `edge_height`"
+            f"`height='{options.height}'`: the motif is flat, so its wall is as high as the relief; "
+            "leave out `edge_height`"
         )
     return (wanted_px - edge_px) / rise_px

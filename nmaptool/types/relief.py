@@ -41,6 +41,12 @@ class ReliefReport(Report):
         Share of the foreground's vertices below a held background; 0 where nothing is held.
     foreground_share, steep_share : float
         Share of the picture that is foreground; share of the acting pixels whose slope was capped.
+    edge : str
+        "wall" where the motif stands on its plate with vertical walls, else "blend".
+    edge_height_mm : float
+        Mean height of these walls; 0 for "blend".
+    flat_share : float
+        Share of the motif whose normals lie within ten degrees of the viewer.
     scale : float
         Factor on all heights (``fit="scale"``) or on the slopes (``fit="slope"``).
     seconds : mapping of str to float
@@ -72,6 +78,9 @@ class ReliefReport(Report):
     foreground_share: float
     steep_share: float
     scale: float
+    edge: str = "blend"
+    edge_height_mm: float = 0.0
+    flat_share: float = 0.0
     planned_bytes: int = 0
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
