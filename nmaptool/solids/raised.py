@@ -1,0 +1,191 @@
+"""A motif that stands on its plate with vertical walls, as one body: motif, walls, plate, back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32, Float64, Mask
+from nmaptool.core.errors import InputError
+from nmaptool.core.grid import touching_vertices
+from nmaptool.solids.flat_back import FlatBack
+from nmaptool.solids.integral import volume_below
+from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
+from nmaptool.solids.shape import Shape, pixel_shape
+from nmaptool.solids.sheet import Placing, Sheet
+from nmaptool.solids.smooth import smooth_shape
+from nmaptool.solids.walls import wall_parts
+from nmaptool.types.height import Height
+from nmaptool.types.solid import Body, Nodes, Part
+
+
+@dataclass(frozen=True, eq=False)
+class RaisedFront:
+    """The front of a motif that stands on its plate: two sheets with walls between them.
+
+    Nodes of the plate follow those of the motif. Along the border of the picture the walls of the motif also end at the
+    height of the plate, so that walls below can go on from there.
+
+    Attributes
+    ----------
+    motif, plate : Sheet
+    motif_edges, plate_edges : OutlineEdges
+    """
+
+    motif: Sheet
+    plate: Sheet
+    motif_edges: OutlineEdges
+    plate_edges: OutlineEdges
+
+    @property
+    def node_count(self) -> int:
+        """One more than the highest node number."""
+        return self.plate.node_count
+
+    @property
+    def face_count(self) -> int:
+        """Triangles of both sheets and of the walls between them."""
+        return self.motif.face_count + self.plate.face_count + 2 * len(self.motif_edges.start)
+
+    def border(self) -> OutlineEdges:
+        """The edges of both outlines that lie on the border of the picture."""
+        rows, cols = self.motif.shape.mask.shape
+        both = (self.motif_edges, self.plate_edges)
+        start, end, row, col = (
+            np.concatenate([getattr(each, name) for each in both]) for name in ("start", "end", "rows", "cols")
+        )
+        (r0, c0), (r1, c1) = (np.divmod(nodes, cols + 1) for nodes in (start, end))
+        on = ((r0 == r1) & ((r0 == 0) | (r0 == rows))) | ((c0 == c1) & ((c0 == 0) | (c0 == cols)))
+        return OutlineEdges(start[on], end[on], row[on], col[on])
+
+    def xyz_of_plate(self, nodes: Nodes) -> Float64:
+        """(n, 3) float64 mm of nodes of the plate; they are numbered as those of the motif."""
+        return self.plate.xyz_of(nodes)
+
+    def volume_mm3(self) -> float:
+        """Between the front and height 0."""
+        return volume_below(self.motif)
+
+    def parts(self) -> Iterator[Part]:
+        """The triangles."""
+        yield from self.motif.parts()
+        edges = self.motif_edges
+        yield from wall_parts(edges.start, edges.end, self.motif.xyz_of, self.plate.xyz_of, self.plate.first_node)
+        yield from self.plate.parts()
+
+
+def raised_front(height: Height, coverage: Float32 | None, is_smooth: bool) -> tuple[RaisedFront, float]:
+    """The front of a height field with a raised motif.
+
+    Parameters
+    ----------
+    height : Height
+        ``raised`` is given.
+    coverage : (H, W) float32, optional
+        Share of each pixel that is motif. Default: that of the mask.
+    is_smooth : bool
+        Whether the outline follows the coverage.
+
+    Returns
+    -------
+    front : RaisedFront
+    deviation_px : float
+
+    Raises
+    ------
+    InputError
+        If pixels of the motif touch only at a corner, or its outline touches the plate.
+    """
+    mask = height.raised
+    assert mask is not None
+    if len(find_splits(mask).vertices):
+        raise InputError("pixels of the raised motif touch only at a corner; join them in the mask")
+    shape, deviation_px = pixel_shape(mask, find_splits(mask)), 0.0
+    if is_smooth:
+        shape, deviation_px = smooth_shape(mask, mask.astype(np.float32) if coverage is None else coverage)
+    placing = Placing(height.pitch_mm, 0, 0)
+    motif = Sheet(_in_range(height, shape, placing), shape, placing)
+    other = ~mask
+    moved = Shape(other, find_splits(other), shape.moved, shape.by_px, shape.forced, shape.forced_falls, True)
+    plate = Sheet(np.zeros(height.z_mm.shape), moved, placing, 1, shape.node_count)
+    edges = outline_edges(mask, shape.splits)
+    _check_walls(motif.z_of(edges.start))
+    return RaisedFront(motif, plate, edges, outline_edges(other, moved.splits)), deviation_px
+
+
+def _in_range(height: Height, shape: Shape, placing: Placing) -> Float64:
+    """Heights whose extreme above or below the plate is kept by the moved nodes of the outline."""
+    low, high = Sheet(height.z_mm, shape, placing).z_range()
+    inside = height.z_mm[touching_vertices(shape.mask)]
+    wanted_low, wanted_high = float(inside.min()), float(inside.max())
+    factor = wanted_high / high if wanted_high >= -wanted_low else wanted_low / low
+    return height.z_mm * factor
+
+
+def _check_walls(z_mm: Float64) -> None:
+    """Refuse walls that vanish or change their side."""
+    if not (z_mm.min() > 0 or z_mm.max() < 0):
+        raise InputError(
+            f"the outline of the raised motif lies at {z_mm.min():.4g} to {z_mm.max():.4g} mm, so its wall would vanish "
+            "in places; use a larger `edge_height`, or `edge='blend'`"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class RaisedPiece:
+    """A closed body with a raised motif.
+
+    Attributes
+    ----------
+    front : RaisedFront
+    border : OutlineEdges
+        Of the picture.
+    back : Sheet or FlatBack
+        Its nodes follow those of the plate.
+    """
+
+    front: RaisedFront
+    border: OutlineEdges
+    back: Sheet | FlatBack
+
+    @property
+    def bounds_mm(self) -> Float64:
+        """(2, 3) float64: the box around the body."""
+        rim = self.front.plate.xyz_of(self.border.start)
+        low, high = rim.min(axis=0), rim.max(axis=0)
+        back = self.back
+        low[2] = back.z_mm if isinstance(back, FlatBack) else back.z_range()[0]
+        top = self.front.motif.z_range()[1]
+        high[2] = top if self.front.motif.shape.mask.all() else max(top, 0.0)
+        return np.stack([low, high])
+
+    @property
+    def volume_mm3(self) -> float:
+        """Between front and back, from the heights."""
+        back = self.back
+        if isinstance(back, FlatBack):
+            z_mm = np.full(self.front.motif.z_mm.shape, back.z_mm)
+            return self.front.volume_mm3() - volume_below(Sheet(z_mm, back.shape, back.placing))
+        return self.front.volume_mm3() - volume_below(back)
+
+    def body(self, name: str) -> Body:
+        """Its triangles."""
+        faces = self.front.face_count + 2 * len(self.border.start) + self.back.face_count
+        return Body(name, self._parts, faces, self.back.node_count)
+
+    def _parts(self) -> Iterator[Part]:
+        yield from self.front.parts()
+        plate, back, border = self.front.plate, self.back, self.border
+        offset = back.first_node - plate.first_node
+        yield from wall_parts(
+            border.start, border.end, plate.xyz_of, back.xyz_of, offset, front_offset=plate.first_node
+        )
+        yield from back.parts()
+
+
+def raised_mask(height: Height) -> Mask | None:
+    """The raised pixels, or None where the whole picture is raised or nothing is."""
+    mask = height.raised
+    return None if mask is None or mask.all() or not mask.any() else mask
