@@ -63,6 +63,11 @@ class Sheet:
     first_node: int = 0
 
     @property
+    def pixels(self) -> Mask:
+        """(H, W) bool: pixels with two triangles."""
+        return self.shape.mask
+
+    @property
     def face_count(self) -> int:
         """Two for each pixel."""
         return 2 * int(np.count_nonzero(self.shape.mask))
@@ -73,11 +78,11 @@ class Sheet:
         moved = self.shape.moved
         if len(moved):
             at = np.minimum(np.searchsorted(moved, nodes), len(moved) - 1)
-            z = np.where(moved[at] == nodes, self._moved_z_mm[at], z)
+            z = np.where(moved[at] == nodes, self.moved_z_mm[at], z)
         return z
 
     @cached_property
-    def _moved_z_mm(self) -> Float64:
+    def moved_z_mm(self) -> Float64:
         """Heights of the moved nodes."""
         return rim_heights(self.z_mm, self.shape)
 
@@ -102,8 +107,7 @@ class Sheet:
         rows, cols = self.shape.mask.shape
         step = max(1, _BAND_PIXELS // cols)
         for top in range(0, rows, step):
-            band = self.shape.mask[top : top + step]
-            if band.any():
+            if self.pixels[top : top + step].any():
                 yield self._band(top, min(top + step, rows))
 
     def _band(self, top: int, end: int) -> Part:
@@ -124,7 +128,7 @@ class Sheet:
             corners["nw"][row[right], col[right]] = extra[right]
             corners["ne"][row[~right], col[~right] - 1] = extra[~right]
             nodes = np.concatenate([nodes, shape.splits.first + seconds])
-        inside = shape.mask[top:end]
+        inside = self.pixels[top:end]
         faces = _two_each(corners, inside, self.falls(top, end)[inside])
         if self.facing < 0:
             faces = faces[:, ::-1]

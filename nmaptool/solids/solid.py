@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,7 @@ from nmaptool.solids.pieces import pieces_of
 from nmaptool.solids.shape import Shape, pixel_shape, pixels_touching
 from nmaptool.solids.sheet import Placing, Sheet
 from nmaptool.solids.smooth import has_soft_edges, smooth_foot_line, smooth_shape
+from nmaptool.solids.thinned_sheet import Surfaces, Thinning, thin_pieces
 from nmaptool.solids.walls import wall_parts
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import as_height
@@ -72,7 +73,9 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
             f"of {sizes[0]} px; connect them in the mask, or leave out `one_piece`"
         )
     if not options.is_closed:
-        return _surface(height, shape, facts)
+        return _surface(height, shape, options, facts)
+    thinned = _thinned([(piece.front, piece.edges, piece.back) for piece in pieces], height, options, facts)
+    pieces = [_Piece(front, edges, back) for front, edges, back in thinned if back is not None]
     facts |= {"pieces": len(pieces)}
     bounds = np.array([piece.bounds_mm for piece in pieces])
     name = "relief" if len(pieces) == 1 else "relief {}"
@@ -119,11 +122,24 @@ def _in_range(height: Height, shape: Shape) -> Height:
     return dataclasses.replace(height, z_mm=(height.z_mm - low) * factor + wanted_low)
 
 
-def _surface(height: Height, shape: Shape, facts: dict[str, Any]) -> Solid:
+def _surface(height: Height, shape: Shape, options: SolidOptions, facts: dict[str, Any]) -> Solid:
     """The open surface, as one body."""
     sheet = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0))
+    ((sheet, edges, _),) = _thinned([(sheet, outline_edges(shape.mask, shape.splits), None)], height, options, facts)
     body = Body("relief", sheet.parts, sheet.face_count, shape.node_count)
-    return Solid((body,), False, _bounds_of(sheet, outline_edges(shape.mask, shape.splits)), facts=facts)
+    return Solid((body,), False, _bounds_of(sheet, edges), facts=facts)
+
+
+def _thinned(
+    surfaces: Sequence[Surfaces], height: Height, options: SolidOptions, facts: dict[str, Any]
+) -> Sequence[Surfaces]:
+    """The pieces with as many triangles as the options ask for."""
+    if options.max_error is None and options.triangles is None:
+        return surfaces
+    error_mm = None if options.max_error is None else _in_mm(height)(options.max_error)
+    pieces = [Thinning(*each) for each in surfaces]
+    thinned, facts["max_error_mm"] = thin_pieces(pieces, error_mm, options.triangle_count, options.triangles)
+    return thinned
 
 
 def _bounds_of(sheet: Sheet, edges: OutlineEdges) -> Float64:
