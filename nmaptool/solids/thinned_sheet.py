@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
-from nmaptool.core.grid import touching_vertices
+from nmaptool.core.grid import places, touching_vertices
 from nmaptool.solids.flat_back import FlatBack, rectangles_of
 from nmaptool.solids.outline import OutlineEdges, merged_edges
 from nmaptool.solids.shape import pixels_touching
@@ -19,6 +19,7 @@ from nmaptool.solids.simplify import Steps, Thinner, tolerance_for
 from nmaptool.solids.thinned_mesh import Thinned
 from nmaptool.types.solid import Nodes, Part
 
+_BAND_PIXELS = 1 << 17
 Back = Sheet | FlatBack | None
 # front, outline and back of a piece; an open surface has no back
 Surfaces = tuple[Sheet, OutlineEdges, Back]
@@ -54,11 +55,6 @@ class ThinnedSheet(Sheet):
         """Number of triangles."""
         return 2 * int(np.count_nonzero(self.beside)) + self.mesh.face_count
 
-    @property
-    def pixels(self) -> Mask:
-        """(H, W) bool: pixels with two triangles of their own."""
-        return self.beside
-
     @cached_property
     def moved_z_mm(self) -> Float64:
         """Heights of the moved nodes."""
@@ -68,9 +64,15 @@ class ThinnedSheet(Sheet):
         """(end - top, W) bool: whether each pixel is split along its falling diagonal."""
         return np.where(self.beside[top:end], self.full.falls(top, end), self.mesh.falls(top, end))
 
+    def falls_at(self, rows: Nodes, cols: Nodes) -> Mask:
+        """(n,) bool: the same for some of the pixels that keep their two triangles."""
+        return self.full.falls_at(rows, cols)
+
     def parts(self) -> Iterator[Part]:
-        """The triangles: of pixels in bands of rows, then of the mesh in rows of tiles."""
-        yield from super().parts()
+        """The triangles: of pixels beside moved nodes, then of the mesh in rows of tiles."""
+        row, col = places(self.beside)
+        for first in range(0, len(row), _BAND_PIXELS):
+            yield self.pixel_part(row[first : first + _BAND_PIXELS], col[first : first + _BAND_PIXELS])
         width = self.shape.mask.shape[1] + 1
         for top, triangles in self.mesh.bands():
             if len(triangles):
