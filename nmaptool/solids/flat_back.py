@@ -187,3 +187,14 @@ class FlatBack:
 def _edge_codes(edges: OutlineEdges) -> Nodes:
     """A number for each edge of single pixels: its start and its direction."""
     return edges.start * np.int64(1 << 31) + edges.end
+
+
+def rectangle_corners(back: FlatBack) -> Mask:
+    """(H+1, W+1) bool: the corners of the rectangles of a back, which its outline must pass through."""
+    rows, cols = back.shape.mask.shape
+    corners = np.zeros((rows + 1, cols + 1), bool)
+    found = rectangles_of(back.shape.mask & ~back.beside)
+    for row in (found.top, found.bottom):
+        for col in (found.left, found.right):
+            corners[row, col] = True
+    return corners

@@ -41,7 +41,7 @@ def _moved_volume(sheet: Sheet) -> float:
     nodes = {corner: corner_nodes(row, col, cols, shape.splits, corner) for corner in CORNERS}
     place = {corner: shape.places_px(each) for corner, each in nodes.items()}
     z = {corner: sheet.z_of(each) for corner, each in nodes.items()}
-    falls = np.concatenate([sheet.falls(r, r + 1)[0][col[row == r]] for r in np.unique(row)])
+    falls = sheet.falls_at(row, col)
     falling, rising = (("nw", "sw", "se"), ("nw", "se", "ne")), (("nw", "sw", "ne"), ("sw", "se", "ne"))
     pairs = [(corners, falls) for corners in falling] + [(corners, ~falls) for corners in rising]
     return sum(

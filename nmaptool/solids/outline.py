@@ -110,3 +110,36 @@ def corner_nodes(row: Nodes, col: Nodes, width: int, splits: Splits, corner: str
     """Node of that corner of each pixel."""
     down, right = CORNERS[corner]
     return splits.applied((row + down) * (width + 1) + col + right, corner)
+
+
+def merged_edges(edges: OutlineEdges, active: Mask) -> OutlineEdges:
+    """The same outline through fewer nodes.
+
+    Parameters
+    ----------
+    edges : OutlineEdges
+        Of single pixels.
+    active : (H+1, W+1) bool
+        The vertices that stay, with all corners of the outline among them. Second nodes of split vertices stay.
+
+    Returns
+    -------
+    OutlineEdges
+        Each with the pixel at its start.
+    """
+    stays = active.ravel()
+
+    def is_left_out(nodes: Nodes) -> Mask:
+        out: Mask = (nodes < stays.size) & ~stays[np.minimum(nodes, stays.size - 1)]
+        return out
+
+    order = np.argsort(edges.start)
+    starts = edges.start[order]
+    end = edges.end.copy()
+    open_ends = np.flatnonzero(is_left_out(end))
+    while len(open_ends):
+        # each edge reaches as far as the edge at its end does
+        end[open_ends] = end[order[np.searchsorted(starts, end[open_ends])]]
+        open_ends = open_ends[is_left_out(end[open_ends])]
+    chosen = ~is_left_out(edges.start)
+    return OutlineEdges(edges.start[chosen], end[chosen], edges.rows[chosen], edges.cols[chosen])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -13,12 +14,13 @@ from nmaptool.core.grid import touching_vertices
 from nmaptool.solids.flat_back import FlatBack
 from nmaptool.solids.integral import volume_below
 from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
+from nmaptool.solids.piece import Back, lowest_of, volume_below_back
 from nmaptool.solids.shape import Shape, pixel_shape
 from nmaptool.solids.sheet import Placing, Sheet
 from nmaptool.solids.smooth import smooth_shape
 from nmaptool.solids.walls import wall_parts
 from nmaptool.types.height import Height
-from nmaptool.types.solid import Body, Nodes, Part
+from nmaptool.types.solid import Body, Part
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,13 +62,24 @@ class RaisedFront:
         on = ((r0 == r1) & ((r0 == 0) | (r0 == rows))) | ((c0 == c1) & ((c0 == 0) | (c0 == cols)))
         return OutlineEdges(start[on], end[on], row[on], col[on])
 
-    def xyz_of_plate(self, nodes: Nodes) -> Float64:
-        """(n, 3) float64 mm of nodes of the plate; they are numbered as those of the motif."""
-        return self.plate.xyz_of(nodes)
+    @property
+    def whole(self) -> Sheet:
+        """The lower of motif and plate at each vertex, over the whole picture: what a back must stay behind."""
+        motif, plate = self.motif, self.plate
+        mask = np.ones_like(motif.shape.mask)
+        shape = Shape(mask, find_splits(mask), motif.shape.moved, motif.shape.by_px, keeps_heights=True)
+        inner = touching_vertices(motif.shape.mask) & ~touching_vertices(plate.shape.mask)
+        z_mm = np.where(inner, motif.z_mm, np.minimum(motif.z_mm, 0.0))
+        return Sheet(z_mm, shape, motif.placing, 1, plate.first_node)
 
-    def volume_mm3(self) -> float:
-        """Between the front and height 0."""
-        return volume_below(self.motif)
+    @property
+    def bounds_mm(self) -> Float64:
+        """(2, 3) float64: the box around it."""
+        rim = self.plate.xyz_of(self.border().start)
+        low, high = rim.min(axis=0), rim.max(axis=0)
+        bottom, top = self.motif.z_range()
+        low[2], high[2] = min(bottom, 0.0), max(top, 0.0)
+        return np.stack([low, high])
 
     def parts(self) -> Iterator[Part]:
         """The triangles."""
@@ -128,7 +141,7 @@ def _check_walls(z_mm: Float64) -> None:
     """Refuse walls that vanish or change their side."""
     if not (z_mm.min() > 0 or z_mm.max() < 0):
         raise InputError(
-            f"the outline of the raised motif lies at {z_mm.min():.4g} to {z_mm.max():.4g} mm, so its wall would vanish "
+            f"the outline of the raised motif lies at {z_mm.min():.4g} to {z_mm.max():.4g} mm, so its wall vanishes "
             "in places; use a larger `edge_height`, or `edge='blend'`"
         )
 
@@ -148,39 +161,43 @@ class RaisedPiece:
 
     front: RaisedFront
     border: OutlineEdges
-    back: Sheet | FlatBack
+    back: Back
+
+    @classmethod
+    def of(cls, front: RaisedFront, back: Back) -> RaisedPiece:
+        """Put a back behind a front."""
+        border = front.border()
+        if isinstance(back, FlatBack):
+            back = dataclasses.replace(back, outline=border)
+        return cls(front, border, back)
 
     @property
     def bounds_mm(self) -> Float64:
         """(2, 3) float64: the box around the body."""
-        rim = self.front.plate.xyz_of(self.border.start)
-        low, high = rim.min(axis=0), rim.max(axis=0)
-        back = self.back
-        low[2] = back.z_mm if isinstance(back, FlatBack) else back.z_range()[0]
-        top = self.front.motif.z_range()[1]
-        high[2] = top if self.front.motif.shape.mask.all() else max(top, 0.0)
-        return np.stack([low, high])
+        bounds = self.front.bounds_mm
+        bounds[0, 2] = lowest_of(self.back)
+        return bounds
 
     @property
     def volume_mm3(self) -> float:
         """Between front and back, from the heights."""
-        back = self.back
-        if isinstance(back, FlatBack):
-            z_mm = np.full(self.front.motif.z_mm.shape, back.z_mm)
-            return self.front.volume_mm3() - volume_below(Sheet(z_mm, back.shape, back.placing))
-        return self.front.volume_mm3() - volume_below(back)
+        return volume_below(self.front.motif) - volume_below_back(self.back)
+
+    @property
+    def face_count(self) -> int:
+        """Number of triangles."""
+        return self.front.face_count + 2 * len(self.border.start) + self.back.face_count
 
     def body(self, name: str) -> Body:
         """Its triangles."""
-        faces = self.front.face_count + 2 * len(self.border.start) + self.back.face_count
-        return Body(name, self._parts, faces, self.back.node_count)
+        return Body(name, self._parts, self.face_count, self.back.node_count)
 
     def _parts(self) -> Iterator[Part]:
         yield from self.front.parts()
         plate, back, border = self.front.plate, self.back, self.border
-        offset = back.first_node - plate.first_node
+        between = back.first_node - plate.first_node
         yield from wall_parts(
-            border.start, border.end, plate.xyz_of, back.xyz_of, offset, front_offset=plate.first_node
+            border.start, border.end, plate.xyz_of, back.xyz_of, between, front_offset=plate.first_node
         )
         yield from back.parts()
 

@@ -9,12 +9,15 @@ from functools import cached_property
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
-from nmaptool.core.grid import touching_vertices
+from nmaptool.core.grid import places, touching_vertices
+from nmaptool.solids.outline import CORNERS, corner_nodes
 from nmaptool.solids.rim import rim_heights
 from nmaptool.solids.shape import Shape
 from nmaptool.types.solid import Faces, Nodes, Part
 
 _BAND_PIXELS = 1 << 17
+# share of pixels in a band up to which they are made one by one
+_SPARSE = 0.05
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,8 @@ class Sheet:
 
     def z_of(self, nodes: Nodes) -> Float64:
         """Heights of nodes of the shape."""
-        z: Float64 = self.z_mm.ravel()[self.shape.vertex_of(nodes)]
+        row, col = np.divmod(self.shape.vertex_of(nodes), self.z_mm.shape[1])
+        z: Float64 = self.z_mm[row, col]
         moved = self.shape.moved
         if len(moved):
             at = np.minimum(np.searchsorted(moved, nodes), len(moved) - 1)
@@ -106,8 +110,21 @@ class Sheet:
         step = max(1, _BAND_PIXELS // cols)
         for top in range(0, rows, step):
             band = self.shape.mask[top : top + step]
-            if band.any():
+            count = np.count_nonzero(band)
+            if count > _SPARSE * band.size:
                 yield self._band(top, min(top + step, rows))
+            elif count:
+                row, col = places(band)
+                yield self.pixel_part(row + top, col)
+
+    def pixel_part(self, row: Nodes, col: Nodes) -> Part:
+        """The triangles of some pixels."""
+        shape = self.shape
+        corners = np.stack([corner_nodes(row, col, shape.mask.shape[1], shape.splits, name) for name in CORNERS])
+        nodes, local = np.unique(corners, return_inverse=True)
+        numbers = dict(zip(CORNERS, local.reshape(corners.shape).astype(np.int32), strict=True))
+        faces = _two_each(numbers, self.falls_at(row, col))
+        return Part(self.xyz_of(nodes), faces if self.facing > 0 else faces[:, ::-1], nodes + self.first_node)
 
     def _band(self, top: int, end: int) -> Part:
         """The triangles of rows ``top`` to ``end``."""
@@ -128,7 +145,7 @@ class Sheet:
             corners["ne"][row[~right], col[~right] - 1] = extra[~right]
             nodes = np.concatenate([nodes, shape.splits.first + seconds])
         inside = shape.mask[top:end]
-        faces = _two_each(corners, inside, self.falls(top, end)[inside])
+        faces = _two_each({name: each[inside] for name, each in corners.items()}, self.falls(top, end)[inside])
         if self.facing < 0:
             faces = faces[:, ::-1]
         return Part(self._xyz(top, end, nodes[count:]), faces, nodes + self.first_node)
@@ -162,6 +179,22 @@ class Sheet:
         falls.ravel()[self.shape.forced[low:high] - top * cols] = self.shape.forced_falls[low:high]
         return falls
 
+    def falls_at(self, rows: Nodes, cols: Nodes) -> Mask:
+        """(n,) bool: the same for some pixels."""
+        height, width = self.z_mm.shape
+        r = np.clip(rows[:, None] + np.arange(-1, 3), 0, height - 1).T
+        c = np.clip(cols[:, None] + np.arange(-1, 3), 0, width - 1).T
+        z = self.z_mm
+        bend_falling = np.abs(z[r[0], c[0]] - z[r[1], c[1]] - z[r[2], c[2]] + z[r[3], c[3]])
+        bend_rising = np.abs(z[r[3], c[0]] - z[r[2], c[1]] - z[r[1], c[2]] + z[r[0], c[3]])
+        falls: Mask = bend_falling <= bend_rising
+        forced = self.shape.forced
+        if len(forced):
+            numbers = rows * (width - 1) + cols
+            at = np.minimum(np.searchsorted(forced, numbers), len(forced) - 1)
+            falls = np.where(forced[at] == numbers, self.shape.forced_falls[at], falls)
+        return falls
+
 
 def falling_diagonals(z_mm: Float64, top: int, end: int) -> Mask:
     """Whether the surface bends less along the falling diagonal of each pixel of some rows.
@@ -176,9 +209,9 @@ def falling_diagonals(z_mm: Float64, top: int, end: int) -> Mask:
     return falls
 
 
-def _two_each(corners: dict[str, Faces], inside: Mask, falls: Mask) -> Faces:
-    """(2 n, 3) int32: two triangles for each of the n pixels inside, counter-clockwise seen from the viewer."""
-    nw, ne, sw, se = (corners[name][inside] for name in ("nw", "ne", "sw", "se"))
+def _two_each(corners: dict[str, Faces], falls: Mask) -> Faces:
+    """(2 n, 3) int32: two triangles for each of n pixels with those corners, counter-clockwise seen from the viewer."""
+    nw, ne, sw, se = (corners[name] for name in ("nw", "ne", "sw", "se"))
     faces = np.empty((len(nw), 2, 3), np.int32)
     # falling: nw sw se, nw se ne; rising: nw sw ne, sw se ne
     faces[:, 0, 0] = nw

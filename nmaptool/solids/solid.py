@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from nmaptool.core.arrays import Float64
-from nmaptool.core.errors import InputError
-from nmaptool.core.units import Length
+from nmaptool.core.arrays import Float32
+from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options.solid import SolidOptions
-from nmaptool.solids.curved_back import hollow_back, shell_back
-from nmaptool.solids.flat_back import FlatBack
-from nmaptool.solids.integral import volume_below
-from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
+from nmaptool.solids.flat_back import FlatBack, rectangle_corners
+from nmaptool.solids.outline import find_splits, outline_edges
+from nmaptool.solids.piece import Back, Piece, back_of, bounds_of, in_mm
 from nmaptool.solids.pieces import pieces_of
-from nmaptool.solids.shape import Shape, pixel_shape, pixels_touching
+from nmaptool.solids.raised import RaisedFront, RaisedPiece, raised_front, raised_mask
+from nmaptool.solids.shape import Shape, pixel_shape
 from nmaptool.solids.sheet import Placing, Sheet
 from nmaptool.solids.smooth import has_soft_edges, smooth_foot_line, smooth_shape
-from nmaptool.solids.walls import wall_parts
+from nmaptool.solids.thinned_sheet import Surfaces, Thinning, thin_pieces
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import as_height
 from nmaptool.types.relief import Relief
-from nmaptool.types.solid import Body, Part, Solid
+from nmaptool.types.solid import Body, Solid
 
 
 def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid:
@@ -61,19 +59,23 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     """
     options = options or SolidOptions()
     height = as_height(relief)
-    shape, facts = _shape_of(relief, height, options)
+    coverage = relief.coverage if isinstance(relief, Relief) else None
+    if raised_mask(height) is not None:
+        return _raised(height, coverage, options)
+    shape, facts = _shape_of(relief, height, coverage, options)
     height = _in_range(height, shape)
-    zero_mm = _zero_of(relief, height)
-    pieces = [_Piece.of(height, *placed, options, zero_mm) for placed in pieces_of(shape)] if options.is_closed else []
-    if len(pieces) > 1 and options.one_piece:
-        sizes = sorted(int(np.count_nonzero(piece.front.shape.mask)) for piece in pieces)
-        raise InputError(
-            f"`one_piece`: the relief has {len(pieces)} separate pieces, the largest of {sizes[-1]} px and the "
-            f"smallest of {sizes[0]} px; connect them in the mask, or leave out `one_piece`"
-        )
     if not options.is_closed:
-        return _surface(height, shape, facts)
-    facts |= {"pieces": len(pieces)}
+        return _surface(height, shape, options, facts)
+    zero_mm = _zero_of(relief, height)
+    pieces = [_piece_of(height, *placed, options, zero_mm) for placed in pieces_of(shape)]
+    _check_count(pieces, options)
+    thinned = _thinned([(piece.front, piece.edges, piece.back) for piece in pieces], height, options, facts)
+    pieces = [Piece(front, edges, back) for front, edges, back in thinned if back is not None]
+    return _solid_of(pieces, facts)
+
+
+def _solid_of(pieces: Sequence[Piece | RaisedPiece], facts: dict[str, Any]) -> Solid:
+    """A solid of closed bodies."""
     bounds = np.array([piece.bounds_mm for piece in pieces])
     name = "relief" if len(pieces) == 1 else "relief {}"
     return Solid(
@@ -81,8 +83,51 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
         True,
         np.stack([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)]),
         sum(piece.volume_mm3 for piece in pieces),
-        facts,
+        {**facts, "pieces": len(pieces)},
     )
+
+
+def _piece_of(height: Height, shape: Shape, top: int, left: int, options: SolidOptions, zero_mm: float) -> Piece:
+    """The closed body of a piece of the shape."""
+    rows, cols = shape.mask.shape
+    z_mm = height.z_mm[top : top + rows + 1, left : left + cols + 1]
+    front = Sheet(z_mm, shape, Placing(height.pitch_mm, left, height.frame.rows - top - rows))
+    edges = outline_edges(shape.mask, shape.splits)
+    return Piece(front, edges, back_of(front, edges, height, options, zero_mm))
+
+
+def _check_count(pieces: Sequence[Piece], options: SolidOptions) -> None:
+    """Refuse several pieces where one is demanded."""
+    if len(pieces) > 1 and options.one_piece:
+        sizes = sorted(int(np.count_nonzero(piece.front.shape.mask)) for piece in pieces)
+        raise InputError(
+            f"`one_piece`: the relief has {len(pieces)} separate pieces, the largest of {sizes[-1]} px and the "
+            f"smallest of {sizes[0]} px; connect them in the mask, or leave out `one_piece`"
+        )
+
+
+def _raised(height: Height, coverage: Float32 | None, options: SolidOptions) -> Solid:
+    """The solid or surface of a motif that stands on its plate with walls."""
+    assert height.raised is not None
+    smooth = options.outline == "smooth"
+    if options.outline == "auto" and coverage is not None:
+        smooth = has_soft_edges(height.raised, coverage)
+    front, deviation_px = raised_front(height, coverage, smooth)
+    facts: dict[str, Any] = {
+        "outline": "smooth" if smooth else "exact",
+        "outline_deviation_mm": deviation_px * height.pitch_mm,
+    }
+    if not options.is_closed:
+        front = _thinned_front(front, height, options, facts, ())
+        body = Body("relief", front.parts, front.face_count, front.node_count)
+        return Solid((body,), False, front.bounds_mm, facts=facts)
+    back = back_of(front.whole, front.border(), height, options, 0.0)
+    if isinstance(back, Sheet) and (options.max_error is not None or options.triangles is not None):
+        name = "max_error" if options.max_error is not None else "triangles"
+        kind = "shell" if options.shell is not None else "hollow"
+        raise UsageError(f"`{name}` and `{kind}` do not go together with a raised motif; leave one of them out")
+    front = _thinned_front(front, height, options, facts, (back,))
+    return _solid_of([RaisedPiece.of(front, back)], facts)
 
 
 def _zero_of(relief: Height | Relief, height: Height) -> float:
@@ -92,11 +137,12 @@ def _zero_of(relief: Height | Relief, height: Height) -> float:
     return 0.0
 
 
-def _shape_of(relief: Height | Relief, height: Height, options: SolidOptions) -> tuple[Shape, dict[str, Any]]:
+def _shape_of(
+    relief: Height | Relief, height: Height, coverage: Float32 | None, options: SolidOptions
+) -> tuple[Shape, dict[str, Any]]:
     """The shape of a relief's surface, and what was found."""
     mask = height.domain
     motif = relief.foreground if isinstance(relief, Relief) else mask
-    coverage = relief.coverage if isinstance(relief, Relief) else None
     has_foot_line = mask.all() and not motif.all()
     edge = motif if has_foot_line else mask
     is_smooth = options.outline == "smooth" or (
@@ -119,92 +165,44 @@ def _in_range(height: Height, shape: Shape) -> Height:
     return dataclasses.replace(height, z_mm=(height.z_mm - low) * factor + wanted_low)
 
 
-def _surface(height: Height, shape: Shape, facts: dict[str, Any]) -> Solid:
+def _surface(height: Height, shape: Shape, options: SolidOptions, facts: dict[str, Any]) -> Solid:
     """The open surface, as one body."""
     sheet = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0))
+    ((sheet, edges, _),) = _thinned([(sheet, outline_edges(shape.mask, shape.splits), None)], height, options, facts)
     body = Body("relief", sheet.parts, sheet.face_count, shape.node_count)
-    return Solid((body,), False, _bounds_of(sheet, outline_edges(shape.mask, shape.splits)), facts=facts)
+    return Solid((body,), False, bounds_of(sheet, edges), facts=facts)
 
 
-def _bounds_of(sheet: Sheet, edges: OutlineEdges) -> Float64:
-    """(2, 3) float64: the box around a sheet."""
-    rim = sheet.xyz_of(edges.start)
-    low, high = rim.min(axis=0), rim.max(axis=0)
-    low[2], high[2] = sheet.z_range()
-    return np.stack([low, high])
+def _thinned(
+    surfaces: Sequence[Surfaces], height: Height, options: SolidOptions, facts: dict[str, Any]
+) -> Sequence[Surfaces]:
+    """The pieces with as many triangles as the options ask for."""
+    if options.max_error is None and options.triangles is None:
+        return surfaces
+    error_mm = None if options.max_error is None else in_mm(options.max_error, height)
+    pieces = [Thinning(*each) for each in surfaces]
+    thinned, facts["max_error_mm"] = thin_pieces(pieces, error_mm, options.triangle_count, options.triangles)
+    return thinned
 
 
-@dataclass(frozen=True, eq=False)
-class _Piece:
-    """A closed body: its front, its outline and its back."""
-
-    front: Sheet
-    edges: OutlineEdges
-    back: Sheet | FlatBack
-
-    @classmethod
-    def of(cls, height: Height, shape: Shape, top: int, left: int, options: SolidOptions, zero_mm: float) -> _Piece:
-        rows, cols = shape.mask.shape
-        z_mm = height.z_mm[top : top + rows + 1, left : left + cols + 1]
-        placing = Placing(height.pitch_mm, left, height.frame.rows - top - rows)
-        front = Sheet(z_mm, shape, placing)
-        edges = outline_edges(shape.mask, shape.splits)
-        return cls(front, edges, _back_of(front, edges, height, options, zero_mm))
-
-    @property
-    def bounds_mm(self) -> Float64:
-        """(2, 3) float64: the box around the body."""
-        bounds = _bounds_of(self.front, self.edges)
-        back = self.back
-        bounds[0, 2] = back.z_mm if isinstance(back, FlatBack) else back.z_range()[0]
-        return bounds
-
-    @property
-    def volume_mm3(self) -> float:
-        """Between front and back, from the heights."""
-        if isinstance(self.back, FlatBack):
-            flat = Sheet(np.full_like(self.front.z_mm, self.back.z_mm), self.front.shape, self.front.placing)
-            return volume_below(self.front) - volume_below(flat)
-        return volume_below(self.front) - volume_below(self.back)
-
-    def body(self, name: str) -> Body:
-        """Its triangles."""
-        faces = self.front.face_count + 2 * len(self.edges.start) + self.back.face_count
-        return Body(name, self._parts, faces, self.back.node_count)
-
-    def _parts(self) -> Iterator[Part]:
-        yield from self.front.parts()
-        edges, offset = self.edges, self.front.shape.node_count
-        yield from wall_parts(edges.start, edges.end, self.front.xyz_of, self.back.xyz_of, offset)
-        yield from self.back.parts()
-
-
-def _back_of(
-    front: Sheet, edges: OutlineEdges, height: Height, options: SolidOptions, zero_mm: float
-) -> Sheet | FlatBack:
-    """The back that the options ask for."""
-    shape, first = front.shape, front.shape.node_count
-
-    def in_mm(length: Length) -> float:
-        return length.to_mm(height.pitch_mm, height.frame.longer_side)
-
-    if options.shell is not None:
-        z_mm = shell_back(front.z_mm, shape.mask, in_mm(options.shell), height.pitch_mm)
-        # moved nodes are as far behind the front as the vertices that they come from
-        behind = front.z_of_moved - (front.z_mm - z_mm).ravel()[shape.vertex_of(shape.moved)]
-        return Sheet(z_mm, shape, front.placing, -1, first, behind)
-    assert options.base is not None  # options are closed
-    base_mm = in_mm(options.base) - zero_mm
-    deepest = -front.z_range()[0]
-    if deepest >= base_mm:
-        raise InputError(
-            f"`base='{options.base}'`: the relief reaches {deepest:.4g} mm below height 0, so its base must be "
-            f"thicker, such as `base='{deepest + 1:.1f}mm'`"
-        )
-    if options.hollow is not None:
-        z_mm = hollow_back(front.z_mm, shape.mask, in_mm(options.hollow), base_mm, height.pitch_mm)
-        return Sheet(z_mm, shape, front.placing, -1, first, z_mm.ravel()[shape.vertex_of(shape.moved)])
-    outline = np.zeros(shape.node_count, bool)
-    outline[edges.start] = True
-    beside = pixels_touching(shape.moved[outline[shape.moved]], shape)
-    return FlatBack(shape, front.placing, -base_mm, first, edges, beside)
+def _thinned_front(
+    front: RaisedFront, height: Height, options: SolidOptions, facts: dict[str, Any], backs: Sequence[Back]
+) -> RaisedFront:
+    """A raised front with as many triangles as the options ask for."""
+    if options.max_error is None and options.triangles is None:
+        return front
+    error_mm = None if options.max_error is None else in_mm(options.max_error, height)
+    kept = np.zeros((height.frame.rows + 1, height.frame.cols + 1), bool)
+    for back in backs:
+        if isinstance(back, FlatBack):
+            kept |= rectangle_corners(back)
+    pieces = [Thinning(front.motif, front.motif_edges, kept=kept), Thinning(front.plate, front.plate_edges, kept=kept)]
+    limit = wanted = options.triangle_count
+    while True:
+        thinned, facts["max_error_mm"] = thin_pieces(pieces, error_mm, limit, options.triangles)
+        (motif, motif_edges, _), (plate, plate_edges, _) = thinned
+        found = RaisedFront(motif, plate, motif_edges, plate_edges)
+        faces = RaisedPiece.of(found, backs[0]).face_count if backs else found.face_count
+        if limit is None or wanted is None or faces <= wanted:
+            return found
+        limit -= faces - wanted  # the walls and the back need triangles, too

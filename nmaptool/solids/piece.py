@@ -1,0 +1,137 @@
+"""One closed body of a solid: its front, its outline and its back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import InputError
+from nmaptool.core.units import Length
+from nmaptool.options import SolidOptions
+from nmaptool.solids.curved_back import hollow_back, shell_back
+from nmaptool.solids.flat_back import FlatBack
+from nmaptool.solids.integral import volume_below
+from nmaptool.solids.outline import OutlineEdges
+from nmaptool.solids.shape import pixels_touching
+from nmaptool.solids.sheet import Sheet
+from nmaptool.solids.walls import wall_parts
+from nmaptool.types.height import Height
+from nmaptool.types.solid import Body, Part
+
+Back = Sheet | FlatBack
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A closed body.
+
+    Attributes
+    ----------
+    front : Sheet
+    edges : OutlineEdges
+    back : Sheet or FlatBack
+        Its nodes follow those of the front.
+    """
+
+    front: Sheet
+    edges: OutlineEdges
+    back: Back
+
+    @property
+    def bounds_mm(self) -> Float64:
+        """(2, 3) float64: the box around the body."""
+        bounds = bounds_of(self.front, self.edges)
+        bounds[0, 2] = lowest_of(self.back)
+        return bounds
+
+    @property
+    def volume_mm3(self) -> float:
+        """Between front and back, from the heights."""
+        return volume_below(self.front) - volume_below_back(self.back)
+
+    @property
+    def face_count(self) -> int:
+        """Number of triangles."""
+        return self.front.face_count + 2 * len(self.edges.start) + self.back.face_count
+
+    def body(self, name: str) -> Body:
+        """Its triangles."""
+        return Body(name, self._parts, self.face_count, self.back.node_count)
+
+    def _parts(self) -> Iterator[Part]:
+        yield from self.front.parts()
+        edges, offset = self.edges, self.back.first_node
+        yield from wall_parts(edges.start, edges.end, self.front.xyz_of, self.back.xyz_of, offset)
+        yield from self.back.parts()
+
+
+def bounds_of(sheet: Sheet, edges: OutlineEdges) -> Float64:
+    """(2, 3) float64: the box around a sheet."""
+    rim = sheet.xyz_of(edges.start)
+    low, high = rim.min(axis=0), rim.max(axis=0)
+    low[2], high[2] = sheet.z_range()
+    return np.stack([low, high])
+
+
+def lowest_of(back: Back) -> float:
+    """The lowest height of a back."""
+    return back.z_mm if isinstance(back, FlatBack) else back.z_range()[0]
+
+
+def volume_below_back(back: Back) -> float:
+    """The integral of the heights of a back in mm3."""
+    if isinstance(back, FlatBack):
+        flat = np.broadcast_to(np.float64(back.z_mm), (back.shape.mask.shape[0] + 1, back.shape.mask.shape[1] + 1))
+        return volume_below(Sheet(flat, back.shape, back.placing, moved_z_mm=np.full(len(back.shape.moved), back.z_mm)))
+    return volume_below(back)
+
+
+def back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOptions, zero_mm: float) -> Back:
+    """The back that the options ask for.
+
+    Parameters
+    ----------
+    front : Sheet
+    edges : OutlineEdges
+        Its outline, in edges of single pixels.
+    height : Height
+        For lengths in px and %.
+    options : SolidOptions
+        They are closed.
+    zero_mm : float
+        Height that the base is measured from.
+
+    Raises
+    ------
+    InputError
+        If the base is thinner than the relief is deep.
+    """
+    shape, first = front.shape, front.node_count
+    if options.shell is not None:
+        z_mm = shell_back(front.z_mm, shape.mask, in_mm(options.shell, height), height.pitch_mm)
+        # moved nodes are as far behind the front as the vertices that they come from
+        behind = front.z_of_moved - (front.z_mm - z_mm).ravel()[shape.vertex_of(shape.moved)]
+        return Sheet(z_mm, shape, front.placing, -1, first, behind)
+    assert options.base is not None
+    base_mm = in_mm(options.base, height) - zero_mm
+    deepest = -front.z_range()[0]
+    if deepest >= base_mm:
+        raise InputError(
+            f"`base='{options.base}'`: the relief reaches {deepest:.4g} mm below height 0, so its base must be "
+            f"thicker, such as `base='{deepest + 1:.1f}mm'`"
+        )
+    if options.hollow is not None:
+        z_mm = hollow_back(front.z_mm, shape.mask, in_mm(options.hollow, height), base_mm, height.pitch_mm)
+        return Sheet(z_mm, shape, front.placing, -1, first, z_mm.ravel()[shape.vertex_of(shape.moved)])
+    outline = np.zeros(shape.node_count, bool)
+    outline[edges.start] = True
+    beside = pixels_touching(shape.moved[outline[shape.moved]], shape)
+    return FlatBack(shape, front.placing, -base_mm, first, edges, beside)
+
+
+def in_mm(length: Length, height: Height) -> float:
+    """A length in mm on a height field."""
+    return length.to_mm(height.pitch_mm, height.frame.longer_side)
