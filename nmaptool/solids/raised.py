@@ -69,6 +69,8 @@ class RaisedFront:
         mask = np.ones_like(motif.shape.mask)
         shape = Shape(mask, find_splits(mask), motif.shape.moved, motif.shape.by_px, keeps_heights=True)
         inner = touching_vertices(motif.shape.mask) & ~touching_vertices(plate.shape.mask)
+        inner[[0, -1]] = False  # walls along the border of the picture go down to the plate first
+        inner[:, [0, -1]] = False
         z_mm = np.where(inner, motif.z_mm, np.minimum(motif.z_mm, 0.0))
         return Sheet(z_mm, shape, motif.placing, 1, plate.first_node)
 

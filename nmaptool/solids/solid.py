@@ -10,6 +10,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.grid import touching_vertices
 from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.flat_back import FlatBack, rectangle_corners
 from nmaptool.solids.outline import find_splits, outline_edges
@@ -192,7 +193,8 @@ def _thinned_front(
     if options.max_error is None and options.triangles is None:
         return front
     error_mm = None if options.max_error is None else in_mm(options.max_error, height)
-    kept = np.zeros((height.frame.rows + 1, height.frame.cols + 1), bool)
+    # motif and plate share their outline
+    kept = touching_vertices(front.motif.shape.mask) & touching_vertices(front.plate.shape.mask)
     for back in backs:
         if isinstance(back, FlatBack):
             kept |= rectangle_corners(back)
