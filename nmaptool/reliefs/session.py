@@ -182,7 +182,7 @@ class ReliefSession:
         energy = options.energy if maps.detail is not None else "eq6"
         stiffened = weights.mu if energy == "eq6" else 0.0
         ground = self._ground_key(options, pitch_mm)
-        system = (options.background, weights.beta, stiffened, options.solver)
+        system = (options.background, options.edge, weights.beta, stiffened, options.solver)
         shape = (weights.mu, energy, options.slope_cap)
         with stages.stage("inputs"):
             for case in self._cases:
