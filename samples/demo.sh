@@ -56,4 +56,15 @@ nmap compose paste "$gallery/mirrored.exr" "$gallery/vase/original.exr" -o "$gal
     --scale 0.8 --at 19%,55% --rotate -10 --overwrite
 nmap relief "$gallery/pair.exr" --height 5mm -o "$gallery/pair.stl" --preview "$gallery/pair.png" --overwrite
 
+echo "== solids: a pendant cut out of the medal, a hollow plaque, a portrait on its plate, a town gate with upright walls"
+nmap relief "$samples/medal_original.png" --detail "$samples/medal_detail.png" --mu 0.5 --background cut --height 2mm --width 40mm \
+    --base 1.5mm -o "$gallery/pendant.3mf" -o "$gallery/pendant.stl" --overwrite
+nmap relief "$samples/leaf_on_roll.png" --mask "$samples/leaf_mask.png" --background surface --surface "$samples/roll.png" \
+    --width 60mm --height 3mm --base 4mm --hollow 1.2mm -o "$gallery/plaque.stl" --overwrite
+nmap relief "$gallery/portrait/original.exr" --detail "$gallery/portrait/detail.exr" --mu 0.5 --height 4mm \
+    --base 3mm --max-error 0.01mm -o "$gallery/portrait_plate.3mf" --overwrite
+nmap bake "$samples/gate.ply" -o "$gallery/gate" --overwrite
+nmap relief "$gallery/gate/original.exr" --edge auto --height 4mm --base 3mm --triangles 100k \
+    -o "$gallery/gate.3mf" -o "$gallery/gate.stl" --preview "$gallery/gate.png" --overwrite
+
 echo "== done: open the previews, contact sheets (sheet.png) and meshes in $(cd "$gallery" && pwd)"

@@ -10,7 +10,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 SAMPLES = Path(__file__).parents[1] / "samples"
-BODIES = {"portrait": 1, "rings": 3, "vase": 1}
+BODIES = {"gate": 72, "portrait": 1, "rings": 3, "vase": 1}
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def load(folder, name):
 def test_meshes_are_small_and_all_of_them_are_made(made):
     shipped = sorted(SAMPLES.glob("*.ply"))
     assert [path.stem for path in shipped] == sorted(BODIES) == sorted(path.stem for path in made.iterdir())
-    assert sum(path.stat().st_size for path in shipped) <= 1_100_000
+    assert sum(path.stat().st_size for path in shipped) <= 1_150_000
 
 
 @pytest.mark.parametrize("name", BODIES)

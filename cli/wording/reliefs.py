@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from nmaptool.core.units import memory_text
+from nmaptool.types.relief import MOSTLY_FLAT
 from nmaptool_cli.wording.maps import say_map
 
 if TYPE_CHECKING:
@@ -62,5 +63,5 @@ def _describe_edge(report: ReliefReport) -> Iterator[str]:
         yield f"  edge: a wall of {abs(report.edge_height_mm):.3g} mm on average{chosen}"
     elif report.options.edge == "auto":
         yield f"  edge: runs down into the plate (only {flat}; --edge wall lets it stand)"
-    elif report.options.background == "plane" and report.flat_share > 0.5 and report.foreground_share < 1:
+    elif report.options.background == "plane" and report.flat_share > MOSTLY_FLAT and report.foreground_share < 1:
         yield f"  {flat} and becomes rounded towards its outline; --edge wall keeps it flat"

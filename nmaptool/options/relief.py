@@ -46,7 +46,7 @@ class ReliefOptions(Options, group="Relief"):
     edge:
         Outline of the motif on a flat plate. "blend": it runs down into the plate, right for figures. "wall": it stands
         as a vertical wall, and the surface behind it is free, right for architecture, lettering and inlays. "auto": a
-        wall if most of the motif is flat.
+        wall if more than a third of the motif is flat.
     edge_height:
         Mean height of the wall of --edge wall, such as 2mm. Default: the height of the free surface at its outline.
     slope_cap:

@@ -11,10 +11,10 @@ from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.grid import places, touching_vertices
 from nmaptool.options import ReliefOptions
+from nmaptool.types.relief import MOSTLY_FLAT
 
 # normals within ten degrees of the viewer are flat
 _FLAT_NZ = float(np.cos(np.radians(10)))
-_MOSTLY_FLAT = 0.5
 # least height of a wall whose height is not given, as a share of the range of its motif
 _LEAST_WALL = 0.05
 _ROUNDING = 1e-9
@@ -26,10 +26,10 @@ def flat_share(normals: Float32, motif: Mask) -> float:
 
 
 def stands(options: ReliefOptions, normals: Float32, motif: Mask) -> bool:
-    """Whether the outline of a motif is a wall: as the options say, or because most of the motif is flat."""
+    """Whether the outline of a motif is a wall: as the options say, or because much of the motif is flat."""
     if options.edge != "auto":
         return options.edge == "wall"
-    return options.background == "plane" and not motif.all() and flat_share(normals, motif) > _MOSTLY_FLAT
+    return options.background == "plane" and not motif.all() and flat_share(normals, motif) > MOSTLY_FLAT
 
 
 def bridged(motif: Mask, coverage: Float32) -> Mask:
