@@ -12,7 +12,6 @@ from nmaptool.types.height import Height
 from nmaptool.types.report import Report
 from nmaptool.types.shown import Pictured, counted
 
-
 # a motif of which more is flat is likely architecture or lettering: figures have 0.15 at most, facades 0.45 or more
 MOSTLY_FLAT = 0.35
 
