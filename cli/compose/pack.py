@@ -16,6 +16,7 @@ from nmaptool.options.fields import Options, option
 from nmaptool.options.formats import WORKSPACE_FORMATS
 from nmaptool.options.kinds import Kind, Numeric, SignedText, Switch
 from nmaptool_cli.command import command
+from nmaptool_cli.compose.recipes import errors_of
 from nmaptool_cli.inputs import read_grey, read_map
 from nmaptool_cli.mentions import flag_of
 from nmaptool_cli.outputs import FileOf
@@ -149,7 +150,8 @@ def _recipe(run: Run, name: str) -> _Placed:
     recipe = nm.read_recipe(name, max_megapixels=run[ReadOptions].max_megapixels)
     run.refuse_inputs(name, *(str(Path(recipe.folder) / file) for file in recipe.files))
     stack = nm.read_stack(recipe, run[ReadOptions])
-    placed, frame = nm.place_layers(stack.layers, stack.canvas)
+    with errors_of(stack):
+        placed, frame = nm.place_layers(stack.layers, stack.canvas)
     return list(stack.maps), placed, frame, stack.canvas.ground
 
 

@@ -24,7 +24,7 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.vectors import FLAT, unit
 from nmaptool.maps.masks import motif_coverage
 from nmaptool.options.compose import ANCHORS
-from nmaptool.types.layers import Layer, LayerGroup, check_mask
+from nmaptool.types.layers import Layer, LayerGroup, check_mask, errors_about
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
 
@@ -102,22 +102,34 @@ def compose_onto(
         progress(layer.name)
         if isinstance(layer, LayerGroup):
             inner = compose_onto(clear_canvas(canvas.frame, "clear"), layer.layers, in_group=True, progress=progress)
-            own = shown = inner.coverage
-            if layer.mask is not None:
-                check_mask(layer.mask, layer.name, canvas.frame.shape, layer.mask_name)
-                shown = own * layer.mask
-            piece = Piece(inner.normals, shown, inner.foreground)
-            within = {"layers": inner.layer_reports}
+            piece, own, within = group_piece(inner, layer), inner.coverage, {"layers": inner.layer_reports}
         else:
             (piece, own), within = place(layer, canvas.frame), {}
         o = layer.options
         clip = o.clip == "yes" or (o.clip == "auto" and o.mode != "over" and not in_group)
-        share = _lay(canvas, piece, own, layer, clip, counts=number > 0 or not lowest)
+        with errors_about(layer):
+            share = _lay(canvas, piece, own, layer, clip, counts=number > 0 or not lowest)
         rows, cols = piece.coverage.shape
         box = [piece.left, piece.top, cols, rows]
         metadata = {"name": layer.name, "mode": o.mode, "strength": o.strength, "box_px": box, "share": share}
         canvas.layer_reports.append({**metadata, **within})
     return canvas
+
+
+def group_piece(inner: Canvas, group: LayerGroup) -> Piece:
+    """What a group lays on a canvas: its layers, composed on a canvas of their own, under its mask.
+
+    Raises
+    ------
+    InputError
+        If the mask does not have the size of the canvas.
+    """
+    coverage = inner.coverage
+    if group.mask is not None:
+        with errors_about(group):
+            check_mask(group.mask, group.name, inner.frame.shape, group.mask_name)
+        coverage = coverage * group.mask
+    return Piece(inner.normals, coverage, inner.foreground)
 
 
 def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
@@ -136,6 +148,11 @@ def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
     UsageError
         If a length is in mm and the canvas's pitch is not known.
     """
+    with errors_about(layer):
+        return _place(layer, frame)
+
+
+def _place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
     source, o = layer.normal_map, layer.options
     coverage = motif_coverage(source)
     rows, cols = source.frame.shape

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from nmaptool.composition.compose import canvas_frame, is_ground
-from nmaptool.composition.compositor import clear_canvas, compose_onto, place
+from nmaptool.composition.compositor import clear_canvas, compose_onto, group_piece, place
 from nmaptool.composition.placement import Piece
 from nmaptool.core.errors import InputError
 from nmaptool.options import CanvasOptions, GroupOptions
-from nmaptool.types.layers import Layer, LayerGroup, LayerLike, as_layers, check_mask
+from nmaptool.types.layers import Layer, LayerGroup, LayerLike, as_layers, errors_about
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.packed_map import PackedMap
 from nmaptool.types.picture import Frame
@@ -74,10 +74,7 @@ def _placed(layers: Sequence[Layer | LayerGroup], frame: Frame, group: tuple[str
             found += _placed(layer.layers, frame, (*group, layer.name))
         else:
             inner = compose_onto(clear_canvas(frame, "clear"), layer.layers, in_group=True)
-            if layer.mask is not None:
-                check_mask(layer.mask, layer.name, frame.shape)
-                inner.coverage *= layer.mask
-            found.append(_packed(Piece(inner.normals, inner.coverage, inner.foreground), layer, frame, group))
+            found.append(_packed(group_piece(inner, layer), layer, frame, group))
     return found
 
 
@@ -91,7 +88,8 @@ def _packed(piece: Piece, layer: Layer | LayerGroup, frame: Frame, group: tuple[
     """A piece cut to what it covers."""
     rows, cols = (np.flatnonzero(piece.coverage.any(axis=axis)) for axis in (1, 0))
     if not rows.size:
-        raise InputError(f"{layer.name}: covers nothing where it lies; look at its mask, its alpha and its place")
+        with errors_about(layer):
+            raise InputError(f"{layer.name}: covers nothing where it lies; look at its mask, its alpha and its place")
     part = slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
     coverage = piece.coverage[part]
     own = NormalMap(

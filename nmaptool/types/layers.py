@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from nmaptool.core.arrays import Float32, read_only
-from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.errors import InputError, NmaptoolError, UsageError
 from nmaptool.options import GroupOptions, LayerOptions
 from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import NormalMap
@@ -27,6 +28,8 @@ class Layer(OneLine):
         Of the map's size: 1 shows the layer, 0 hides it.
     mask_name : str
         What to call the mask in messages, such as its file.
+    origin : str
+        What to call it in errors, such as "scene.toml, line 14: layer 2 (bunny)". Default: its name.
 
     Raises
     ------
@@ -40,6 +43,7 @@ class Layer(OneLine):
     options: LayerOptions = field(default_factory=LayerOptions)
     mask: Float32 | None = None
     mask_name: str = ""
+    origin: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "normal_map", as_normal_map(self.normal_map, "the layer"))
@@ -70,12 +74,15 @@ class LayerGroup(OneLine):
         Of the canvas's size: 1 shows the group, 0 hides it.
     mask_name : str
         What to call the mask in messages, such as its file.
+    origin : str
+        What to call it in errors, such as "scene.toml, line 14: layer 2 (bunny)". Default: its name.
     """
 
     layers: tuple[Layer | LayerGroup, ...]
     options: GroupOptions = field(default_factory=GroupOptions)
     mask: Float32 | None = None
     mask_name: str = ""
+    origin: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", as_layers(self.layers, f"the layers of {self.name or 'a group'}"))
@@ -92,6 +99,17 @@ class LayerGroup(OneLine):
 
     def _line(self) -> str:
         return f"{self.name}: {counted(len(self.layers), 'layer')}"
+
+
+@contextmanager
+def errors_about(layer: Layer | LayerGroup) -> Iterator[None]:
+    """Errors that are raised within call a layer by its origin, where it has one."""
+    try:
+        yield
+    except NmaptoolError as error:
+        if not layer.origin:
+            raise
+        raise type(error)(f"{layer.origin}: {str(error).removeprefix(f'{layer.name}: ')}") from None
 
 
 LayerLike: TypeAlias = Layer | LayerGroup | NormalsLike

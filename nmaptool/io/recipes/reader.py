@@ -9,10 +9,12 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from nmaptool.composition.recipe_parsing import parse_recipe
+from nmaptool.composition.recipe_places import LineOf
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.io.opening import read_head
 from nmaptool.io.pictures.formats import is_picture
 from nmaptool.io.pictures.reader import read_image
+from nmaptool.io.recipes.lines import Lines
 from nmaptool.options import CanvasOptions
 from nmaptool.types.recipe import DEEPEST, MOST_LAYERS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
 
@@ -63,9 +65,8 @@ def read_recipe(
     path = Path(path)
     name = str(path) if name is None else name
     folder = path.parent if folder is None else Path(folder)
-    recipe = parse_recipe(
-        _values(path, name, max_megapixels), name=name, folder="" if folder == Path() else str(folder)
-    )
+    values, line_of = _values(path, name, max_megapixels)
+    recipe = parse_recipe(values, name=name, folder="" if folder == Path() else str(folder), line_of=line_of)
     return _Linking(folder, max_megapixels).linked(recipe, _Chain(((identity(path), name),)))
 
 
@@ -133,10 +134,10 @@ class _Linking:
         own = identity(path)
         if own not in self.parsed:
             try:
-                values = _values(path, str(path), self.max_megapixels)
+                values, line_of = _values(path, str(path), self.max_megapixels)
             except (InputError, LimitError) as error:
                 raise type(error)(f"{link.origin}: {error}") from None
-            self.parsed[own] = parse_recipe(values, name=str(path))
+            self.parsed[own] = parse_recipe(values, name=str(path), line_of=line_of)
         inner = self.parsed[own]
         self.sources.append(named)
         if inner.canvas != CanvasOptions():
@@ -158,14 +159,14 @@ def identity(path: Path) -> Path:
         return path
 
 
-def _values(path: Path, name: str, max_megapixels: float) -> dict[str, Any]:
-    """What TOML makes of a file."""
+def _values(path: Path, name: str, max_megapixels: float) -> tuple[dict[str, Any], LineOf | None]:
+    """What TOML makes of a file, and the lines of its keys; a recipe in a picture has no lines to name."""
     try:
         head, size = read_head(path, _LARGEST_BYTES + 1, "a recipe, such as scene.toml", "read a stream with -")
     except InputError as error:
         raise InputError(str(error).replace(str(path), name)) from None
     if is_picture(head):
-        return _parsed(_recipe_of(path, name, max_megapixels), name)
+        return _parsed(_recipe_of(path, name, max_megapixels), name), None
     if size > _LARGEST_BYTES:
         raise LimitError(f"{name}: is {size / 1e6:.1f} MB, more than the limit of 1 MB for a recipe; is it one?")
     try:
@@ -173,7 +174,7 @@ def _values(path: Path, name: str, max_megapixels: float) -> dict[str, Any]:
     except UnicodeDecodeError as error:
         line = head.count(b"\n", 0, error.start) + 1
         raise InputError(f"{name}: is not UTF-8 text (line {line}); save the recipe as UTF-8") from None
-    return _parsed(text, name)
+    return _parsed(text, name), Lines(text).of
 
 
 def _recipe_of(path: Path, name: str, max_megapixels: float) -> str:

@@ -142,8 +142,12 @@ class _Pictures:
             layers = tuple(self.layers(entry.layers))
             if not layers:  # all of them hidden
                 return None
-            return _with_context(entry, lambda: LayerGroup(layers, entry.options, self._mask(entry)))
-        return _with_context(entry, lambda: Layer(self._map(entry), entry.options, self._mask(entry)))
+            return _with_context(
+                entry, lambda: LayerGroup(layers, entry.options, self._mask(entry), origin=entry.origin)
+            )
+        return _with_context(
+            entry, lambda: Layer(self._map(entry), entry.options, self._mask(entry), origin=entry.origin)
+        )
 
     def _map(self, entry: RecipeLayer) -> NormalMap:
         source = str(self.folder / entry.file)
