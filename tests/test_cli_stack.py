@@ -47,7 +47,7 @@ def test_it_writes_what_compose_gives(run, folder):
     metadata = json.loads((folder / "scene.json").read_text())
     assert [layer["name"] for layer in metadata["layers"]] == ["bunny", "ornaments", "parts/leaf.toml"]
     assert len(metadata["layers"][1]["layers"]) == 2
-    assert metadata["hidden"] == [f"{folder / 'scene.toml'}: layer 5 (idea)"]
+    assert metadata["hidden"] == [f"{folder / 'scene.toml'}, line 40: layer 5 (idea)"]
     assert metadata["outside"] == []
     assert metadata["files"]["recipes"] == ["parts/leaf.toml"]
     assert metadata["options"]["width"] == "40mm"
@@ -93,7 +93,7 @@ def test_a_recipe_from_standard_input_lies_in_the_current_folder(run, folder, fe
     feed((folder / "scene.toml").read_text())
     done = run("compose", "stack", "-", "-o", "stream.png")
     assert done.code == 0, done.err
-    assert "standard input: layer 5 (idea): hidden" in done.err
+    assert "standard input, line 40: layer 5 (idea): hidden" in done.err
     assert np.array_equal(pixels("stream.png"), pixels("file.png"))
     monkeypatch.chdir(folder / "parts")
     feed((folder / "scene.toml").read_text())
@@ -105,7 +105,7 @@ def test_the_canvas_can_be_given(run, folder):
     out = folder / "out.exr"
     done = run("compose", "stack", folder / "scene.toml", "-o", out, "--size", "80x61", "--width", "41mm")
     assert done.code == 3  # the mask of a group is of the canvas's size
-    assert "scene.toml: the mask of ornaments is 80 x 60, expected 80 x 61" in done.err
+    assert "scene.toml, line 20: layer 3 (ornaments): the mask of ornaments is 80 x 60, expected 80 x 61" in done.err
     (folder / "plain.toml").write_text('[canvas]\nsize = "9x9"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n')
     assert run("compose", "stack", folder / "plain.toml", "-o", out, "--size", "100x50", "--width", "41mm").code == 0
     assert nm.read_normal_map(out).frame == nm.Frame(50, 100, 0.41)
@@ -127,19 +127,19 @@ def test_files_outside_are_told(run, folder):
 @pytest.mark.parametrize(
     ("code", "text", "message"),
     [
-        (3, '[[layer]]\nfil = "a"', r"scene.toml: layer 1: unknown key 'fil'; did you mean 'file'\?"),
-        (3, '[[layer]]\nfile = "gone.exr"', r"scene.toml: layer 1 \(gone.exr\): .*gone.exr: no such file"),
+        (3, '[[layer]]\nfil = "a"', r"scene.toml, line 2: layer 1: unknown key 'fil'; did you mean 'file'\?"),
+        (3, '[[layer]]\nfile = "gone.exr"', r"scene.toml, line 1: layer 1 \(gone.exr\): .*gone.exr: no such file"),
         (3, "[[layer]]\nfile = gone", "scene.toml: is not valid TOML at line 2, column 8: found file = gone;"),
         (3, '[[layer]]\nrecipe = "scene.toml"', r"recipes hold each other: .*scene.toml -> scene.toml; take one"),
         (
             3,
             '[[layer]]\nfile = "plate.exr"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "900px,0"',
-            "scene.toml: b: lies fully off the canvas of 80 x 60 px: .*; place it with --at$",
+            r"scene.toml, line 3: layer 2 \(b\): lies fully off the canvas of 80 x 60 px: .*; place it with at$",
         ),
         (
             2,
             '[[layer]]\nfile = "leaf.png"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "9mm,0"',
-            "scene.toml: b: 9mm: the size of a pixel is not known; say --width 100mm",
+            r'scene.toml, line 3: layer 2 \(b\): 9mm: the size of a pixel is not known; say width = "100mm"',
         ),
         (4, '[canvas]\nsize = "99999x99999"\n[[layer]]\nfile = "leaf.png"', "scene.toml: a canvas of 99999 x 99999 is"),
     ],

@@ -8,6 +8,7 @@ import math
 import pathlib
 import re
 import shlex
+import tomllib
 from collections.abc import Iterator
 from typing import Any
 
@@ -24,11 +25,12 @@ from nmaptool_cli.mentions import flag_of, in_flags
 
 CLASSES = [v for name in nm.__all__ if isinstance(v := getattr(nm, name), type) and issubclass(v, Options)]
 ROOT = pathlib.Path(nm.__file__).parent
+# what holds options in a recipe, with a key of theirs in its 5th line
 RECIPES = {
-    nm.LayerOptions: lambda key, value: {"layer": [{"file": "a.png", key: value}]},
-    nm.GroupOptions: lambda key, value: {"layer": [{"layer": [{"file": "a.png"}], key: value}]},
-    nm.CanvasOptions: lambda key, value: {"canvas": {key: value}, "layer": [{"file": "a.png"}]},
-    nm.ReadOptions: lambda key, value: {"layer": [{"file": "a.png", "read": {key: value}}]},
+    nm.LayerOptions: '[[layer]]\nfile = "a.png"\n\n# a comment\n{}\nmask = "m.png"\n',
+    nm.GroupOptions: '[[layer]]\nfile = "a.png"\n\n[[layer]]\n{}\n  [[layer.layer]]\n  file = "a.png"\n',
+    nm.CanvasOptions: '[[layer]]\nfile = "a.png"\n\n[canvas]\n{}\n',
+    nm.ReadOptions: '[[layer]]\nfile = "a.png"\n\n[layer.read]\n{}\n',
 }
 
 
@@ -106,11 +108,20 @@ def test_the_command_line_names_the_flag(options: type[Options], name: str, valu
     assert "`" not in line
 
 
+@pytest.mark.parametrize("written", ["_", "-"])
 @pytest.mark.parametrize(("options", "name", "value"), IN_RECIPES)
-def test_a_recipe_names_the_key(options: type[Options], name: str, value: Any) -> None:
-    with pytest.raises(nm.InputError, match=r"^scene\.toml: ") as told:
-        nm.parse_recipe(RECIPES[options](name, value), name="scene.toml")
+def test_a_recipe_names_the_line_and_the_key(
+    options: type[Options], name: str, value: Any, written: str, tmp_path: pathlib.Path
+) -> None:
     word = f'"{value}"' if isinstance(value, str) else f"{value:g}"
+    text = RECIPES[options].format(f"{name.replace('_', written)} = {word}")
+    place = "canvas: " if options is nm.CanvasOptions else "layer "
+    with pytest.raises(nm.InputError, match=rf"^scene\.toml: {place}") as told:
+        nm.parse_recipe(tomllib.loads(text), name="scene.toml")
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(nm.InputError, match=rf"^scene\.toml, line 5: {place}") as located:
+        nm.read_recipe(tmp_path / "scene.toml", name="scene.toml")
+    assert str(located.value).replace(", line 5", "") == str(told.value)
     assert f": {name} = {word}: " in str(told.value)
     assert "--" not in str(told.value)
     assert "`" not in str(told.value)

@@ -108,6 +108,12 @@ def test_a_recipe_says_how_its_layers_lie(scene, refused):
         nm.place_layers([])
 
 
+def test_a_layer_off_the_canvas_is_told_with_its_line(scene, refused):
+    (scene / "off.toml").write_text('[[layer]]\nfile = "plate.exr"\n\n[[layer]]\nfile = "bunny.exr"\nat = "-9cm,0"\n')
+    message = r"off.toml, line 4: layer 2 \(bunny.exr\): lies fully off the canvas .*; place it with at$"
+    refused(3, message, "compose", "pack", scene / "off.toml", "-o", scene / "work.psd")
+
+
 def test_modes_given_to_pack_come_back_in_the_recipe(scene, run, refused):
     words = ("compose", "pack", scene / "plate.exr", scene / "bunny.exr", "-o", scene / "work.psd")
     done = run(

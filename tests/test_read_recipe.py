@@ -29,7 +29,7 @@ def test_a_file_is_read_as_its_text(folder):
     recipe = nm.read_recipe(path)
     assert recipe.folder == str(folder)
     assert recipe.name == str(path)
-    assert recipe.layers[1].origin == f"{path}: layer 2 (bunny)"
+    assert recipe.layers[1].origin == f"{path}, line 8: layer 2 (bunny)"
     crlf = folder / "crlf.toml"
     crlf.write_bytes(b"\xef\xbb\xbf" + SCENE.replace("\n", "\r\n").encode())
     assert nm.read_recipe(crlf) == recipe
@@ -99,7 +99,7 @@ def test_a_recipe_in_a_recipe_is_a_group_with_files_from_the_outer_folder(folder
         ),
     )
     assert recipe.sources == ("parts/leaves.toml", "parts/more/one.toml")
-    assert recipe.layers[1].layers[0].origin == f"{folder / 'parts/leaves.toml'}: layer 1 (leaf.png)"
+    assert recipe.layers[1].layers[0].origin == f"{folder / 'parts/leaves.toml'}, line 1: layer 1 (leaf.png)"
     assert recipe.notes == ()
 
 
@@ -114,10 +114,14 @@ def test_absolute_names_stay_and_an_inner_canvas_is_noted(folder):
 def test_a_hidden_recipe_is_not_read(folder):
     path = write(folder, "scene.toml", ONE + link("missing.toml", "hidden = true"))
     assert nm.read_recipe(path).layers[1].recipe == "missing.toml"
-    with pytest.raises(nm.InputError, match=r"scene.toml: layer 2 \(missing.toml\): .*missing.toml: no such file"):
+    with pytest.raises(
+        nm.InputError, match=r"scene.toml, line 3: layer 2 \(missing.toml\): .*missing.toml: no such file"
+    ):
         nm.read_recipe(write(folder, "scene.toml", ONE + link("missing.toml")))
     write(folder, "broken.toml", "x")
-    with pytest.raises(nm.InputError, match=r"scene.toml: layer 2 \(broken.toml\): .*broken.toml: is not valid TOML"):
+    with pytest.raises(
+        nm.InputError, match=r"scene.toml, line 3: layer 2 \(broken.toml\): .*broken.toml: is not valid TOML"
+    ):
         nm.read_recipe(write(folder, "scene.toml", ONE + link("broken.toml")))
 
 
@@ -130,7 +134,10 @@ def test_recipes_that_hold_each_other(folder, monkeypatch):
     write(folder, "self.toml", link("alias.toml"))
     (folder / "alias.toml").symlink_to("self.toml")
     for name, circle in (
-        ("a.toml", "b.toml: layer 2 .a.toml.: recipes hold each other: a.toml -> b.toml -> sub/../a.toml; take one"),
+        (
+            "a.toml",
+            "b.toml, line 3: layer 2 .a.toml.: recipes hold each other: a.toml -> b.toml -> sub/../a.toml; take one",
+        ),
         ("top.toml", "recipes hold each other: a.toml -> b.toml -> sub/../a.toml; take one of them out"),
         ("self.toml", "recipes hold each other: self.toml -> alias.toml; take one of them out"),
     ):
@@ -142,7 +149,9 @@ def test_recipes_that_lie_too_deep_or_hold_too_much(folder):
     for i in range(20):
         write(folder, f"deep{i}.toml", link(f"deep{i + 1}.toml"))
         write(folder, f"wide{i}.toml", link(f"wide{i + 1}.toml") * 10)
-    with pytest.raises(nm.LimitError, match=r"deep15.toml: .*recipes and groups lie more than 16 deep in each other"):
+    with pytest.raises(
+        nm.LimitError, match=r"deep15.toml, line 1: .*recipes and groups lie more than 16 deep in each other"
+    ):
         nm.read_recipe(folder / "deep0.toml")
     write(folder, "wide12.toml", ONE)
     with pytest.raises(nm.LimitError, match="there are more than 1000 layers in all; compose in steps"):
@@ -151,8 +160,32 @@ def test_recipes_that_lie_too_deep_or_hold_too_much(folder):
     assert nm.read_recipe(folder / "deep0.toml").files == ("plate.exr",)
 
 
+def test_messages_name_the_line(folder):
+    path = write(folder, "scene.toml", ONE + "\n# a comment\n\nmode = 'x'\n")
+    for start, ending in ((b"", "\n"), (b"\xef\xbb\xbf", "\r\n")):
+        path.write_bytes(start + path.read_text(encoding="utf-8-sig").replace("\n", ending).encode())
+        with pytest.raises(nm.InputError, match=r'^a stream, line 6: layer 1 \(plate.exr\): mode = "x": use one of'):
+            nm.read_recipe(path, name="a stream")
+    with pytest.raises(nm.InputError) as caught:
+        nm.read_recipe(write(folder, "outer.toml", ONE + link("scene.toml")))
+    assert str(caught.value).startswith(f"{path}, line 6: layer 1 (plate.exr): mode")
+    one = nm.parse_recipe({"layer": [{"file": "a.png"}]}, name="scene.toml").layers[0]
+    assert one.origin == "scene.toml: layer 1 (a.png)"
+
+
+def test_a_recipe_in_a_picture_has_no_lines(folder):
+    recipes = {"good.png": ONE, "bad.png": f"{ONE}mode = 'x'\n"}
+    for name, text in recipes.items():
+        nm.write_normal_map(waves(8, 8, 1), folder / name, attributes={"recipe": text})
+    assert nm.read_recipe(folder / "good.png", name="good.png").layers[0].origin == "good.png: layer 1 (plate.exr)"
+    with pytest.raises(nm.InputError, match=r'^bad.png: layer 1 \(plate.exr\): mode = "x": use one of'):
+        nm.read_recipe(folder / "bad.png", name="bad.png")
+
+
 def test_names_that_no_file_can_have(folder):
     for name in ("a\\u0000.toml", "x" * 300):
         path = write(folder, "scene.toml", link(name))
-        with pytest.raises(nm.InputError, match=r"scene.toml: layer 1 .*(no name that a file can have|cannot be read)"):
+        with pytest.raises(
+            nm.InputError, match=r"scene.toml, line 1: layer 1 .*(no name that a file can have|cannot be read)"
+        ):
             nm.read_recipe(path)

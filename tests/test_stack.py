@@ -147,20 +147,39 @@ def test_files_outside_the_folder_are_told(folder, tmp_path_factory):
 @pytest.mark.parametrize(
     ("text", "kind", "message"),
     [
-        (PLATE + '[[layer]]\nfile = "no.exr"', nm.InputError, r"layer 2 \(no.exr\): .*no.exr: no such file"),
-        (PLATE + 'mask = "no.png"', nm.InputError, r"layer 1 \(plate.exr\): .*no.png: no such file"),
-        (PLATE + 'mask = "half.png"', nm.InputError, r"layer 1 \(plate.exr\): the mask of .* is 30 x 40, expected 80"),
-        ('[[layer]]\nfile = "scene.toml"', nm.InputError, r"layer 1 \(scene.toml\): .*is not a picture"),
-        ('[[layer]]\nfile = "plate.exr:detail"', nm.InputError, r"layer 1 .*has no layer 'detail'"),
-        (nested(PLATE) + 'mask = "no.png"', nm.InputError, r"layer 1.1 \(plate.exr\): .*no.png: no such file"),
-        (PLATE + 'read.swizzle = "q"', nm.UsageError, r'layer 1 \(plate.exr\): swizzle = "q"'),
-        ('[[layer]]\nfile = "a\\u0000b"', nm.InputError, r"layer 1 \(a b\): .*is no name that a file can have"),
-        (f'[[layer]]\nfile = "{"x" * 300}"', nm.InputError, r"layer 1 \(xxx.*cannot be read"),
+        (PLATE + '[[layer]]\nfile = "no.exr"', nm.InputError, r"line 3: layer 2 \(no.exr\): .*no.exr: no such file"),
+        (PLATE + 'mask = "no.png"', nm.InputError, r"line 1: layer 1 \(plate.exr\): .*no.png: no such file"),
+        (PLATE + 'mask = "half.png"', nm.InputError, r"line 1: layer 1 \(plate.exr\): the mask of .* is 30 x 40"),
+        ('[[layer]]\nfile = "scene.toml"', nm.InputError, r"line 1: layer 1 \(scene.toml\): .*is not a picture"),
+        ('[[layer]]\nfile = "plate.exr:detail"', nm.InputError, r"line 1: layer 1 .*has no layer 'detail'"),
+        (nested(PLATE) + 'mask = "no.png"', nm.InputError, r"line 2: layer 1.1 \(plate.exr\): .*no.png: no such file"),
+        (PLATE + 'read.swizzle = "q"', nm.UsageError, r'line 1: layer 1 \(plate.exr\): swizzle = "q"'),
+        ('[[layer]]\nfile = "a\\u0000b"', nm.InputError, r"line 1: layer 1 \(a b\): .*is no name that a file can have"),
+        (f'[[layer]]\nfile = "{"x" * 300}"', nm.InputError, r"line 1: layer 1 \(xxx.*cannot be read"),
     ],
 )
 def test_a_file_that_is_wrong_is_told_with_the_layer_that_wants_it(folder, text, kind, message):
-    with pytest.raises(kind, match=rf"scene.toml: {message}"):
+    with pytest.raises(kind, match=rf"scene.toml, {message}"):
         composed(folder, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (BUNNY.replace("50%,50%", "900%,0"), r"line 3: layer 2 \(bunny.exr\): lies fully off the canvas of 80 x 60 px"),
+        (BUNNY + "scale = 0.001\n", r"line 3: layer 2 \(bunny.exr\): covers nothing where it lies"),
+        (nested(BUNNY) + 'at = "-9cm,0"\n', r"line 4: layer 2.1 \(bunny.exr\): lies fully off the canvas"),
+        (nested(BUNNY).replace("[[layer]]", '[[layer]]\nmask="half.png"'), r"line 3: layer 2: the mask of group is 30"),
+    ],
+)
+def test_a_layer_that_does_not_fit_is_told_with_its_line(folder, text, message):
+    (folder / "scene.toml").write_text(PLATE + text.replace('at = "50%,50%"\nat', "at"))
+    (folder / "outer.toml").write_text('# a recipe in a recipe\n[[layer]]\nrecipe = "scene.toml"\n')
+    for name in ("scene.toml", "outer.toml"):
+        stack = nm.read_stack(folder / name)
+        for compose in (nm.compose, nm.place_layers):
+            with pytest.raises(nm.InputError, match=rf"scene.toml, {message}"):
+                compose(stack.layers, stack.canvas)
 
 
 def test_one_limit_for_all_pictures_together(folder):
