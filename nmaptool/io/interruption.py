@@ -57,7 +57,8 @@ class Unfinished:
             If there is no place for temporary files.
         """
         try:
-            made = tempfile.TemporaryDirectory()
+            # Windows does not remove what is open
+            made = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         except OSError as error:
             raise OutputError(f"no temporary folder can be made ({reason_of(error)}); set TMPDIR to one") from None
         with made as name:

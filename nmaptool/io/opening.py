@@ -24,15 +24,15 @@ def read_head(path: Path, count: int, wanted: str, for_streams: str) -> tuple[by
         If the file is missing, a folder, a device, empty or not readable.
     """
     try:
-        if path.exists() and not (path.is_file() or path.is_dir()):
+        if path.is_dir():  # which Windows refuses to open as if it were protected
+            raise InputError(f"{path}: is a folder; give {wanted}")
+        if path.exists() and not path.is_file():
             raise InputError(f"{path}: is not a file but a stream or device; {for_streams}")
         with path.open("rb") as stream:
             head = stream.read(count)
             size = stream.seek(0, 2)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; give {wanted}") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({reason_of(error)})") from None
     except InputError:  # which is a ValueError

@@ -44,7 +44,8 @@ def renamed(sources: Sequence[Path], targets: Sequence[Path], overwrite: bool) -
         raise
     finally:
         for _, _, kept in moves:
-            kept.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):  # another program may have it open, which Windows does not allow
+                kept.unlink(missing_ok=True)
 
 
 def _rename(source: Path, target: Path, kept: Path, overwrite: bool) -> None:

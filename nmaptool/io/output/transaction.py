@@ -138,5 +138,6 @@ class Outputs(Generic[T]):
         prepared = self.prepare(value, known)
         jobs: list[Job] = [(target.place, partial(target.write, prepared)) for target in self.targets]
         if self.report is not None:
-            jobs.append((self.report, lambda path: path.write_text(json.dumps(known, indent=2) + "\n")))
+            text = json.dumps(known, indent=2) + "\n"
+            jobs.append((self.report, lambda path: path.write_text(text, encoding="utf-8", newline="\n")))
         write_together(jobs, self.overwrite, self.folders, final=final)

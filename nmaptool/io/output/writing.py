@@ -82,7 +82,8 @@ def _beside(places: Sequence[Place]) -> Iterator[list[Path]]:
             yield files
         finally:
             for file in files:
-                file.unlink(missing_ok=True)
+                with contextlib.suppress(OSError):  # another program may have it open, which Windows does not allow
+                    file.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager

@@ -72,6 +72,8 @@ def read_height_array(path: Path, pitch_mm: float | None, max_megapixels: float)
 def _load(path: Path, max_megapixels: float) -> NDArray[Any]:
     not_ours = InputError(f"{path}: is not a NumPy array file, or is cut short")
     try:
+        if path.is_dir():  # which Windows refuses to open as if it were protected
+            raise InputError(f"{path}: is a folder; give a file of heights")
         with path.open("rb") as stream:
             if not stream.read(6) == np.lib.format.MAGIC_PREFIX:
                 raise not_ours
@@ -88,8 +90,6 @@ def _load(path: Path, max_megapixels: float) -> NDArray[Any]:
         raise
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; give a file of heights") from None
     except (OSError, ValueError, EOFError):
         raise not_ours from None
     return values
