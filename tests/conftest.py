@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import struct
 import sys
@@ -145,9 +146,24 @@ def tree(tmp_path: Path) -> Callable[[], dict[str, bytes | None]]:
 
     def look() -> dict[str, bytes | None]:
         found = sorted(tmp_path.rglob("*"))
-        return {str(p.relative_to(tmp_path)): p.read_bytes() if p.is_file() else None for p in found}
+        return {p.relative_to(tmp_path).as_posix(): p.read_bytes() if p.is_file() else None for p in found}
 
     return look
+
+
+@pytest.fixture
+def symlink() -> Callable[[Path, Path | str], None]:
+    """``symlink(path, target)`` makes a symbolic link; skips where Windows does not allow it."""
+
+    def make(path: Path, target: Path | str) -> None:
+        try:
+            path.symlink_to(target)
+        except OSError:
+            if sys.platform != "win32":
+                raise
+            pytest.skip("this account may not make symbolic links")
+
+    return make
 
 
 @pytest.fixture
@@ -163,7 +179,7 @@ def fails() -> Callable[..., None]:
     """``fails(result, code, pattern)``: no data, and one line that says what is wrong in words for a designer."""
 
     def check(result: SimpleNamespace, code: int, pattern: str) -> None:
-        assert re.search(pattern, result.err), result.err
+        assert re.search(pattern, result.err.replace(os.sep, "/")), result.err
         assert result.err.startswith("nmap: error: ")
         assert result.err.count("\n") == 1
         assert result.err.endswith("\n")
@@ -198,7 +214,7 @@ def maps(tmp_path: Path, dome: Any, codes: Any, png: Any, picture: Any, clean_ma
     corner = np.zeros((96, 96), np.uint8)
     corner[:4, :4] = 255
     flat = np.zeros((96, 96, 3), np.uint8) + np.uint8([128, 128, 255])
-    (tmp_path / "text.png").write_text("hello\n")
+    (tmp_path / "text.png").write_text("hello\n", encoding="utf-8")
     (tmp_path / "empty.png").touch()
     (tmp_path / "folder.png").mkdir()
     cut = png(tmp_path / "cut.png", code)

@@ -16,7 +16,9 @@ ROOMS = sorted(path.parent.name for path in (ROOT / "nmaptool").glob("*/__init__
 
 
 def layers():
-    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
+        "contracts"
+    ]
     (house,) = (contract for contract in contracts if contract.get("containers") == ["nmaptool"])
     assert house["exhaustive"] is True
     return [[room.strip() for room in floor.split("|")] for floor in house["layers"]]
@@ -29,7 +31,7 @@ def test_the_drawing_is_the_import_contract():
 
 
 def test_every_package_is_built():
-    built = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    built = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]
     found = [".".join(path.parent.relative_to(ROOT).parts) for path in (ROOT / "nmaptool").rglob("__init__.py")]
     found += [
         ".".join(("nmaptool_cli", *p.parent.relative_to(ROOT / "cli").parts))

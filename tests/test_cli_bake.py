@@ -1,6 +1,7 @@
 """The bake command: what it writes and says, the camera's flags, and that the relief command takes what it wrote."""
 
 import json
+import sys
 
 import cv2
 import numpy as np
@@ -89,7 +90,7 @@ def test_json_on_standard_output(bake, mesh, tmp_path, words):
 
 def test_the_report_tells_how_layers_were_made(bake, tmp_path):
     bake("--report", tmp_path / "r.json", "--fov", "30", "--filter", "grnf", "--sigma-s", "2%")
-    (found,) = json.loads((tmp_path / "r.json").read_text())["layers"]
+    (found,) = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["layers"]
     mixture = found["mixture"]
     bins = mixture["histogram"]["density"]
     assert len(bins) == 100
@@ -121,8 +122,8 @@ def test_what_was_dropped_is_told(run, tmp_path):
 
 def test_outputs_that_exist_are_replaced_when_told(bake, tree, tmp_path):
     bake("--depth")
-    (tmp_path / "m" / "mine.txt").write_text("mine")
-    (tmp_path / "m" / "base.exr").write_text("old")
+    (tmp_path / "m" / "mine.txt").write_text("mine", encoding="utf-8")
+    (tmp_path / "m" / "base.exr").write_text("old", encoding="utf-8")
     before = tree()
     bake("--overwrite", "--sigma-s", "5")
     after = tree()
@@ -226,7 +227,7 @@ def test_renderers_agree(bake, run, mesh, tmp_path):
     words = ("--view", "iso", "--supersample", "1", "--size", "240x200", "--faces")
     bake(*words, out="a")
     done = run("bake", mesh, "-o", tmp_path / "b", *quickly(*words, "--renderer", "egl"))
-    if done.code == 6:
+    if done.code == 6 and sys.platform != "linux":
         pytest.skip("no EGL on this machine")
     assert "rendered by egl" in done.err
     a, b = (nm.read_raster(tmp_path / name / "faces.exr").pixels[..., 0] for name in "ab")

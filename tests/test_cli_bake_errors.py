@@ -21,12 +21,12 @@ def place(tmp_path, monkeypatch):
     """A folder with a plate, a file and a folder, which is where commands run."""
     monkeypatch.chdir(tmp_path)
     write_plate(tmp_path / "plate.obj")
-    (tmp_path / "file").write_text("precious")
+    (tmp_path / "file").write_text("precious", encoding="utf-8")
     (tmp_path / "full").mkdir()
-    (tmp_path / "full" / "detail.exr").write_text("precious")
+    (tmp_path / "full" / "detail.exr").write_text("precious", encoding="utf-8")
     (tmp_path / "deep").mkdir()
-    (tmp_path / "deep" / "left").write_text("precious")
-    (tmp_path / "old.exr").write_text("precious")
+    (tmp_path / "deep" / "left").write_text("precious", encoding="utf-8")
+    (tmp_path / "old.exr").write_text("precious", encoding="utf-8")
     return tmp_path
 
 

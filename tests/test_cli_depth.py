@@ -40,7 +40,7 @@ def test_everything_is_written_and_said(run: Any, tmp_path: Path, depth_png: Pat
     assert picture.attributes["kind"] == "jumps"
     white = float(picture.attributes["white"])
     np.testing.assert_allclose(picture.pixels[..., 0] / 65535 * white, expected.jumps, atol=white / 65535)
-    metadata = json.loads(report.read_text())
+    metadata = json.loads(report.read_text(encoding="utf-8"))
     assert metadata["files"] == {"image": str(depth_png), "mask": None}
     assert metadata["jumps"] == np.count_nonzero(expected.jumps)
     assert metadata["options"]["depth_scale"] == "60px"

@@ -38,7 +38,7 @@ def test_a_curved_background_is_read_like_the_map_that_lies_on_it(run, tmp_path,
     outside = np.hypot(*(np.mgrid[0:96, 0:96] - 47.5)) > 34
     off = (z - expected)[outside]
     assert np.ptp(off) < 0.02 * np.ptp(roll)
-    report = json.loads((tmp_path / "r.json").read_text())
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert report["files"] == {"original": str(motif), "mask": str(mask), "surface": str(ground)}
     assert {each["green"] for each in report["inputs"]} == {"up" if green > 0 else "down"}
     assert report["reading"]["max_megapixels"] == 270
@@ -100,7 +100,7 @@ def test_streams_are_for_reports_only(run, clean_map):
 def test_the_account_tells_the_solve_and_what_it_took(run, tmp_path, clean_map):
     done = run("relief", clean_map, "-o", tmp_path / "z.npy", "--report", tmp_path / "r.json", "--json", "-v")
     report = json.loads(done.out)
-    assert report == json.loads((tmp_path / "r.json").read_text())
+    assert report == json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert report["solver"] == "multigrid"
     assert report["planned_bytes"] > 57 * 97 * 97
     assert report["iterations"] == len(report["history"]) > 1

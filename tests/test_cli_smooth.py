@@ -21,7 +21,7 @@ def place(tmp_path, monkeypatch):
     """A folder with a plate and a file, which is where commands run."""
     monkeypatch.chdir(tmp_path)
     write_plate(tmp_path / "plate.obj")
-    (tmp_path / "file.stl").write_text("precious")
+    (tmp_path / "file.stl").write_text("precious", encoding="utf-8")
     return tmp_path
 
 
@@ -41,7 +41,7 @@ def test_every_ending_and_the_report(run, place, tree):
     assert "mm outwards on average" in done.err
     assert "  wrote m.stl (coordinates as in the input)\n" in done.err
     assert "  wrote m.glb (in metres, input coordinates taken as mm)\n" in done.err
-    found = json.loads((place / "r.json").read_text())
+    found = json.loads((place / "r.json").read_text(encoding="utf-8"))
     assert found["files"] == {"mesh": "plate.obj"}
     assert found["outputs"] == ["m.stl", "m.ply", "m.obj", "m.glb", "r.json"]
     assert (found["mm_per_unit"], found["unit_from"], found["detail_gain"]) == (1, "assumed", 0)
@@ -133,7 +133,7 @@ def test_inputs_and_outputs_that_cannot_be(refused, place):
 
 def test_a_full_disk_leaves_nothing(refused, place, monkeypatch):
     def full(mesh, path):
-        path.write_text("half")
+        path.write_text("half", encoding="utf-8")
         raise OutputError(f"{path}: cannot be written (No space left on device)")
 
     monkeypatch.setattr("nmaptool.io.meshes.writer.write_mesh", full)
@@ -155,7 +155,7 @@ def test_compare_writes_a_figure_and_says_the_verdict(run, place, tree):
     assert (done.code, done.out) == (0, "")
     assert {"f.png", "f.json"} < set(tree())
     stated = [line for line in done.err.splitlines() if line.startswith("  the paper's claim ")]
-    found = json.loads((place / "f.json").read_text())
+    found = json.loads((place / "f.json").read_text(encoding="utf-8"))
     assert stated == [f"  the paper's claim {verdict['summary']}" for verdict in found["verdicts"]]
     assert len(stated) == 3
     assert "  gsfg-gradient, 20 steps, closeness 0.01: normals " in done.err

@@ -18,9 +18,9 @@ NESTED = '[canvas]\nsize = "99x99"\n[[layer]]\nfile = "../leaf.png"\nat = "20%,2
 def folder(tmp_path, png):
     write_maps(tmp_path, png)
     (tmp_path / "parts").mkdir()
-    (tmp_path / "parts" / "leaf.toml").write_text(NESTED)
+    (tmp_path / "parts" / "leaf.toml").write_text(NESTED, encoding="utf-8")
     more = '[[layer]]\nrecipe = "parts/leaf.toml"\n[[layer]]\nname = "idea"\nfile = "gone.exr"\nhidden = true\n'
-    (tmp_path / "scene.toml").write_text(SCENE + more)
+    (tmp_path / "scene.toml").write_text(SCENE + more, encoding="utf-8")
     return tmp_path
 
 
@@ -44,14 +44,14 @@ def test_it_writes_what_compose_gives(run, folder):
     assert np.array_equal(pixels(out), result.normal_map.normals)
     assert np.array_equal(pixels(folder / "placed.png")[..., 0], np.floor(result.placed * 65535.0 + 0.5))
     assert pixels(folder / "curl.png").shape == (60, 80, 3)
-    metadata = json.loads((folder / "scene.json").read_text())
+    metadata = json.loads((folder / "scene.json").read_text(encoding="utf-8"))
     assert [layer["name"] for layer in metadata["layers"]] == ["bunny", "ornaments", "parts/leaf.toml"]
     assert len(metadata["layers"][1]["layers"]) == 2
     assert metadata["hidden"] == [f"{folder / 'scene.toml'}, line 40: layer 5 (idea)"]
     assert metadata["outside"] == []
     assert metadata["files"]["recipes"] == ["parts/leaf.toml"]
     assert metadata["options"]["width"] == "40mm"
-    warning = f"nmap: warning: {folder}/parts/leaf.toml: its canvas is ignored"
+    warning = f"nmap: warning: {folder / 'parts' / 'leaf.toml'}: its canvas is ignored"
     assert f"layer 5 (idea): hidden, left out\n{warning}" in done.err
     assert "bunny: over, strength 0.8 at" in done.err
     assert f"wrote {out}" in done.err
@@ -66,13 +66,13 @@ def test_the_recipe_in_the_metadata_gives_the_same_picture(run, folder, ending):
     assert 'file = "parts/../leaf.png"' in text
     (folder / "parts" / "leaf.toml").unlink()  # its layers are in the text
     assert run("compose", "stack", one, "-o", two).code == 0
-    (folder / "again.toml").write_text(text)
+    (folder / "again.toml").write_text(text, encoding="utf-8")
     assert run("compose", "stack", folder / "again.toml", "-o", three).code == 0
     for again in (two, three):
         assert np.array_equal(pixels(again), pixels(one))
         assert nm.read_raster(again).attributes == nm.read_raster(one).attributes
     plain = folder / f"plain.{ending}"
-    (folder / "parts" / "leaf.toml").write_text(NESTED)
+    (folder / "parts" / "leaf.toml").write_text(NESTED, encoding="utf-8")
     run("compose", "stack", folder / "scene.toml", "-o", plain)
     assert not np.array_equal(pixels(plain), pixels(one))
 
@@ -90,13 +90,13 @@ def test_names_in_a_description_come_back_whatever_is_in_them(folder, tmp_path):
 def test_a_recipe_from_standard_input_lies_in_the_current_folder(run, folder, feed, monkeypatch):
     monkeypatch.chdir(folder)
     run("compose", "stack", "scene.toml", "-o", "file.png")
-    feed((folder / "scene.toml").read_text())
+    feed((folder / "scene.toml").read_text(encoding="utf-8"))
     done = run("compose", "stack", "-", "-o", "stream.png")
     assert done.code == 0, done.err
     assert "standard input, line 40: layer 5 (idea): hidden" in done.err
     assert np.array_equal(pixels("stream.png"), pixels("file.png"))
     monkeypatch.chdir(folder / "parts")
-    feed((folder / "scene.toml").read_text())
+    feed((folder / "scene.toml").read_text(encoding="utf-8"))
     assert run("compose", "stack", "-", "-o", folder / "far.png", "--folder", folder).code == 0
     assert np.array_equal(pixels(folder / "far.png"), pixels(folder / "file.png"))
 
@@ -106,7 +106,9 @@ def test_the_canvas_can_be_given(run, folder):
     done = run("compose", "stack", folder / "scene.toml", "-o", out, "--size", "80x61", "--width", "41mm")
     assert done.code == 3  # the mask of a group is of the canvas's size
     assert "scene.toml, line 20: layer 3 (ornaments): the mask of ornaments is 80 x 60, expected 80 x 61" in done.err
-    (folder / "plain.toml").write_text('[canvas]\nsize = "9x9"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n')
+    (folder / "plain.toml").write_text(
+        '[canvas]\nsize = "9x9"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n', encoding="utf-8"
+    )
     assert run("compose", "stack", folder / "plain.toml", "-o", out, "--size", "100x50", "--width", "41mm").code == 0
     assert nm.read_normal_map(out).frame == nm.Frame(50, 100, 0.41)
     assert (
@@ -117,7 +119,7 @@ def test_the_canvas_can_be_given(run, folder):
 
 
 def test_files_outside_are_told(run, folder):
-    (folder / "parts" / "up.toml").write_text('[[layer]]\nfile = "../plate.exr"\n')
+    (folder / "parts" / "up.toml").write_text('[[layer]]\nfile = "../plate.exr"\n', encoding="utf-8")
     done = run("compose", "stack", folder / "parts" / "up.toml", "-o", folder / "out.png", "--json")
     assert done.code == 0
     assert "up.toml: reads ../plate.exr, which is outside the recipe's folder" in done.err
@@ -145,7 +147,7 @@ def test_files_outside_are_told(run, folder):
     ],
 )
 def test_a_recipe_that_is_wrong(refused, folder, code, text, message):
-    (folder / "scene.toml").write_text(text)
+    (folder / "scene.toml").write_text(text, encoding="utf-8")
     refused(code, message, "compose", "stack", folder / "scene.toml", "-o", folder / "out.png")
 
 
@@ -166,6 +168,6 @@ def test_words_that_are_wrong(refused, folder, feed):
 
 def test_a_layer_of_a_file_is_an_input_too(refused, folder):
     nm.write_layers(nm.split(nm.read_normal_map(folder / "plate.exr")), folder / "maps.exr")
-    (folder / "scene.toml").write_text('[[layer]]\nfile = "maps.exr:original"\n')
+    (folder / "scene.toml").write_text('[[layer]]\nfile = "maps.exr:original"\n', encoding="utf-8")
     out = folder / "maps.exr"
     refused(2, "maps.exr: is also an input", "compose", "stack", folder / "scene.toml", "-o", out, "--overwrite")

@@ -40,7 +40,7 @@ def test_a_filter_is_written_and_told_of(run, meshes, tree, tmp_path):
     assert "mean angle to the targets" in done.err
     assert f"wrote {tmp_path / 'f.npz'}\n" in done.err
     metadata = json.loads(done.out)
-    assert metadata == json.loads((tmp_path / "r.json").read_text())
+    assert metadata == json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert metadata["filter"] == model.digest
     assert [mesh["sigma_s"] for mesh in metadata["meshes"]] == [2.0, "4%"]
     assert metadata["options"]["hidden"] == 3
@@ -110,7 +110,7 @@ def test_bake_smooth_and_compare_take_a_filter(run, meshes, trained, tmp_path):
 
 def test_what_train_cannot_do(run, meshes, refused, trained, tmp_path):
     out = ("-o", tmp_path / "f.npz")
-    (tmp_path / "text.npz").write_text("hello")
+    (tmp_path / "text.npz").write_text("hello", encoding="utf-8")
     refused(2, r"no meshes given: add one or more, such as a\.ply b\.ply", "train", *out)
     refused(2, r"no output given: add one, such as -o filter\.npz", "train", *meshes)
     refused(2, "-: a mesh is read from a file", "train", "-", *out)

@@ -77,8 +77,10 @@ def test_one_file_for_each_name_is_written_and_the_next_step_is_said(home, run, 
 def test_a_file_that_exists_is_kept_without_overwrite(home, run, refused, shell):
     path = home / FILES[shell][1]
     path.parent.mkdir(parents=True)
-    path.write_text("# mine\n")
-    refused(5, rf"{re.escape(str(path))}: exists already; .*--overwrite", "--install-completion", "--shell", shell)
+    path.write_text("# mine\n", encoding="utf-8")
+    refused(
+        5, rf"{re.escape(path.as_posix())}: exists already; .*--overwrite", "--install-completion", "--shell", shell
+    )
     assert run("--install-completion", "--shell", shell, "--overwrite").code == 0
     assert "# mine" not in path.read_text(encoding="utf-8")
 

@@ -233,7 +233,7 @@ def test_the_command_reports(run, tmp_path, clean_map):
     assert "was: 16 bit, zero at 127.5, green up; now: half, green down" in done.err
     assert "all vectors have unit length within rounding" in done.err
     assert "mean |curl|" in done.err
-    report = json.loads((tmp_path / "r.json").read_text())
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert report["source"]["bits"] == "16"
     assert report["target"] == {"bits": "half", "green": "down", "zero_code": "0", "alpha": True}
     assert report["curl_before"] == pytest.approx(report["curl_after"], abs=0.005)

@@ -38,7 +38,7 @@ HEAVY = {
 
 def too_large(path):
     """A file's lines if more than 300, its functions of more than 60 lines; each as one line of text."""
-    text, name = path.read_text(), path.relative_to(ROOT)
+    text, name = path.read_text(encoding="utf-8"), path.relative_to(ROOT)
     found = [f"{name} has {len(text.splitlines())} lines"] if len(text.splitlines()) > 300 else []
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.FunctionDef):

@@ -36,7 +36,11 @@ def import_graph(folder, prefix):
     files = {module_name(path, folder, prefix): path for path in sorted(folder.rglob("*.py"))}
     graph = {}
     for name, path in files.items():
-        statements = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Import | ast.ImportFrom)]
+        statements = [
+            n
+            for n in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            if isinstance(n, ast.Import | ast.ImportFrom)
+        ]
         graph[name] = {target for node in statements for target in imported(node) if target in files}
     return graph
 
@@ -52,7 +56,7 @@ def test_imports_go_one_way(tree):
 
 
 def test_a_circle_through_a_function_is_found(tmp_path):
-    (tmp_path / "a.py").write_text("from b import one\n")
-    (tmp_path / "b.py").write_text("def one():\n    import a\n")
+    (tmp_path / "a.py").write_text("from b import one\n", encoding="utf-8")
+    (tmp_path / "b.py").write_text("def one():\n    import a\n", encoding="utf-8")
     with pytest.raises(graphlib.CycleError):
         graphlib.TopologicalSorter(import_graph(tmp_path, "")).prepare()

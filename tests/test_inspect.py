@@ -3,7 +3,10 @@
 import dataclasses
 import itertools
 import json
+import os
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -246,3 +249,14 @@ def test_the_smallest_maps_are_looked_over(run, tmp_path, dome, codes, png, shap
     result = run("inspect", png(tmp_path / "map.png", pixels))
     assert (result.code in (0, 1), result.err) == (True, "")
     assert f"{shape[1]} x {shape[0]}" in result.out
+
+
+def test_a_name_that_standard_output_has_no_letters_for(clean_map):
+    path = clean_map.rename(clean_map.with_name("größe 頭.png"))
+    script = "import sys; sys.argv[0] = 'nmap'; from nmaptool_cli.start import run; run()"
+    for encoding, shown in (("cp1252", "größe \\u982d.png: 96 x 96"), ("utf-8", "größe 頭.png: 96 x 96")):
+        env = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+        words = [sys.executable, "-c", script, "inspect", path]
+        done = subprocess.run(words, capture_output=True, check=False, env=env)
+        assert (done.returncode, done.stderr) == (0, b"")
+        assert shown in done.stdout.decode(encoding)

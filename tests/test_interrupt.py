@@ -10,11 +10,11 @@ import pytest
 LINE = "nmap: error: interrupted; nothing was written\n"
 # a process that sends itself SIGINT where the text in its place is reached
 SCRIPT = """
-import os, signal, sys
+import signal, sys
 from nmaptool_cli import main, run
 
 def stop():
-    os.kill(os.getpid(), signal.SIGINT)
+    signal.raise_signal(signal.SIGINT)
 
 {patch}
 sys.argv = ["nmap", *sys.argv[1:]]
@@ -141,19 +141,19 @@ def test_ctrl_c_leaves_no_new_folder(clean_map, tmp_path, tree):
 
 def test_ctrl_c_keeps_the_file_that_was_to_be_replaced(clean_map, tmp_path):
     old = tmp_path / "a.exr"
-    old.write_text("old")
+    old.write_text("old", encoding="utf-8")
     done = run_script(AT["writing"], "relief", clean_map, "-o", old, "--overwrite")
     assert done.returncode == 130
-    assert old.read_text() == "old"
+    assert old.read_text(encoding="utf-8") == "old"
 
 
 def test_ctrl_c_while_the_commands_load():
     code = """
-        import os, signal, sys
+        import signal, sys
         class Finder:
             def find_spec(self, name, *_):
                 if name == "cyclopts":
-                    os.kill(os.getpid(), signal.SIGINT)
+                    signal.raise_signal(signal.SIGINT)
         sys.meta_path.insert(0, Finder())
         from nmaptool_cli.start import run
         run()

@@ -192,10 +192,10 @@ def test_a_plot_of_nothing_finer(tmp_path):
 
 def test_the_report_is_that_of_the_layers_unless_another_is_given(layers, tmp_path):
     nm.write_layers(layers, tmp_path / "a", report=tmp_path / "a.json")
-    found = json.loads((tmp_path / "a.json").read_text())
+    found = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert found["layers"] == json.loads(json.dumps([layers.report.to_dict()]))
     nm.write_layers(layers, tmp_path / "b", report=tmp_path / "b.json", metadata={"mine": 1})
-    assert json.loads((tmp_path / "b.json").read_text()) == {"mine": 1}
+    assert json.loads((tmp_path / "b.json").read_text(encoding="utf-8")) == {"mine": 1}
 
 
 @pytest.mark.parametrize("name", ["depth", "faces"])

@@ -95,7 +95,7 @@ def test_nothing_goes_to_a_stream_when_a_file_cannot_be_renamed(relief, tmp_path
     written = nm.surface_mesh
 
     def late(height):
-        (tmp_path / "a.npy").write_text("another program's")
+        (tmp_path / "a.npy").write_text("another program's", encoding="utf-8")
         return written(height)
 
     monkeypatch.setattr("nmaptool.io.output.relief.surface_mesh", late)
@@ -103,7 +103,7 @@ def test_nothing_goes_to_a_stream_when_a_file_cannot_be_renamed(relief, tmp_path
     with pytest.raises(OutputError, match=r"a\.npy: exists already"):
         nm.write_relief(relief, nm.OutputStream(stream, ".stl"), tmp_path / "a.npy")
     assert stream.getvalue() == b""
-    assert (tmp_path / "a.npy").read_text() == "another program's"
+    assert (tmp_path / "a.npy").read_text(encoding="utf-8") == "another program's"
 
 
 class Failing(io.RawIOBase):
@@ -137,7 +137,7 @@ class Failing(io.RawIOBase):
 )
 def test_a_stream_that_fails_takes_the_files_back(tmp_path, temporary, error, expected, message):
     mesh = nm.Mesh(np.eye(3), np.array([[0, 1, 2]], np.int32))
-    (tmp_path / "old.stl").write_text("precious")
+    (tmp_path / "old.stl").write_text("precious", encoding="utf-8")
     with pytest.raises(expected, match=message):
         nm.write_mesh(
             mesh,
@@ -147,7 +147,7 @@ def test_a_stream_that_fails_takes_the_files_back(tmp_path, temporary, error, ex
             overwrite=True,
         )
     assert not (tmp_path / "new.ply").exists()
-    assert (tmp_path / "old.stl").read_text() == "precious"
+    assert (tmp_path / "old.stl").read_text(encoding="utf-8") == "precious"
 
 
 def test_a_stream_that_takes_little_at_a_time_gets_everything(tmp_path, temporary):

@@ -148,7 +148,7 @@ def test_preview_is_lit_from_the_upper_left(carved, tmp_path):
 
 def test_report_tells_the_run(carved, tmp_path):
     nm.write_relief(carved, report=tmp_path / "r.json")
-    report = json.loads((tmp_path / "r.json").read_text())
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert report["height_range_mm"] == pytest.approx(4)
     assert report["options"]["width"] == "80mm"
     assert report["residual"] <= 1e-8
@@ -169,10 +169,10 @@ def test_all_files_appear_or_none(carved, tmp_path, monkeypatch):
 
 def test_existing_files_stay_unless_overwrite_is_said(carved, tmp_path):
     path = tmp_path / "a.npy"
-    path.write_text("mine")
+    path.write_text("mine", encoding="utf-8")
     with pytest.raises(OutputError, match="exists already; give another name, or `overwrite`"):
         nm.write_relief(carved, tmp_path / "b.npy", path)
-    assert path.read_text() == "mine"
+    assert path.read_text(encoding="utf-8") == "mine"
     assert not (tmp_path / "b.npy").exists()
     nm.write_relief(carved, path, overwrite=True)
     assert np.load(path).shape == (ROWS, COLS)
@@ -183,13 +183,13 @@ def test_a_file_that_appears_meanwhile_is_not_replaced(carved, tmp_path, monkeyp
     written = nm.surface_mesh
 
     def late(height):
-        path.write_text("another program's")
+        path.write_text("another program's", encoding="utf-8")
         return written(height)
 
     monkeypatch.setattr("nmaptool.io.output.relief.surface_mesh", late)
     with pytest.raises(OutputError, match="exists already"):
         nm.write_relief(carved, path)
-    assert path.read_text() == "another program's"
+    assert path.read_text(encoding="utf-8") == "another program's"
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -220,7 +220,7 @@ def test_heights_come_back_as_a_curved_background(tmp_path, ending):
 def test_bad_height_files_are_named(tmp_path):
     np.save(tmp_path / "three.npy", np.zeros((3, 4, 5)))
     np.save(tmp_path / "nan.npy", np.full((3, 4), np.nan))
-    (tmp_path / "text.npy").write_text("no array")
+    (tmp_path / "text.npy").write_text("no array", encoding="utf-8")
     cv2.imwrite(str(tmp_path / "plain.png"), np.zeros((5, 6), np.uint16))
     for name, message in {
         "three.npy": r"must hold one \(rows, columns\) array",

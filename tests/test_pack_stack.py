@@ -48,7 +48,7 @@ name = "wash"
 @pytest.fixture
 def scene(tmp_path, png):
     write_maps(tmp_path, png)
-    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "scene.toml").write_text(SCENE, encoding="utf-8")
     return tmp_path
 
 
@@ -68,7 +68,9 @@ def test_pack_unpack_stack_is_the_composition(scene, run, ending, bound_deg):
 
 
 def test_the_ground_of_a_recipe_comes_back(scene, run):
-    (scene / "flat.toml").write_text('[canvas]\nsize = "50x45"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n')
+    (scene / "flat.toml").write_text(
+        '[canvas]\nsize = "50x45"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n', encoding="utf-8"
+    )
     run("compose", "pack", scene / "flat.toml", "-o", scene / "work.psd")
     run("compose", "unpack", scene / "work.psd", "-o", scene / "parts")
     assert nm.read_recipe(scene / "parts" / "recipe.toml").canvas == nm.CanvasOptions(
@@ -109,7 +111,9 @@ def test_a_recipe_says_how_its_layers_lie(scene, refused):
 
 
 def test_a_layer_off_the_canvas_is_told_with_its_line(scene, refused):
-    (scene / "off.toml").write_text('[[layer]]\nfile = "plate.exr"\n\n[[layer]]\nfile = "bunny.exr"\nat = "-9cm,0"\n')
+    (scene / "off.toml").write_text(
+        '[[layer]]\nfile = "plate.exr"\n\n[[layer]]\nfile = "bunny.exr"\nat = "-9cm,0"\n', encoding="utf-8"
+    )
     message = r"off.toml, line 4: layer 2 \(bunny.exr\): lies fully off the canvas .*; place it with at$"
     refused(3, message, "compose", "pack", scene / "off.toml", "-o", scene / "work.psd")
 

@@ -25,7 +25,7 @@ def written(path, points, faces):
             head += [f"property double {axis}" for axis in "xyz"]
             head += [f"element face {len(lists)}", "property list uchar int vertex_indices", "end_header"]
         lines = [*head, *rows, *lists]
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
 
 

@@ -109,7 +109,7 @@ def private_names(path):
     """Names with one leading underscore that a file reads from or sets on anything but its own objects."""
     return {
         node.attr
-        for node in ast.walk(ast.parse(path.read_text()))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Attribute)
         and node.attr.startswith("_")
         and not node.attr.startswith("__")
@@ -123,9 +123,13 @@ def test_every_private_name_is_in_the_table_and_used_in_one_file():
     users = [
         path
         for path in sorted((ROOT / "nmaptool").rglob("*.py"))
-        if any(f"{verb} {package}" in path.read_text() for verb in ("from", "import") for package in PACKAGES)
+        if any(
+            f"{verb} {package}" in path.read_text(encoding="utf-8")
+            for verb in ("from", "import")
+            for package in PACKAGES
+        )
     ]
-    assert [str(path.relative_to(ROOT)) for path in users] == [DOCUMENT, READER, WRITER, OFFSCREEN]
+    assert [path.relative_to(ROOT).as_posix() for path in users] == [DOCUMENT, READER, WRITER, OFFSCREEN]
     assert {path.name: private_names(path) for path in users} == {
         "psd_document.py": set(),
         "psd_reader.py": set(),

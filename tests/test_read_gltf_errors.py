@@ -37,7 +37,7 @@ def test_other_files_are_never_opened(tmp_path, refused, uri):
     content, data = tree()
     (tmp_path / "a.bin").write_bytes(data)
     buffers = [{"uri": uri, "byteLength": len(data)}]
-    (tmp_path / "a.gltf").write_text(json.dumps({**content, "buffers": buffers}))
+    (tmp_path / "a.gltf").write_text(json.dumps({**content, "buffers": buffers}), encoding="utf-8")
     with pytest.raises(InputError, match=OTHERS):
         read_mesh(tmp_path / "a.gltf")
     refused(({**content, "buffers": [*content["buffers"], *buffers]}, data), OTHERS)  # one that nothing needs
@@ -150,7 +150,7 @@ def test_references_that_lead_nowhere(refused, change):
 def test_other_versions_and_other_json(tmp_path, refused):
     refused(tree(asset={"version": "1.0"}), r"is not of glTF version 2; export it as glTF 2\.0$")
     for text in ("{}", '{"a": 1}'):
-        (tmp_path / "a.gltf").write_text(text)
+        (tmp_path / "a.gltf").write_text(text, encoding="utf-8")
         with pytest.raises(InputError, match=r"holds no glTF data; export it again, best as one GLB file$"):
             read_mesh(tmp_path / "a.gltf")
 

@@ -8,6 +8,7 @@ import tracemalloc
 import mesh_files as files
 import numpy as np
 import pytest
+from cli_cases import LONG_NAMES
 from mesh_files import FACES, LIST, VERTICES, XYZ, ply_header, tree
 
 from nmaptool.core.errors import InputError, LimitError
@@ -44,13 +45,21 @@ def test_what_is_no_file(tmp_path):
     (tmp_path / "folder.obj").mkdir()
     with pytest.raises(InputError, match=r"folder\.obj: is a folder; give a mesh file"):
         read_mesh(tmp_path / "folder.obj")
+    with pytest.raises(InputError, match=r"no name that a file can have"):
+        read_mesh("a\0.obj")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no devices and pipes among its files")
+def test_streams_and_devices(tmp_path):
     with pytest.raises(InputError, match=r"null: is not a file but a stream or device; save the mesh as a file"):
         read_mesh("/dev/null")
     os.mkfifo(tmp_path / "pipe.stl")
     with pytest.raises(InputError, match=r"pipe\.stl: is not a file but a stream or device"):
         read_mesh(tmp_path / "pipe.stl")
-    with pytest.raises(InputError, match=r"no name that a file can have"):
-        read_mesh("a\0.obj")
+
+
+@LONG_NAMES
+def test_a_name_that_is_too_long(tmp_path):
     with pytest.raises(InputError, match=r"cannot be read \(File name too long\)"):
         read_mesh(tmp_path / ("a" * 300 + ".obj"))
 

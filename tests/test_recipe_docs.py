@@ -67,13 +67,15 @@ def test_every_word_that_a_key_takes_is_documented():
 
 def test_the_example_runs(tmp_path, png, run):
     (example,) = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
-    (tmp_path / "scene.toml").write_text(example)
+    (tmp_path / "scene.toml").write_text(example, encoding="utf-8")
     nm.write_normal_map(waves(90, 120, 3), tmp_path / "plate.exr")
     nm.write_normal_map(waves(40, 50, 6, disc=True), tmp_path / "leaf.png")
     bunny = waves(64, 64, 9, disc=True)
     nm.write_layers(nm.split(bunny), tmp_path / "bunny.exr")
     png(tmp_path / "bunny_mask.png", np.full((64, 64), 255, np.uint8))
-    (tmp_path / "border.toml").write_text('[[layer]]\nfile = "leaf.png"\nat = "8%,10%"\nscale = 0.2\n')
+    (tmp_path / "border.toml").write_text(
+        '[[layer]]\nfile = "leaf.png"\nat = "8%,10%"\nscale = 0.2\n', encoding="utf-8"
+    )
     done = run("compose", "stack", tmp_path / "scene.toml", "-o", tmp_path / "scene.exr")
     assert done.code == 0, done.err
     for line in (

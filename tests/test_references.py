@@ -47,7 +47,13 @@ def value(name):
 
 def named(pattern, paths):
     """(file, what it names), each once."""
-    return sorted({(str(path.relative_to(ROOT)), name) for path in paths for name in pattern.findall(path.read_text())})
+    return sorted(
+        {
+            (str(path.relative_to(ROOT)), name)
+            for path in paths
+            for name in pattern.findall(path.read_text(encoding="utf-8"))
+        }
+    )
 
 
 def test_dotted_names_resolve():
@@ -59,7 +65,11 @@ def test_dotted_names_resolve():
 
 def imported(path):
     """Dotted names of nmaptool that a file imports, in functions too."""
-    nodes = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.ImportFrom) and node.module]
+    nodes = [
+        node
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module
+    ]
     return {f"{n.module}.{alias.name}" for n in nodes if OURS.match(n.module) for alias in n.names}
 
 

@@ -1,6 +1,7 @@
 """The maps of a recipe: the same picture as nm.compose and nm.paste in every bit."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ def folder(tmp_path, png):
 
 
 def composed(folder, text, reading=None):
-    (folder / "scene.toml").write_text(text)
+    (folder / "scene.toml").write_text(text, encoding="utf-8")
     stack = nm.read_stack(folder / "scene.toml", reading)
     return nm.compose(stack.layers, stack.canvas)
 
@@ -73,7 +74,7 @@ def nested(text):
 def test_a_group_of_one_layer_is_that_layer(folder):
     assert same(composed(folder, PLATE + BUNNY), composed(folder, PLATE + nested(BUNNY)))
     twice = composed(folder, PLATE + nested(BUNNY) + nested(LEAF))
-    (folder / "leaf.toml").write_text(LEAF)
+    (folder / "leaf.toml").write_text(LEAF, encoding="utf-8")
     assert same(twice, composed(folder, PLATE + nested(BUNNY) + '[[layer]]\nrecipe = "leaf.toml"\n'))
 
 
@@ -108,17 +109,17 @@ def test_options_of_reading_and_what_a_layer_says_of_itself(folder):
     other = composed(folder, PLATE + BUNNY + 'read.green = "down"\n')
     assert same(one, other)
     assert not same(one, composed(folder, PLATE + BUNNY))
-    (folder / "scene.toml").write_text(PLATE + up + BUNNY)
+    (folder / "scene.toml").write_text(PLATE + up + BUNNY, encoding="utf-8")
     recipe = nm.read_stack(folder / "scene.toml", down).recipe  # it alone gives the same again
     assert [layer.read for layer in recipe.layers] == [{"green": "up"}, {"green": "down"}]
     again = nm.read_stack(recipe)
     assert same(one, nm.compose(again.layers, again.canvas))
 
 
-def test_a_file_is_read_once(folder):
-    (folder / "again.png").symlink_to("leaf.png")
+def test_a_file_is_read_once(folder, symlink):
+    symlink(folder / "again.png", "leaf.png")
     again = LEAF.replace("leaf", "again")
-    (folder / "scene.toml").write_text(PLATE + LEAF + LEAF + again + LEAF + 'read.green = "down"\n')
+    (folder / "scene.toml").write_text(PLATE + LEAF + LEAF + again + LEAF + 'read.green = "down"\n', encoding="utf-8")
     stack = nm.read_stack(folder / "scene.toml")
     maps = [layer.normal_map for layer in stack.layers]
     assert maps[1] is maps[2] is maps[3]
@@ -126,22 +127,25 @@ def test_a_file_is_read_once(folder):
     assert [each.frame.cols for each in stack.maps] == [80, 24, 24]
 
 
-def test_files_outside_the_folder_are_told(folder, tmp_path_factory):
+def test_files_outside_the_folder_are_told(folder, symlink, tmp_path_factory):
     far = tmp_path_factory.mktemp("far")
     for name in ("one.exr", "two.exr", "three.exr"):
         nm.write_normal_map(waves(10, 12, 2), far / name)
     scenes = folder / "scenes"
     scenes.mkdir()
-    (scenes / "link.exr").symlink_to(far / "two.exr")
-    (folder / "inner.exr").symlink_to("plate.exr")
+    symlink(scenes / "link.exr", far / "two.exr")
+    symlink(folder / "inner.exr", "plate.exr")
     nm.write_normal_map(waves(60, 80, 2), scenes / "near.exr")
-    up = os.path.relpath(far / "three.exr", scenes)
-    names = ("near.exr", "../scenes/near.exr", f"{scenes}/near.exr", f"{far}/one.exr", "link.exr", up, "../bunny.exr")
+    up = Path(os.path.relpath(far / "three.exr", scenes)).as_posix()
+    here, away = scenes.as_posix(), far.as_posix()
+    names = ("near.exr", "../scenes/near.exr", f"{here}/near.exr", f"{away}/one.exr", "link.exr", up, "../bunny.exr")
     text = "".join(f'[[layer]]\nfile = "{name}"\n' for name in names)
-    (scenes / "scene.toml").write_text(text + 'mask = "../half.png"\n')
+    (scenes / "scene.toml").write_text(text + 'mask = "../half.png"\n', encoding="utf-8")
     assert nm.read_stack(scenes / "scene.toml").outside == (*names[3:], "../half.png")
-    (folder / "top.toml").write_text('[[layer]]\nrecipe = "scenes/scene.toml"\n[[layer]]\nfile = "inner.exr"\n')
-    assert nm.read_stack(folder / "top.toml").outside == (f"{far}/one.exr", "scenes/link.exr", f"scenes/{up}")
+    (folder / "top.toml").write_text(
+        '[[layer]]\nrecipe = "scenes/scene.toml"\n[[layer]]\nfile = "inner.exr"\n', encoding="utf-8"
+    )
+    assert nm.read_stack(folder / "top.toml").outside == (f"{away}/one.exr", "scenes/link.exr", f"scenes/{up}")
 
 
 @pytest.mark.parametrize(
@@ -173,8 +177,8 @@ def test_a_file_that_is_wrong_is_told_with_the_layer_that_wants_it(folder, text,
     ],
 )
 def test_a_layer_that_does_not_fit_is_told_with_its_line(folder, text, message):
-    (folder / "scene.toml").write_text(PLATE + text.replace('at = "50%,50%"\nat', "at"))
-    (folder / "outer.toml").write_text('# a recipe in a recipe\n[[layer]]\nrecipe = "scene.toml"\n')
+    (folder / "scene.toml").write_text(PLATE + text.replace('at = "50%,50%"\nat', "at"), encoding="utf-8")
+    (folder / "outer.toml").write_text('# a recipe in a recipe\n[[layer]]\nrecipe = "scene.toml"\n', encoding="utf-8")
     for name in ("scene.toml", "outer.toml"):
         stack = nm.read_stack(folder / name)
         for compose in (nm.compose, nm.place_layers):

@@ -71,7 +71,9 @@ def test_a_mode_that_was_taken_away_is_refused_again(run):
 
 def test_a_map_format_added_at_run_time_is_offered(run, monkeypatch, tmp_path):
     monkeypatch.setenv("COLUMNS", "2000")
-    entry = MapFormat("numbers as text", lambda normal_map, path, *_: path.write_text("ours"), bits=("8",))
+    entry = MapFormat(
+        "numbers as text", lambda normal_map, path, *_: path.write_text("ours", encoding="utf-8"), bits=("8",)
+    )
     monkeypatch.setitem(nm.NORMAL_MAP_FORMATS, ".txt", entry)
     for command in ("blend", "paste", "stack", "transform", "convert", "depth"):
         assert ".txt numbers as text" in run("compose", command, "--help").out, command
@@ -79,7 +81,7 @@ def test_a_map_format_added_at_run_time_is_offered(run, monkeypatch, tmp_path):
     done = run("compose", "transform", tmp_path / "a.exr", "-o", tmp_path / "b.jpg")
     assert (done.code, done.err.rstrip().endswith("written as .png, .exr, .tif, .tiff, .txt")) == (2, True)
     assert run("compose", "transform", tmp_path / "a.exr", "-o", tmp_path / "b.txt").code == 0
-    assert (tmp_path / "b.txt").read_text() == "ours"
+    assert (tmp_path / "b.txt").read_text(encoding="utf-8") == "ours"
     assert readme_tables.stale(README) == ["normal maps"]
 
 

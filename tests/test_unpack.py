@@ -34,7 +34,7 @@ def test_there_and_back(maps, run, ending):
     back = nm.read_normal_map(maps / "out" / "base.exr")
     assert np.abs(back.normals - bumpy().normals)[bumpy().coverage > 0].max() < 2 / 65535
     assert np.abs(back.coverage - bumpy().coverage).max() < 1 / 65535
-    recipe = tomllib.loads((maps / "out" / "recipe.toml").read_text())
+    recipe = tomllib.loads((maps / "out" / "recipe.toml").read_text(encoding="utf-8"))
     assert recipe["canvas"] == {"size": "180x160", "width": "18mm"}
     assert [(one["name"], one["file"], one["at"]) for one in recipe["layer"]] == [
         ("base", "base.exr", "0px,0px"),
@@ -55,9 +55,12 @@ def test_png_masks_names_and_the_report(maps, run, png):
     assert {p.name for p in (maps / "out").iterdir()} == {"Grund.png", "Blatt.png", "Blatt.mask.png", "recipe.toml"}
     assert nm.read_raster(maps / "out" / "Grund.png").bits == 16
     assert nm.read_grey(maps / "out" / "Blatt.mask.png") == pytest.approx(128 / 255, abs=1e-4)
-    metadata = json.loads(report.read_text())
+    metadata = json.loads(report.read_text(encoding="utf-8"))
     assert (metadata["bits"], metadata["findings"], metadata["has_words"]) == (8, [], True)
-    assert tomllib.loads((maps / "out" / "recipe.toml").read_text())["layer"][1]["mask"] == "Blatt.mask.png"
+    assert (
+        tomllib.loads((maps / "out" / "recipe.toml").read_text(encoding="utf-8"))["layer"][1]["mask"]
+        == "Blatt.mask.png"
+    )
 
 
 def test_findings_are_printed_and_the_exit_code_is_1(tmp_path, run):
@@ -80,7 +83,7 @@ def test_groups_become_nested_layers(tmp_path):
     last = replace(upper, name="last", groups=(outer,), visible=False)
     workspace = replace(workspace, layers=(lower, replace(upper, groups=(outer, inner)), last))
     nm.write_unpacked(nm.unpack(workspace), tmp_path / "out")
-    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
+    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text(encoding="utf-8"))
     (group,) = recipe["layer"]
     assert (group["name"], group.get("strength", 1.0), group.get("mode", "over")) == ("outer", 0.5, "over")
     assert [one["name"] for one in group["layer"]] == ["bumpy", 'in"ner', "last"]
@@ -92,7 +95,7 @@ def test_groups_become_nested_layers(tmp_path):
 def test_groups_that_only_keep_layers_together_are_none_in_the_recipe(tmp_path, run):
     group = nm.WorkspaceGroup("kept together", blend_mode="pass through", opacity=0.5, visible=False)
     nm.write_unpacked(nm.unpack(packed(groups=(group,))), tmp_path / "out")
-    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
+    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text(encoding="utf-8"))
     assert [(one["name"], one.get("strength", 1.0), one.get("hidden", False)) for one in recipe["layer"]] == [
         ("bumpy", 0.5, True),
         ("small", 1.0, False),
@@ -148,7 +151,7 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
     layers = [replace(layer, name=name) for layer, name in zip(workspace.layers, names, strict=True)]
     nm.write_unpacked(nm.unpack(replace(workspace, layers=tuple(layers))), tmp_path / "out")
     assert all(name == "out" or name.startswith("out/") for name in tree())
-    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
+    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text(encoding="utf-8"))
     assert [layer["name"] for layer in recipe["layer"]] == ["../../evil", 'a"]b = "']
     assert all((tmp_path / "out" / layer["file"]).is_file() for layer in recipe["layer"])
 
