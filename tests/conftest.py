@@ -141,6 +141,16 @@ def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., SimpleNamespace]:
 
 
 @pytest.fixture
+def wide_help(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Help in lines of 2000 characters, whatever console an earlier test left behind."""
+    from rich.console import Console
+
+    from nmaptool_cli.main import app
+
+    monkeypatch.setattr(app, "_console", Console(width=2000, height=100))
+
+
+@pytest.fixture
 def tree(tmp_path: Path) -> Callable[[], dict[str, bytes | None]]:
     """``tree()``: every file under tmp_path, hidden ones too, with its bytes; folders as None."""
 

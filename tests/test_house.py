@@ -10,12 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 import nmaptool as nm
 from nmaptool.core.errors import UsageError
 from nmaptool_cli.compose.paste import PLACING
-from nmaptool_cli.main import app, main
+from nmaptool_cli.main import main
 
 ROOT = Path(__file__).parents[1]
 SOURCES = [p for d in ("nmaptool", "cli", "bench", "samples", "tests") for p in sorted((ROOT / d).rglob("*.py"))]
@@ -92,12 +91,6 @@ COMMANDS = ("bake", "compare", "compose", *(f"compose {name}" for name in COMPOS
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])
 def test_help_loads_nothing_heavy(arguments):
     assert not loaded_by(f"from nmaptool_cli.main import main\nassert main({arguments.split()!r}) == 0") & HEAVY
-
-
-@pytest.fixture
-def wide_help(monkeypatch):
-    """Help in lines of 600 characters, whatever console an earlier test left behind."""
-    monkeypatch.setattr(app, "_console", Console(width=600, height=100))
 
 
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c != "compose"])

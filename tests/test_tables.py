@@ -45,8 +45,7 @@ def test_a_blend_mode_added_at_run_time_blends(darker, tmp_path, run):
     assert run("compose", "paste", *files, "--mode", "steeper", "-o", tmp_path / "pasted.exr").code == 0
 
 
-def test_a_blend_mode_added_at_run_time_is_offered(darker, run, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "2000")
+def test_a_blend_mode_added_at_run_time_is_offered(darker, run, wide_help):
     for command in ("blend", "paste", "pack"):
         assert "steeper" in run("compose", command, "--help").out, command
     assert '"steeper" takes the steeper normal.' in run("compose", "blend", "--help").out
@@ -69,8 +68,7 @@ def test_a_mode_that_was_taken_away_is_refused_again(run):
     assert "steeper normal" not in run("compose", "blend", "--help").out
 
 
-def test_a_map_format_added_at_run_time_is_offered(run, monkeypatch, tmp_path):
-    monkeypatch.setenv("COLUMNS", "2000")
+def test_a_map_format_added_at_run_time_is_offered(run, wide_help, monkeypatch, tmp_path):
     entry = MapFormat(
         "numbers as text", lambda normal_map, path, *_: path.write_text("ours", encoding="utf-8"), bits=("8",)
     )
