@@ -154,7 +154,7 @@ def test_files_outside_the_folder_are_told(folder, tmp_path_factory):
         ('[[layer]]\nfile = "plate.exr:detail"', nm.InputError, r"layer 1 .*has no layer 'detail'"),
         (nested(PLATE) + 'mask = "no.png"', nm.InputError, r"layer 1.1 \(plate.exr\): .*no.png: no such file"),
         (PLATE + 'read.swizzle = "q"', nm.UsageError, r'layer 1 \(plate.exr\): swizzle = "q"'),
-        ('[[layer]]\nfile = "a\\u0000b"', nm.InputError, r"layer 1 \(a b\): .*is no name that a file can have"),
+        ('[[layer]]\nfile = "a\\u0000b"', nm.InputError, r"layer 1 \(a b\): .*is not a valid file name"),
         (f'[[layer]]\nfile = "{"x" * 300}"', nm.InputError, r"layer 1 \(xxx.*cannot be read"),
     ],
 )
