@@ -115,11 +115,19 @@ def test_what_train_cannot_do(run, meshes, refused, trained, tmp_path):
     refused(2, r"no output given: add one, such as -o filter\.npz", "train", *meshes)
     refused(2, "-: a mesh is read from a file", "train", "-", *out)
     refused(
-        2, r"f\.bin: learned filters are kept in files that end in \.npz", "train", *meshes, "-o", tmp_path / "f.bin"
+        2, r"f\.bin: learned filters and trainings are written as \.npz", "train", *meshes, "-o", tmp_path / "f.bin"
     )
-    refused(2, r"s\.txt: learned filters are kept in files", "train", *meshes, *out, "--state", tmp_path / "s.txt")
+    refused(
+        2,
+        r"s\.txt: learned filters and trainings are written as \.npz",
+        "train",
+        *meshes,
+        *out,
+        "--state",
+        tmp_path / "s.txt",
+    )
     refused(2, r"f\.npz: is named twice as an output", "train", *meshes, *out, "--state", tmp_path / "f.npz")
-    refused(5, r"mine\.npz: exists already; give another name, or --overwrite", "train", *meshes, "-o", trained)
+    refused(5, r"mine\.npz: already exists; give another name, or --overwrite", "train", *meshes, "-o", trained)
     refused(3, r"text\.npz: cannot be used as an unfinished training: it is not a \.npz file", "train", *meshes, *out,
             "--state", tmp_path / "text.npz")  # fmt: skip
     three = [word for size in "345" for word in ("--sigma-s", size)]

@@ -78,7 +78,7 @@ def test_a_file_that_exists_is_kept_without_overwrite(home, run, refused, shell)
     path = home / FILES[shell][1]
     path.parent.mkdir(parents=True)
     path.write_text("# mine\n")
-    refused(5, rf"{re.escape(str(path))}: exists already; .*--overwrite", "--install-completion", "--shell", shell)
+    refused(5, rf"{re.escape(str(path))}: already exists; .*--overwrite", "--install-completion", "--shell", shell)
     assert run("--install-completion", "--shell", shell, "--overwrite").code == 0
     assert "# mine" not in path.read_text(encoding="utf-8")
 

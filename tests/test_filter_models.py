@@ -40,10 +40,10 @@ def test_the_digest_tells_filters_apart():
 
 
 def test_nothing_that_exists_is_overwritten(file):
-    with pytest.raises(nm.OutputError, match=r"f\.npz: exists already; give another name, or `overwrite`"):
+    with pytest.raises(nm.OutputError, match=r"f\.npz: already exists; give another name, or `overwrite`"):
         nm.write_filter_model(small_filter(), file)
     nm.write_filter_model(small_filter(), file, overwrite=True)
-    with pytest.raises(nm.UsageError, match=r"f\.bin: learned filters are kept in files that end in \.npz"):
+    with pytest.raises(nm.UsageError, match=r"f\.bin: learned filters and trainings are written as \.npz"):
         nm.write_filter_model(small_filter(), file.with_suffix(".bin"))
 
 
@@ -137,7 +137,9 @@ def test_damaged_files_give_one_kind_of_error(file):
 
 
 def test_a_training_is_no_filter_and_a_filter_no_training(file, tmp_path):
-    with pytest.raises(nm.InputError, match="unfinished training: it is 'nmaptool filter 1', expected 'nmaptool training 1'"):
+    with pytest.raises(
+        nm.InputError, match="unfinished training: it is 'nmaptool filter 1', expected 'nmaptool training 1'"
+    ):
         nm.read_training(file)
     nm.write_training(nm.TrainingState("abc"), tmp_path / "t.npz")
     assert nm.read_training(tmp_path / "t.npz").fingerprint == "abc"

@@ -78,7 +78,7 @@ def test_empty_pages_and_texts(refused, ending):
 def test_other_formats(refused):
     refused("a.obj", b'{"name": "left-pad"}', r"holds no OBJ data")
     for name in ("a.fbx", "a.3mf", "a", "a.obj.txt", "a.png"):
-        refused(name, b"Kaydara FBX Binary  \0", rf"is not in a supported mesh format; export it as {ACCEPTED}$")
+        refused(name, b"Kaydara FBX Binary  \0", rf"is not a mesh in a supported format; export it as {ACCEPTED}$")
 
 
 @pytest.mark.parametrize("kind", files.ENDINGS)
@@ -86,7 +86,7 @@ def test_a_file_with_the_ending_of_another_format(refused, kind):
     for ending in ("txt", *files.ENDINGS):
         if ending != kind:
             for data in {files.good()[kind], files.ascii_stl() if kind == "stl" else files.good()[kind]}:
-                pattern = rf"holds {KINDS[kind]} data but has the wrong extension; rename it to a\.{kind}$"
+                pattern = rf"holds {KINDS[kind]} data; rename it to a\.{kind}$"
                 refused(f"a.{ending}", data, pattern)
 
 

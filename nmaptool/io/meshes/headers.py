@@ -164,12 +164,12 @@ def identify_mesh_file(path: Path) -> MeshFile:
     kind = _content(head, size)
     if kind is not None and kind != ending:
         right = path.with_suffix(f".{kind}").name
-        raise InputError(f"{path}: holds {NAMES[kind]} data but has the wrong extension; rename it to {right}")
+        raise InputError(f"{path}: holds {NAMES[kind]} data; rename it to {right}")
     if _WEB_PAGE.match(head):
         raise InputError(f"{path}: holds a web page instead of a mesh; download the mesh itself")
     accepted = listed(NAMES.values(), "or")
     if ending not in NAMES:
-        raise InputError(f"{path}: is not in a supported mesh format; export it as {accepted}")
+        raise InputError(f"{path}: is not a mesh in a supported format; export it as {accepted}")
     if kind is None and head.startswith(b"PK\x03\x04"):
         raise InputError(f"{path}: is a ZIP archive; unpack it and use the mesh in it")
     if kind is None and not _is_possible(ending, head, size):
