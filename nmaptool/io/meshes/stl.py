@@ -18,7 +18,7 @@ _NAME = re.compile(rb"solid\b[^\n]*")
 
 
 def read_stl(file: MeshFile, max_faces: int) -> Surface:
-    """Read an STL; each triangle has three vertices of its own.
+    """Read an STL; each triangle gets its own three vertices.
 
     Raises
     ------

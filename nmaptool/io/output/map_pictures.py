@@ -24,7 +24,7 @@ def mask_picture(mask: Float32) -> Picture:
 
 
 def jumps_picture(jumps: Float32) -> Picture:
-    """Return the jumps in a depth picture: black is no jump, white the highest, whose px are in the metadata."""
+    """Return the jumps in a depth picture: black is no jump, white the highest; its height in px is in the metadata."""
     highest = float(jumps.max())
     grey = grey_codes(jumps / np.float32(highest or 1), 16)[..., None]
     facts = {"kind": "jumps", "version": __version__, "black": "0", "white": repr(highest), "unit": "px"}

@@ -2,7 +2,8 @@
 
 A plain two-dimensional array holds heights at centres, NaN outside the surface. The format has no metadata, so a plain
 array of heights at corners would be read as a picture one pixel larger. Heights at corners are therefore stored as
-records with named fields, `CORNER_RECORD`, which cannot be mistaken. ``np.load(path)["z_mm"]`` is the plain array.
+records with named fields, `CORNER_RECORD`, which no reader takes for a picture. ``np.load(path)["z_mm"]`` is the plain
+array.
 """
 
 from __future__ import annotations

@@ -135,4 +135,4 @@ def _check_directory(path: Path) -> None:
     if tail[max(0, at - 20) : at].startswith(_END64) or entries == 0xFFFF or length == 0xFFFFFFFF:
         raise LimitError(f"{path}: is a 64-bit ZIP archive, which is not supported; make it smaller")
     if entries > MOST_ENTRIES or length > MOST_ENTRIES * _ENTRY_BYTES:
-        raise LimitError(f"{path}: declares {entries} entries; the limit is {MOST_ENTRIES}")
+        raise LimitError(f"{path}: declares {entries} entries; the limit is {MOST_ENTRIES}; merge layers")
