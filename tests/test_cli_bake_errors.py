@@ -110,19 +110,19 @@ def test_words_that_cannot_be_meant(refused, place, words, pattern):
 
 BAD_TARGETS = {
     USAGE: {
-        "x.png": r"x\.png: layers are written into a folder, such as maps, by --format png .*, or into one .exr",
+        "x.png": r"x\.png: layers are written into a folder, such as maps, with --format png .*, or into one .exr",
         "plate.obj": r"plate\.obj: layers are written into a folder",
         "-": r"-: layers and pictures are written to files, such as -o maps",
     },
     OUTPUT: {
-        "file": r"file: is a file; layers need a folder of that name",
+        "file": r"file: is a file; layers are written into a folder; give another name",
         "file/m": r"file/m: file is a file, not a folder",
         "file/m.exr": r"file/m\.exr: file is a file, not a folder",
-        "none/m": r"none/m: the folder none does not exist; make it first",
+        "none/m": r"none/m: the folder none does not exist; create it first",
         "none/m.exr": r"none/m\.exr: the folder none does not exist",
-        "full": r"full/detail\.exr: exists already; give another name, or --overwrite",
-        "old.exr": r"old\.exr: exists already",
-        "deep --view front,left": r"deep/left: is a file; layers need a folder",
+        "full": r"full/detail\.exr: already exists; give another name, or --overwrite",
+        "old.exr": r"old\.exr: already exists",
+        "deep --view front,left": r"deep/left: is a file; layers are written into a folder",
         "m --report none/r.json": r"none/r\.json: the folder none does not exist",
         "m --plot full.png/p.png": r"full\.png/p\.png: the folder full\.png does not exist",
         "n" * 300: r"(?i)too long",
@@ -259,10 +259,10 @@ def test_a_folder_that_cannot_be_written_to(refused, place, monkeypatch):
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="the superuser may write anywhere")
 def test_a_read_only_folder(refused, place):
     (place / "full").chmod(0o500)
-    refused(OUTPUT, r"full/m: cannot be made", "bake", "plate.obj", "-o", "full/m", *QUICK)
+    refused(OUTPUT, r"full/m: cannot be created", "bake", "plate.obj", "-o", "full/m", *QUICK)
     (place / "full").chmod(0o700)
 
 
 def test_a_folder_that_cannot_be_made(refused, place, monkeypatch):
     monkeypatch.setattr("pathlib.Path.mkdir", fail_with(PermissionError(13, "Permission denied")))
-    refused(OUTPUT, r"m: cannot be made \(Permission denied\)", "bake", "-q", "plate.obj", "-o", "m", *QUICK)
+    refused(OUTPUT, r"m: cannot be created \(Permission denied\)", "bake", "-q", "plate.obj", "-o", "m", *QUICK)

@@ -105,6 +105,6 @@ def test_inputs_that_are_no_depth(refused: Any, tmp_path: Path, maps: dict[str, 
     out = tmp_path / "out.exr"
     refused(3, "is a colour picture; a depth or height picture is grey", "compose", "depth", maps["clean"], "-o", out)
     refused(3, "is not a picture", "compose", "depth", maps["text"], "-o", out)
-    refused(3, "cut short or damaged", "compose", "depth", maps["cut"], "-o", out)
+    refused(3, "truncated or damaged", "compose", "depth", maps["cut"], "-o", out)
     refused(3, "no such file", "compose", "depth", maps["missing"], "-o", out)
     refused(5, "exists", "compose", "depth", maps["one"], "-o", maps["clean"])

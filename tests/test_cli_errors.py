@@ -46,13 +46,13 @@ BAD_MAPS = [
     ("empty", INPUT, r"empty\.png: is empty"),
     ("text", INPUT, r"text\.png: is not a picture"),
     ("folder", INPUT, r"folder\.png: is a folder"),
-    ("cut", INPUT, r"cut\.png: .*cut short or damaged"),
-    ("wrong", INPUT, r"wrong\.png: holds EXR data .*rename it to wrong\.exr"),
+    ("cut", INPUT, r"cut\.png: .*truncated or damaged"),
+    ("wrong", INPUT, r"wrong\.png: holds EXR data; rename it to wrong\.exr"),
     ("nan", INPUT, r"nan\.exr: 1 pixel\(s\) hold NaN .* x=30, y=20"),
     ("one", INPUT, r"one\.png: has 1 channel.*needs red, green and blue"),
     ("two", INPUT, r"two\.png: has 2 channel.*needs red, green and blue"),
     ("huge", LIMIT, r"huge\.png: 100000 x 100000 is 10000 megapixels.*--max-megapixels"),
-    ("hollow", INPUT, r"hollow\.png: .*cut short or damaged"),
+    ("hollow", INPUT, r"hollow\.png: .*truncated or damaged"),
 ]
 
 
@@ -112,7 +112,7 @@ def test_the_limit_holds_for_a_curved_background(refused, clean_map, tmp_path, p
     hollow = png(tmp_path / "ground.png", np.zeros((2, 2), np.uint8), size=(16_700, 16_700))
     words = ("relief", clean_map, "--background", "surface", "-o", tmp_path / "out.stl", "--surface", hollow)
     refused(LIMIT, r"ground\.png: 16700 x 16700 is 279 megapixels, more than the limit of 270", *words)
-    refused(INPUT, r"ground\.png: .*cut short or damaged", *words, "--max-megapixels", "300")
+    refused(INPUT, r"ground\.png: .*truncated or damaged", *words, "--max-megapixels", "300")
 
 
 BAD_WORDS = [
@@ -158,7 +158,7 @@ BAD_TARGETS = [
     ("none/out.exr", r"none/out\.exr: the folder none does not exist"),
     ("clean.png/out.exr", r"clean\.png/out\.exr: .*clean\.png"),
     ("folder.npy", r"folder\.npy: is a folder"),
-    ("clean.png", r"clean\.png: exists already; give another name, or --overwrite"),
+    ("clean.png", r"clean\.png: already exists; give another name, or --overwrite"),
     pytest.param("n" * 300 + ".exr", r"(?i)too long", marks=LONG_NAMES, id="nnn"),
 ]
 
@@ -203,7 +203,7 @@ def test_outputs_that_exist_are_left_alone_until_told(refused, run, tree, clean_
     old = tmp_path / "old.exr"
     old.write_text("precious", encoding="utf-8")
     words = ("relief", clean_map, "-o", tmp_path / "new.stl", "-o", old)
-    refused(OUTPUT, r"old\.exr: exists already; give another name, or --overwrite", *words)
+    refused(OUTPUT, r"old\.exr: already exists; give another name, or --overwrite", *words)
     assert run(*words, "--overwrite").code == 0
     assert sorted(tree()) == ["clean.png", "new.stl", "old.exr"]
     assert old.read_bytes().startswith(b"\x76\x2f\x31\x01")
@@ -213,7 +213,7 @@ def test_an_output_that_appears_meanwhile_is_left_alone_and_none_is_written(refu
     (tmp_path / "view.png").write_text("hers", encoding="utf-8")
     monkeypatch.setattr("nmaptool.io.output.targets.check_place", lambda *_: None)
     words = ("relief", "-q", clean_map, "-o", tmp_path / "out.exr", "--preview", tmp_path / "view.png")
-    refused(OUTPUT, r"view\.png: exists already", *words)
+    refused(OUTPUT, r"view\.png: already exists", *words)
 
 
 def test_a_folder_that_cannot_be_written_to(refused, clean_map, tmp_path, monkeypatch):

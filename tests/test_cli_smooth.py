@@ -124,7 +124,7 @@ def test_inputs_and_outputs_that_cannot_be(refused, place):
     refused(USAGE, r"-: a mesh is read from a file", "smooth", "-", "-o", "m.stl")
     refused(INPUT, r"none\.obj: no such file|none\.obj", "smooth", "none.obj", "-o", "m.stl")
     refused(
-        OUTPUT, r"file\.stl: exists already; give another name, or --overwrite", "smooth", "plate.obj", "-o", "file.stl"
+        OUTPUT, r"file\.stl: already exists; give another name, or --overwrite", "smooth", "plate.obj", "-o", "file.stl"
     )
     refused(OUTPUT, r"deep/m\.stl: the folder deep does not exist", "smooth", "plate.obj", "-o", "deep/m.stl")
     (place / "flat.obj").write_bytes(obj(VERTICES, [[0, 0, 1]]))

@@ -132,7 +132,7 @@ def test_files_outside_are_told(run, folder):
         (3, '[[layer]]\nfil = "a"', r"scene.toml, line 2: layer 1: unknown key 'fil'; did you mean 'file'\?"),
         (3, '[[layer]]\nfile = "gone.exr"', r"scene.toml, line 1: layer 1 \(gone.exr\): .*gone.exr: no such file"),
         (3, "[[layer]]\nfile = gone", "scene.toml: is not valid TOML at line 2, column 8: found file = gone;"),
-        (3, '[[layer]]\nrecipe = "scene.toml"', r"recipes hold each other: .*scene.toml -> scene.toml; take one"),
+        (3, '[[layer]]\nrecipe = "scene.toml"', r"recipes include each other: .*scene.toml -> scene.toml; remove one"),
         (
             3,
             '[[layer]]\nfile = "plate.exr"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "900px,0"',
@@ -159,7 +159,7 @@ def test_words_that_are_wrong(refused, folder, feed):
     refused(2, "--width 9px: the size of a pixel follows", "compose", "stack", scene, "-o", out, "--width", "9px")
     refused(2, "plate.exr: is also an input", "compose", "stack", scene, "-o", folder / "plate.exr", "--overwrite")
     refused(2, "wide.png: is also an input", "compose", "stack", scene, "-o", folder / "wide.png", "--overwrite")
-    refused(5, "leaf.png: exists already", "compose", "stack", scene, "-o", folder / "leaf.png")
+    refused(5, "leaf.png: already exists", "compose", "stack", scene, "-o", folder / "leaf.png")
     refused(4, "more than the limit of 0.001", "compose", "stack", scene, "-o", out, "--max-megapixels", "0.001")
     for text, message in (("", "standard input: is empty"), ("x", "standard input: is not valid TOML at line 1")):
         feed(text)

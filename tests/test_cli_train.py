@@ -115,12 +115,20 @@ def test_what_train_cannot_do(run, meshes, refused, trained, tmp_path):
     refused(2, r"no output given: add one, such as -o filter\.npz", "train", *meshes)
     refused(2, "-: a mesh is read from a file", "train", "-", *out)
     refused(
-        2, r"f\.bin: learned filters are kept in files that end in \.npz", "train", *meshes, "-o", tmp_path / "f.bin"
+        2, r"f\.bin: learned filters and trainings are written as \.npz", "train", *meshes, "-o", tmp_path / "f.bin"
     )
-    refused(2, r"s\.txt: learned filters are kept in files", "train", *meshes, *out, "--state", tmp_path / "s.txt")
+    refused(
+        2,
+        r"s\.txt: learned filters and trainings are written as \.npz",
+        "train",
+        *meshes,
+        *out,
+        "--state",
+        tmp_path / "s.txt",
+    )
     refused(2, r"f\.npz: is named twice as an output", "train", *meshes, *out, "--state", tmp_path / "f.npz")
-    refused(5, r"mine\.npz: exists already; give another name, or --overwrite", "train", *meshes, "-o", trained)
-    refused(3, r"text\.npz: cannot be used as a training that was begun: it is no \.npz file", "train", *meshes, *out,
+    refused(5, r"mine\.npz: already exists; give another name, or --overwrite", "train", *meshes, "-o", trained)
+    refused(3, r"text\.npz: cannot be used as an unfinished training: it is not a \.npz file", "train", *meshes, *out,
             "--state", tmp_path / "text.npz")  # fmt: skip
     three = [word for size in "345" for word in ("--sigma-s", size)]
     refused(
@@ -144,7 +152,7 @@ def test_what_a_filter_cannot_do(run, meshes, refused, trained, tmp_path):
         refused(2, "--sigma-r 0.3: a learned filter has no parameters; leave it out", *words, "--filter", "learned",
                 "--sigma-r", "0.3")  # fmt: skip
         words = (*words, "--filter", "learned", "--model")
-        refused(3, r"roof0\.obj: cannot be used as a learned filter: it is no \.npz file", *words, meshes[0])
+        refused(3, r"roof0\.obj: cannot be used as a learned filter: it is not a \.npz file", *words, meshes[0])
         missing = tmp_path / "missing.npz"
         refused(3, r"missing\.npz: cannot be used as a learned filter: it cannot be read", *words, missing)
 

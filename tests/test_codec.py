@@ -153,7 +153,7 @@ def test_bits_that_a_format_has_not_are_refused(tmp_path):
         (".exr", "8", "float or half"),
         (".tif", "half", "16 or 8"),
     ):
-        with pytest.raises(nm.UsageError, match=rf"`bits={bits!r}` is not offered for {ending}; use {offered}"):
+        with pytest.raises(nm.UsageError, match=rf"`bits={bits!r}` is not supported for {ending}; use {offered}"):
             nm.write_normal_map(as_map(random_normals(9)), tmp_path / f"map{ending}", nm.WriteOptions(bits=bits))
     with pytest.raises(nm.UsageError, match="`bits='12'`: use one of auto, 8, 16, half, float"):
         nm.WriteOptions(bits="12")

@@ -134,7 +134,7 @@ def test_files_appear_together_or_not_at_all(compared, tmp_path, tree):
     nm.write_comparison(compared, tmp_path / "f.png", report=tmp_path / "f.json")
     assert sorted(tree()) == ["f.json", "f.png"]
     assert json.loads((tmp_path / "f.json").read_text(encoding="utf-8"))["version"] == nm.__version__
-    with pytest.raises(OutputError, match=r"f\.json: exists already"):
+    with pytest.raises(OutputError, match=r"f\.json: already exists"):
         nm.write_comparison(compared, tmp_path / "g.png", report=tmp_path / "f.json")
     with pytest.raises(UsageError, match=r"g\.jpg: a figure is written as \.png"):
         nm.write_comparison(compared, tmp_path / "g.jpg")

@@ -79,7 +79,7 @@ def test_a_file_that_exists_is_kept_without_overwrite(home, run, refused, shell)
     path.parent.mkdir(parents=True)
     path.write_text("# mine\n", encoding="utf-8")
     refused(
-        5, rf"{re.escape(path.as_posix())}: exists already; .*--overwrite", "--install-completion", "--shell", shell
+        5, rf"{re.escape(path.as_posix())}: already exists; .*--overwrite", "--install-completion", "--shell", shell
     )
     assert run("--install-completion", "--shell", shell, "--overwrite").code == 0
     assert "# mine" not in path.read_text(encoding="utf-8")

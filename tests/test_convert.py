@@ -257,7 +257,7 @@ def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
         (2, r"no output given: add one", clean),
         (2, r"out.png: -o .*b.png also names the output; give only one of them", clean, out, "-o", tmp_path / "b.png"),
         (2, r"out.gif: ends in .gif; normal maps are written as", clean, tmp_path / "out.gif"),
-        (2, r"out.png: --bits half is not offered for .png; use 16 or 8", clean, out, "--bits", "half"),
+        (2, r"out.png: --bits half is not supported for .png; use 16 or 8", clean, out, "--bits", "half"),
         (2, r"clean.png: is also an input", clean, clean, "--overwrite"),
         (
             2,
@@ -270,7 +270,7 @@ def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
         (3, r"missing.png: ", maps["missing"], out),
         (3, r"one.png: has 1 channel", maps["one"], out),
         (3, r"nan.exr: 1 pixel\(s\) hold NaN", maps["nan"], out),
-        (5, r"small.png: exists already; give another name, or --overwrite", clean, maps["small"]),
+        (5, r"small.png: already exists; give another name, or --overwrite", clean, maps["small"]),
         (5, r"the folder .* does not exist", clean, tmp_path / "no" / "out.png"),
     )
     for code, pattern, *words in cases:
@@ -280,9 +280,9 @@ def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
 def test_the_function_refuses_like_the_command(maps, tmp_path):
     with pytest.raises(nm.UsageError, match=r"clean.png: is also an output; give another name for the output"):
         nm.convert(maps["clean"], maps["clean"], overwrite=True)
-    with pytest.raises(nm.OutputError, match=r"small.png: exists already"):
+    with pytest.raises(nm.OutputError, match=r"small.png: already exists"):
         nm.convert(maps["clean"], maps["small"])
-    with pytest.raises(nm.UsageError, match=r"b.exr: `bits='8'` is not offered for .exr; use float or half"):
+    with pytest.raises(nm.UsageError, match=r"b.exr: `bits='8'` is not supported for .exr; use float or half"):
         nm.convert(maps["clean"], tmp_path / "b.exr", writing=nm.WriteOptions(bits="8"))
     with pytest.raises(nm.InputError, match=r"one.png: has 1 channel"):
         nm.convert(maps["one"], tmp_path / "b.png")

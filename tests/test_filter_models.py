@@ -40,10 +40,10 @@ def test_the_digest_tells_filters_apart():
 
 
 def test_nothing_that_exists_is_overwritten(file):
-    with pytest.raises(nm.OutputError, match=r"f\.npz: exists already; give another name, or `overwrite`"):
+    with pytest.raises(nm.OutputError, match=r"f\.npz: already exists; give another name, or `overwrite`"):
         nm.write_filter_model(small_filter(), file)
     nm.write_filter_model(small_filter(), file, overwrite=True)
-    with pytest.raises(nm.UsageError, match=r"f\.bin: learned filters are kept in files that end in \.npz"):
+    with pytest.raises(nm.UsageError, match=r"f\.bin: learned filters and trainings are written as \.npz"):
         nm.write_filter_model(small_filter(), file.with_suffix(".bin"))
 
 
@@ -81,8 +81,8 @@ def deflated_zeros(path):
     ("write", "message"),
     [
         (lambda p: None, r"it cannot be read \(No such file or directory\)"),
-        (lambda p: p.write_bytes(b"hello"), "it is no .npz file, or damaged"),
-        (lambda p: p.write_bytes(b""), "it is no .npz file, or damaged"),
+        (lambda p: p.write_bytes(b"hello"), "it is not a .npz file, or it is damaged"),
+        (lambda p: p.write_bytes(b""), "it is not a .npz file, or it is damaged"),
         (deflated_zeros, "it unpacks to more than the limit of 64000000 bytes"),
         (lambda p: npz(p, {"a": np.zeros(3)}), "it is not a filter of nmaptool: it has no header"),
         (lambda p: npz(p, header(b"[1]")), "it is not a filter of nmaptool: it has no header"),
@@ -113,7 +113,7 @@ def test_pickled_objects_are_refused_and_not_run(tmp_path):
     (tmp_path / "g.npz").write_bytes(pickle.dumps(Touch(tmp_path / "run")))
     mark.unlink(missing_ok=True)
     for name in ("f.npz", "g.npz"):
-        with pytest.raises(nm.InputError, match=r"it is no \.npz file, or damaged"):
+        with pytest.raises(nm.InputError, match=r"it is not a \.npz file, or it is damaged"):
             nm.read_filter_model(tmp_path / name)
     assert not mark.exists()
 
@@ -137,7 +137,9 @@ def test_damaged_files_give_one_kind_of_error(file):
 
 
 def test_a_training_is_no_filter_and_a_filter_no_training(file, tmp_path):
-    with pytest.raises(nm.InputError, match="begun: it is 'nmaptool filter 1', expected 'nmaptool training 1'"):
+    with pytest.raises(
+        nm.InputError, match="unfinished training: it is 'nmaptool filter 1', expected 'nmaptool training 1'"
+    ):
         nm.read_training(file)
     nm.write_training(nm.TrainingState("abc"), tmp_path / "t.npz")
     assert nm.read_training(tmp_path / "t.npz").fingerprint == "abc"

@@ -48,7 +48,7 @@ def test_a_map_format_added_at_run_time(tmp_path, run, monkeypatch):
     assert (tmp_path / "a.xyz").read_text(encoding="utf-8") == "9 8 {'by': 'me'}"
     with pytest.raises(UsageError, match=r"ends in \.jpg; normal maps are written as .*\.tiff, \.xyz$"):
         nm.write_normal_map(bump_map(8, 9), tmp_path / "a.jpg")
-    with pytest.raises(UsageError, match=r"`bits='16'` is not offered for \.xyz; use float or 8$"):
+    with pytest.raises(UsageError, match=r"`bits='16'` is not supported for \.xyz; use float or 8$"):
         nm.write_normal_map(bump_map(8, 9), tmp_path / "b.xyz", nm.WriteOptions(bits="16"))
     nm.write_normal_map(bump_map(8, 9), tmp_path / "a.exr")
     assert run("compose", "transform", tmp_path / "a.exr", "-o", tmp_path / "c.xyz", "--flip-h").code == 0

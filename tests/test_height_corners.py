@@ -125,11 +125,11 @@ def test_wrong_words_and_damaged_files_are_named(tmp_path):
     np.save(tmp_path / "other.npy", np.zeros((3, 4), [("z", "f8"), ("inside", "?")]))
     np.save(tmp_path / "text.npy", np.zeros((3, 4), [("z_mm", "S3"), ("inside", "?")]))
     for name, message in {
-        "edges.exr": r"edges\.exr: says that its heights are at 'edges'; accepted are centers and corners",
-        "row.exr": r"row\.exr: holds heights at corners, but only 4 x 1 of them; a pixel has 2 x 2",
+        "edges.exr": r"edges\.exr: declares heights at 'edges'; accepted values are centers and corners",
+        "row.exr": r"row\.exr: holds heights at 4 x 1 corners; at least 2 x 2 are needed",
         "nan.exr": r"nan\.exr: holds NaN or infinite heights",
-        "other.npy": r"other\.npy: must hold one \(rows, columns\) array of numbers",
-        "text.npy": r"text\.npy: must hold one \(rows, columns\) array of numbers",
+        "other.npy": r"other\.npy: must hold one \(rows, columns\) array of heights in mm",
+        "text.npy": r"text\.npy: must hold one \(rows, columns\) array of heights in mm",
     }.items():
         with pytest.raises(nm.InputError, match=message):
             nm.read_height(tmp_path / name, pitch_mm=1.0)

@@ -201,7 +201,7 @@ def test_the_report_is_that_of_the_layers_unless_another_is_given(layers, tmp_pa
 @pytest.mark.parametrize("name", ["depth", "faces"])
 def test_layers_that_are_not_there(layers, tmp_path, tree, name):
     less = dataclasses.replace(layers, **{"depth_mm" if name == "depth" else name: None})
-    with pytest.raises(UsageError, match=f"`{name}`: these layers have no .*only those of a mesh do"):
+    with pytest.raises(UsageError, match=f"`{name}`: these layers have no .*only layers of a mesh do"):
         nm.write_layers(less, tmp_path / "m", **{name: True})
     assert tree() == {}
     nm.write_layers(less, tmp_path / "m")  # the sheet has a place for either

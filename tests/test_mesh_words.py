@@ -89,13 +89,13 @@ def test_words_that_are_no_whole_numbers(word):
 )
 def test_damaged_words(tmp_path, name, data):
     (tmp_path / name).write_bytes(data)
-    with pytest.raises(InputError, match=r"file is damaged or cut short; export it again$"):
+    with pytest.raises(InputError, match=r"file is truncated or damaged; export it again$"):
         read_mesh(tmp_path / name)
 
 
 def test_a_zero_with_a_sign_is_no_vertex_of_an_obj(tmp_path):
     (tmp_path / "a.obj").write_bytes(files.obj() + b"f 1 2 +0\n")
-    with pytest.raises(InputError, match=r"names vertex 0, but OBJ files count from 1; export it again$"):
+    with pytest.raises(InputError, match=r"refers to vertex 0, but OBJ files count from 1; export it again$"):
         read_mesh(tmp_path / "a.obj")
 
 

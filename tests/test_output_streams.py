@@ -100,7 +100,7 @@ def test_nothing_goes_to_a_stream_when_a_file_cannot_be_renamed(relief, tmp_path
 
     monkeypatch.setattr("nmaptool.io.output.relief.surface_mesh", late)
     stream = io.BytesIO()
-    with pytest.raises(OutputError, match=r"a\.npy: exists already"):
+    with pytest.raises(OutputError, match=r"a\.npy: already exists"):
         nm.write_relief(relief, nm.OutputStream(stream, ".stl"), tmp_path / "a.npy")
     assert stream.getvalue() == b""
     assert (tmp_path / "a.npy").read_text(encoding="utf-8") == "another program's"
@@ -162,7 +162,7 @@ def test_streams_that_cannot_be_written(tmp_path):
     closed.close()
     read_only = io.BufferedReader(io.BytesIO())
     for error, message, stream in (
-        (UsageError, "^stream: is a stream for text; give a binary one$", io.StringIO()),
+        (UsageError, "^stream: is a text stream; give a binary stream$", io.StringIO()),
         (OutputError, "^stream: is not open for writing$", closed),
         (OutputError, "^stream: is not open for writing$", read_only),
     ):
@@ -176,7 +176,7 @@ def test_streams_that_cannot_be_written(tmp_path):
         nm.write_normal_map(bump_map(8, 9), nm.OutputStream(shared, ".jpg"))
     with pytest.raises(UsageError, match=r"^stream: layers are written into a folder"):
         nm.write_layers(nm.split(bump_map(20, 30)), nm.OutputStream(shared, ".png"))
-    with pytest.raises(UsageError, match=r"^page: the ending 'png' must begin with a dot, such as \.png$"):
+    with pytest.raises(UsageError, match=r"^page: the extension 'png' must begin with a dot, such as \.png$"):
         nm.OutputStream(shared, "png", "page")
     assert shared.getvalue() == b""
 

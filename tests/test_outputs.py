@@ -170,7 +170,7 @@ def test_all_files_appear_or_none(carved, tmp_path, monkeypatch):
 def test_existing_files_stay_unless_overwrite_is_said(carved, tmp_path):
     path = tmp_path / "a.npy"
     path.write_text("mine", encoding="utf-8")
-    with pytest.raises(OutputError, match="exists already; give another name, or `overwrite`"):
+    with pytest.raises(OutputError, match="already exists; give another name, or `overwrite`"):
         nm.write_relief(carved, tmp_path / "b.npy", path)
     assert path.read_text(encoding="utf-8") == "mine"
     assert not (tmp_path / "b.npy").exists()
@@ -187,7 +187,7 @@ def test_a_file_that_appears_meanwhile_is_not_replaced(carved, tmp_path, monkeyp
         return written(height)
 
     monkeypatch.setattr("nmaptool.io.output.relief.surface_mesh", late)
-    with pytest.raises(OutputError, match="exists already"):
+    with pytest.raises(OutputError, match="already exists"):
         nm.write_relief(carved, path)
     assert path.read_text(encoding="utf-8") == "another program's"
     assert list(tmp_path.iterdir()) == [path]
@@ -226,7 +226,7 @@ def test_bad_height_files_are_named(tmp_path):
         "three.npy": r"must hold one \(rows, columns\) array",
         "nan.npy": "holds NaN or infinite heights",
         "text.npy": "is not a NumPy array file",
-        "plain.png": "does not say its height range in mm",
+        "plain.png": "does not state its height range in mm",
         "none.npy": "no such file",
     }.items():
         with pytest.raises(InputError, match=message):

@@ -63,5 +63,5 @@ def test_an_index_beyond_its_own_set_is_refused_even_if_another_set_follows(tmp_
     content["nodes"] = [{"mesh": 0}, {"mesh": 0}]
     content["scenes"] = [{"nodes": [0, 1]}]
     (tmp_path / "a.glb").write_bytes(files.glb((content, data)))
-    with pytest.raises(InputError, match=r"names vertex 3 of 3; the file is damaged: export it again$"):
+    with pytest.raises(InputError, match=r"refers to vertex 3, which is missing \(vertices: 3\); export it again$"):
         read_mesh(tmp_path / "a.glb")

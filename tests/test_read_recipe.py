@@ -40,14 +40,14 @@ def test_a_file_is_read_as_its_text(folder):
     [
         (
             '[[layer]]\nat = 30%,50%\nfile = "a"',
-            "not valid TOML at line 2, column 8: found at = 30%,50%; look for quotes",
+            "not valid TOML at line 2, column 8: found at = 30%,50%; check quotes",
         ),
-        ('[[layer]]\nfile = "a', 'not valid TOML at line 2, column 10: found file = "a; look for quotes'),
+        ('[[layer]]\nfile = "a', 'not valid TOML at line 2, column 10: found file = "a; check quotes'),
         ("[[layer]\n", "not valid TOML at line 1, column .: found .*layer"),
         ("\n\nx =", "not valid TOML at line 3, column 4: found x ="),
-        ('[[layer]]\nfile = "a"\nfile = "b"', 'not valid TOML: a key or table is there twice, at line 3: file = "b"'),
-        ("[canvas]\n[canvas]\n", "not valid TOML: a key or table is there twice"),
-        (f"x = {'[' * 5000}", "lists or tables lie too deep in each other"),
+        ('[[layer]]\nfile = "a"\nfile = "b"', 'not valid TOML: a key or table is defined twice, at line 3: file = "b"'),
+        ("[canvas]\n[canvas]\n", "not valid TOML: a key or table is defined twice"),
+        (f"x = {'[' * 5000}", "lists or tables are nested too deeply for a recipe"),
         (f"x = {'9' * 5000}", "not valid TOML: a number is too long"),
         (f"{'a' * 100} b", r"found a{57}\.\.\.;"),
         ("x = \x01", "not valid TOML at line 1, column 5: found x =;"),
@@ -110,7 +110,7 @@ def test_absolute_names_stay_and_an_inner_canvas_is_noted(folder):
     path = write(folder, "scene.toml", ONE + link(inner.as_posix()))
     recipe = nm.read_recipe(path)
     assert recipe.layers[1].layers[0].file == f"{folder.as_posix()}/leaf.png"
-    assert recipe.notes == (f"{inner}: its canvas is ignored; its layers lie on the canvas of {path}",)
+    assert recipe.notes == (f"{inner}: its canvas is ignored; its layers are placed on the canvas of {path}",)
 
 
 def test_a_hidden_recipe_is_not_read(folder):
@@ -136,9 +136,12 @@ def test_recipes_that_hold_each_other(folder, monkeypatch):
     for name, circle in (
         (
             "a.toml",
-            "b.toml, line 3: layer 2 .a.toml.: recipes hold each other: a.toml -> b.toml -> sub/../a.toml; take one",
+            (
+                "b.toml, line 3: layer 2 .a.toml.: "
+                "recipes include each other: a.toml -> b.toml -> sub/../a.toml; remove one of them"
+            ),
         ),
-        ("top.toml", "recipes hold each other: a.toml -> b.toml -> sub/../a.toml; take one of them out"),
+        ("top.toml", "recipes include each other: a.toml -> b.toml -> sub/../a.toml; remove one of them"),
     ):
         with pytest.raises(nm.InputError, match=circle):
             nm.read_recipe(name)
@@ -148,7 +151,7 @@ def test_a_recipe_that_holds_itself_by_another_name(folder, monkeypatch, symlink
     monkeypatch.chdir(folder)
     write(folder, "self.toml", link("alias.toml"))
     symlink(folder / "alias.toml", "self.toml")
-    with pytest.raises(nm.InputError, match=r"recipes hold each other: self.toml -> alias.toml; take one of them out"):
+    with pytest.raises(nm.InputError, match=r"recipes include each other: self.toml -> alias.toml; remove one of them"):
         nm.read_recipe("self.toml")
 
 
@@ -156,12 +159,10 @@ def test_recipes_that_lie_too_deep_or_hold_too_much(folder):
     for i in range(20):
         write(folder, f"deep{i}.toml", link(f"deep{i + 1}.toml"))
         write(folder, f"wide{i}.toml", link(f"wide{i + 1}.toml") * 10)
-    with pytest.raises(
-        nm.LimitError, match=r"deep15.toml, line 1: .*recipes and groups lie more than 16 deep in each other"
-    ):
+    with pytest.raises(nm.LimitError, match=r"deep15.toml, line 1: .*recipes and groups are nested more than 16 deep"):
         nm.read_recipe(folder / "deep0.toml")
     write(folder, "wide12.toml", ONE)
-    with pytest.raises(nm.LimitError, match="there are more than 1000 layers in all; compose in steps"):
+    with pytest.raises(nm.LimitError, match="there are more than 1000 layers in total; compose in steps"):
         nm.read_recipe(folder / "wide0.toml")
     write(folder, "deep15.toml", ONE)
     assert nm.read_recipe(folder / "deep0.toml").files == ("plate.exr",)
@@ -193,6 +194,6 @@ def test_names_that_no_file_can_have(folder):
     for name in ("a\\u0000.toml", "x" * 300):
         path = write(folder, "scene.toml", link(name))
         with pytest.raises(
-            nm.InputError, match=r"scene.toml, line 1: layer 1 .*(no name that a file can have|cannot be read)"
+            nm.InputError, match=r"scene.toml, line 1: layer 1 .*(is not a valid file name|cannot be read)"
         ):
             nm.read_recipe(path)

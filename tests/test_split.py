@@ -144,9 +144,9 @@ def test_the_command_refuses(refused, bumpy, tmp_path):
     refused(2, "--sigma-s wide: expected", "compose", "split", source, "-o", out, "--sigma-s", "wide")
     refused(2, "must lie between 0.01 and 10", "compose", "split", source, "-o", out, "--sigma-r", "-1")
     refused(3, "nothing.png: no such file", "compose", "split", tmp_path / "nothing.png", "-o", out)
-    refused(5, "base.exr: exists already", "compose", "split", source, "-o", tmp_path / "full")
+    refused(5, "base.exr: already exists", "compose", "split", source, "-o", tmp_path / "full")
     refused(2, "layers are written into a folder", "compose", "split", source, "-o", tmp_path / "a.png")
-    refused(5, "the folder .* does not exist; make it first", "compose", "split", source, "-o", tmp_path / "a" / "b")
+    refused(5, "the folder .* does not exist; create it first", "compose", "split", source, "-o", tmp_path / "a" / "b")
 
 
 def test_curl_is_reported_and_shown(bumpy, tmp_path, run):

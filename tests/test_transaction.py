@@ -96,7 +96,7 @@ def test_renaming_is_taken_back_when_a_later_name_is_taken(tmp_path, tree, monke
         path.write_text(value, encoding="utf-8")
 
     first, second = (Target(tmp_path / f"{name}.txt", "a note", ENDINGS, late) for name in "ab")
-    with pytest.raises(OutputError, match=r"b\.txt: exists already"):
+    with pytest.raises(OutputError, match=r"b\.txt: already exists"):
         Outputs([first, second]).write("hello")
     assert sorted(tree()) == ["b.txt"]
     assert (tmp_path / "b.txt").read_text(encoding="utf-8") == "another program's"
@@ -146,11 +146,11 @@ def test_what_cannot_be_written_is_refused_before_the_work(tmp_path):
         (UsageError, r"a\.md: a note is written as \.txt$", plan([tmp_path / "a.md"])),
         (UsageError, r"r\.txt: a report is written as \.json", plan([], report=tmp_path / "r.txt")),
         (UsageError, r"a\.txt: is named twice", plan([tmp_path / "a.txt", tmp_path / "sub" / ".." / "a.txt"])),
-        (OutputError, r"old\.txt: exists already; give another name", plan([tmp_path / "old.txt"])),
+        (OutputError, r"old\.txt: already exists; give another name", plan([tmp_path / "old.txt"])),
         (OutputError, r"the folder .*none does not exist", plan([tmp_path / "none" / "a.txt"])),
-        (OutputError, r"file: is a file; a folder of that name is needed", plan([], folders=[tmp_path / "file"])),
+        (OutputError, r"file: is a file; a folder is needed; give another name", plan([], folders=[tmp_path / "file"])),
         (OutputError, r"file is a file, not a folder", plan([], folders=[tmp_path / "file" / "sub"])),
-        (OutputError, r"the folder .* does not exist; make", plan([], folders=[tmp_path / "no" / "sub"])),
+        (OutputError, r"the folder .* does not exist; create", plan([], folders=[tmp_path / "no" / "sub"])),
         *too_long,
     ):
         with pytest.raises(error, match=message):

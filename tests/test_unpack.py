@@ -161,25 +161,25 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
     [
         (("pack", "base.exr"), 2, "no output given: add one, such as -o work.psd"),
         (("pack", "base.exr", "-o", "w.png"), 2, r"ends in \.png; a workspace is written as"),
-        (("pack", "base.exr", "-o", "w.psd", "--bits", "32"), 2, r"--bits 32 is not offered"),
+        (("pack", "base.exr", "-o", "w.psd", "--bits", "32"), 2, r"--bits 32 is not supported"),
         (("pack", "base.exr", "-o", "w.psd", "--bits", "12"), 2, "--bits 12: use 8 or 16"),
         (("pack", "base.exr", "-o", "w.psd", "--half"), 2, "--half is for EXR"),
         (("pack", "base.exr", "-o", "w.exr", "--half", "--bits", "16"), 2, "--half: is for EXR"),
         (("pack", "base.exr", "-o", "w.psd", "--at", "3"), 2, "--at 3: expected 2 distances"),
         (("pack", "base.exr", "-o", "w.psd", "--at", "999999px,0"), 2, "accepted are places within 30000 px"),
         (("pack", "base.exr", "-o", "w.psd", "--name", "a", "--name", "b"), 2, "--name: given 2 times for 1 maps"),
-        (("pack", "base.exr", "-o", "no/w.psd"), 5, "the folder no does not exist|does not exist; make it first"),
-        (("pack", "base.exr", "-o", "base.exr"), 5, "exists already"),
+        (("pack", "base.exr", "-o", "no/w.psd"), 5, "the folder no does not exist|does not exist; create it first"),
+        (("pack", "base.exr", "-o", "base.exr"), 5, "already exists"),
         (("pack", "missing.exr", "-o", "w.psd"), 3, "no such file"),
         (("pack", "base.exr", "-o", "w.psd", "--mask", "detail.png"), 3, "coloured|colour picture"),
         (("unpack", "base.exr"), 2, "no output given: add one, such as -o maps"),
         (("unpack", "missing.psd", "-o", "out"), 3, "no such file"),
         (("unpack", "base.exr", "-o", "detail.png"), 5, "is a file; layers are unpacked into a folder"),
-        (("unpack", "base.exr", "-o", "no/out"), 5, "does not exist; make it first"),
+        (("unpack", "base.exr", "-o", "no/out"), 5, "does not exist; create it first"),
         (("unpack", "base.exr", "-o", "out", "--report", "r.txt"), 2, r"a report is written as \.json"),
         (("unpack", "base.exr", "-o", "out", "--max-megapixels", "0"), 2, "must be greater than zero"),
         (("unpack", "base.exr", "-o", "out", "--max-megapixels", "0.001"), 4, "more than the limit of 0.001"),
-        (("unpack", "detail.png", "-o", "out"), 3, "is no workspace that can be read here"),
+        (("unpack", "detail.png", "-o", "out"), 3, "is not a workspace in a supported format"),
         (("unpack", "-", "-o", "out"), 2, "a layered file cannot be read from standard input"),
     ],
 )
@@ -193,13 +193,13 @@ def test_inputs_are_not_overwritten(maps, run, refused):
     refused(2, "is also an input", "compose", "pack", maps / "base.exr", *flags)
     run("compose", "pack", maps / "base.exr", "-o", maps / "work.exr", "--name", "work")
     words = ("unpack", maps / "work.exr", "-o", maps, "--overwrite")
-    refused(5, "is what is unpacked; unpack it into another folder", "compose", *words)
+    refused(5, "is both input and output; unpack it into another folder", "compose", *words)
 
 
 def test_nothing_is_overwritten_and_nothing_half_written(maps, run, refused):
     run("compose", "pack", maps / "base.exr", "-o", maps / "w.psd")
     assert run("compose", "unpack", maps / "w.psd", "-o", maps / "out").code == 0
-    refused(5, "exists already", "compose", "unpack", maps / "w.psd", "-o", maps / "out")
+    refused(5, "already exists", "compose", "unpack", maps / "w.psd", "-o", maps / "out")
     (maps / "out" / "recipe.toml").unlink()
-    refused(5, "exists already", "compose", "unpack", maps / "w.psd", "-o", maps / "out")
+    refused(5, "already exists", "compose", "unpack", maps / "w.psd", "-o", maps / "out")
     assert run("compose", "unpack", maps / "w.psd", "-o", maps / "out", "--overwrite").code == 0

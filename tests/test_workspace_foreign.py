@@ -153,7 +153,7 @@ def test_an_ora_as_krita_writes_it(tmp_path, png):
     assert (layer.left, layer.top, layer.opacity, layer.blend_mode) == (2, 3, 0.25, "multiply")
     assert (layer.groups[0].blend_mode, layer.groups[0].visible) == ("soft light", False)
     assert np.array_equal(layer.mask.values, pixels[..., 0])
-    assert workspace.skipped == (("vector", "layer of kind .svg"),)
+    assert workspace.skipped == (("vector", "layer with .svg source"),)
     assert workspace.metadata is None
     assert not nm.unpack(workspace).has_metadata
 

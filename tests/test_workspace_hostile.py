@@ -52,18 +52,18 @@ def test_a_good_one_is_read(ora):
 
 @pytest.mark.parametrize("name", ["../../etc/x.png", "/etc/x.png", "data/../../x.png", "c:/x.png", "a\\..\\b.png"])
 def test_paths_that_point_outside(ora, name):
-    refuses(ora([(name, b"x")]), "which points outside; no editor writes such")
+    refuses(ora([(name, b"x")]), "whose path is not safe; save it again")
 
 
 def test_links(ora):
     link = zipfile.ZipInfo("data/link.png")
     link.external_attr = 0o120777 << 16
-    refuses(ora([(link, b"/etc/passwd")]), "holds a link, 'data/link.png'")
+    refuses(ora([(link, b"/etc/passwd")]), "holds the link 'data/link.png'; save it again without links")
 
 
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 def test_two_entries_of_one_name(ora):
-    refuses(ora([("data/a.png", b"x")]), r"holds two entries 'data/a\.png'")
+    refuses(ora([("data/a.png", b"x")]), r"holds two entries named 'data/a\.png'")
 
 
 def test_encrypted_entries_and_strange_compression(ora):
@@ -73,7 +73,7 @@ def test_encrypted_entries_and_strange_compression(ora):
     data[at + 8] |= 1
     path.write_bytes(data)
     refuses(path, "holds the encrypted entry 'mimetype'; save it without a password")
-    refuses(ora(compression=zipfile.ZIP_BZIP2), "is compressed in a way that ORA does not know")
+    refuses(ora(compression=zipfile.ZIP_BZIP2), "has an unsupported compression; save it again")
 
 
 def test_a_bomb_by_what_it_claims(ora):
@@ -86,22 +86,22 @@ def test_a_bomb_that_lies_about_its_size(ora):
     path = ora([("nmaptool.json", b" " * 40_000_000)], compression=zipfile.ZIP_DEFLATED)
     data = path.read_bytes()
     path.write_bytes(data.replace(struct.pack("<I", 40_000_000), struct.pack("<I", 1000)))
-    refuses(path, "cut short or damaged")
+    refuses(path, "truncated or damaged")
     path.write_bytes(data.replace(struct.pack("<I", 40_000_000), struct.pack("<I", 4_000_000_000)))
-    refuses(path, "claims to unpack to more than its data can hold")
+    refuses(path, "declares a larger size than its data can unpack to")
 
 
 def test_too_many_entries_and_directories_that_lie(ora):
-    refuses(ora([(f"{i}", b"") for i in range(20_001)]), "claims 20004 entries", nm.LimitError)
+    refuses(ora([(f"{i}", b"") for i in range(20_001)]), "declares 20004 entries", nm.LimitError)
     path = ora()
     data = bytearray(path.read_bytes())
     end = data.rfind(b"PK\5\6")
     data[end + 12 : end + 16] = struct.pack("<I", 0xFFFFFFF0)
     path.write_bytes(data)
-    refuses(path, "entries; accepted are at most 20000", nm.LimitError)
+    refuses(path, "entries; the limit is 20000", nm.LimitError)
     data[end + 10 : end + 16] = b"\xff" * 6
     path.write_bytes(data)
-    refuses(path, "64-bit zip", nm.LimitError)
+    refuses(path, "64-bit ZIP archive", nm.LimitError)
 
 
 @pytest.mark.parametrize(
@@ -120,14 +120,14 @@ def test_document_types_and_entities(ora, text):
     [
         (b"\xff\xfe<\0", r"stack\.xml: is damaged"),
         ("<image", r"stack\.xml: is damaged"),
-        ("<svg/>", "cut short or damaged"),
-        ('<image w="0" h="8"><stack/></image>', "says w=0, which cannot be meant"),
-        ('<image w="nan" h="8"><stack/></image>', "says w=nan, which cannot be meant"),
-        ('<image w="x" h="8"><stack/></image>', "cut short or damaged"),
-        (STACK.format('<layer name="a" src="data/b.png"/>'), r"lists 'data/b\.png', which is not in it"),
-        (STACK.format('<layer src="data/a.png" x="1e30"/>'), "says x=1e.30, which cannot be meant"),
-        (STACK.format('<layer src="data/a.png" opacity="half"/>'), "cut short or damaged"),
-        (STACK.format(""), "holds no layer of pixels"),
+        ("<svg/>", "truncated or damaged"),
+        ('<image w="0" h="8"><stack/></image>', "has w=0, which is out of range"),
+        ('<image w="nan" h="8"><stack/></image>', "has w=nan, which is out of range"),
+        ('<image w="x" h="8"><stack/></image>', "truncated or damaged"),
+        (STACK.format('<layer name="a" src="data/b.png"/>'), r"lists 'data/b\.png' but does not contain it"),
+        (STACK.format('<layer src="data/a.png" x="1e30"/>'), "has x=1e.30, which is out of range"),
+        (STACK.format('<layer src="data/a.png" opacity="half"/>'), "truncated or damaged"),
+        (STACK.format(""), "has no pixel layer"),
         (STACK.format("<stack>" * 80 + "</stack>" * 80), "nested more than 64 levels deep"),
     ],
 )
@@ -147,9 +147,9 @@ def test_sizes_over_the_limit(ora, tmp_path, png):
 
 
 def test_zips_that_are_no_ora(ora):
-    refuses(ora(drop=("stack.xml",)), r"is a zip without stack\.xml")
-    refuses(ora([("mimetype", b"application/zip")], drop=("mimetype",)), "is a zip but no OpenRaster file")
-    refuses(ora([("data/a.png", b"hello")], drop=("data/a.png",)), "cut short or damaged")
+    refuses(ora(drop=("stack.xml",)), r"is a ZIP archive without stack\.xml, not an OpenRaster file")
+    refuses(ora([("mimetype", b"application/zip")], drop=("mimetype",)), "is a ZIP archive but not an OpenRaster file")
+    refuses(ora([("data/a.png", b"hello")], drop=("data/a.png",)), "truncated or damaged")
 
 
 def patched(path, at, data):
@@ -172,9 +172,9 @@ def psd(tmp_path):
         (24, b"\0\4", "is a CMYK picture; normal maps need RGB"),
         (24, b"\0\1", "is a grey picture"),
         (24, b"\0\x63", "is a picture of an unknown colour mode"),
-        (22, b"\0\1", "has 1 bits a channel; accepted are 8, 16 and 32"),
-        (12, b"\0\0", "cut short or damaged"),
-        (14, b"\0\0\0\0", "cut short or damaged"),
+        (22, b"\0\1", "has a depth of 1 per channel; use 8, 16 or 32 bits"),
+        (12, b"\0\0", "truncated or damaged"),
+        (14, b"\0\0\0\0", "truncated or damaged"),
     ],
 )
 def test_psd_headers(psd, at, data, message):
@@ -188,7 +188,9 @@ def test_psd_sizes(psd):
     record = struct.pack(">4i", 0, 0, 90, 100)
     at = psd.read_bytes().find(record)
     refuses(patched(psd, at, struct.pack(">4i", 0, 0, 30_000, 30_000)), "layer 'base': 30000 x 30000", nm.LimitError)
-    refuses(patched(psd, at, struct.pack(">4i", -(2**31), 0, 2**31 - 1, 1)), "sides up to 300000", nm.LimitError)
+    refuses(
+        patched(psd, at, struct.pack(">4i", -(2**31), 0, 2**31 - 1, 1)), "the limit is 300000 px a side", nm.LimitError
+    )
 
 
 @pytest.mark.parametrize("name", ["a.psd", "a.ora", "a.tif", "a.exr"])
@@ -197,14 +199,14 @@ def test_cut_short(tmp_path, name):
     data = (tmp_path / name).read_bytes()
     for share in (0.1, 0.5, 0.9):
         (tmp_path / name).write_bytes(data[: int(len(data) * share)])
-        refuses(tmp_path / name, "cut short or damaged|cannot be decoded|header claims more")
+        refuses(tmp_path / name, "truncated or damaged|cannot be decoded|header claims more")
 
 
 def test_wrong_endings_and_other_files(tmp_path, psd):
-    refuses(psd.rename(tmp_path / "b.ora"), r"holds PSD data but is not named so; rename it to b\.psd")
+    refuses(psd.rename(tmp_path / "b.ora"), r"holds PSD data; rename it to b\.psd")
     for name, data, message in (
-        ("a.xcf", b"gimp xcf v011\0", "is GIMP's own format, which is not read here; export it as PSD"),
-        ("a.psd", b"hello world", "is no workspace that can be read here; accepted are PSD, PSB, ORA, TIFF or EXR"),
+        ("a.xcf", b"gimp xcf v011\0", "is in GIMP's own format, which is not supported; export it as PSD"),
+        ("a.psd", b"hello world", "is not a workspace in a supported format; export it as PSD, PSB, ORA, TIFF or EXR"),
         ("b.psd", b"", "is empty"),
     ):
         (tmp_path / name).write_bytes(data)

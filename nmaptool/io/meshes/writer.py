@@ -1,4 +1,4 @@
-"""Meshes through trimesh, in millimetres; GLB in metres."""
+"""Write meshes through trimesh, in millimetres; GLB in metres."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from nmaptool.types.mesh import Mesh
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
-    """Write triangles: binary STL and PLY, OBJ, with coordinates in mm; or GLB in metres, as its specification says.
+    """Write a mesh: binary STL, binary PLY or OBJ in mm, or GLB in metres, as its specification requires.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
     Raises
     ------
     UsageError
-        If the ending is not offered.
+        If the extension is not supported.
     OutputError
         If it cannot be written.
     """
@@ -39,7 +39,7 @@ def _write_triangles(mesh: Mesh, path: Path) -> None:
     in_metres = kind == ".glb"
     vertices = mesh.vertices_mm / 1000 if in_metres else mesh.vertices_mm
     shape = trimesh.Trimesh(vertices, mesh.faces, process=False, metadata={"units": "m" if in_metres else "mm"})
-    # OBJ has a fixed number of decimals, which must do for a mesh of any size
+    # OBJ is written with fixed decimals, which must suffice for a mesh of any size
     decimals = {"digits": _decimals(vertices)} if kind == ".obj" else {}
     data = shape.export(file_type=kind[1:], **decimals)
     try:
@@ -49,6 +49,6 @@ def _write_triangles(mesh: Mesh, path: Path) -> None:
 
 
 def _decimals(vertices: Float64) -> int:
-    """At least as many as tell 1e-9 of the largest coordinate, and no fewer than 8."""
+    """The decimals that resolve 1e-9 of the largest coordinate, at least 8."""
     largest = float(np.abs(vertices).max(initial=0.0))
     return 8 if not largest > 0 else max(8, 9 - math.floor(math.log10(largest)))

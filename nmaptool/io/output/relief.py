@@ -1,4 +1,4 @@
-"""A relief to files: heights, meshes, a preview and a report."""
+"""Write a relief to files: heights, meshes, a preview and a report."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from nmaptool.types.relief import Relief
 
 
 class _Surface:
-    """What the files of a relief share."""
+    """The data that the files of a relief share."""
 
     def __init__(self, at: HeightsAt, relief: Relief, metadata: Metadata) -> None:
         recipe = {key: metadata[key] for key in ("options", "reading", "files") if key in metadata}
@@ -32,7 +32,7 @@ class _Surface:
 
     @cached_property
     def mesh(self) -> Mesh:
-        """The surface as a mesh, made once for all files of one."""
+        """The surface as a mesh, made once for all mesh files."""
         return surface_mesh(self.height)
 
 
@@ -66,23 +66,23 @@ def write_relief(
     ----------
     relief : Relief
     *outputs : str, Path or OutputStream
-        Heights and meshes, by ending: .exr .tif .npy .png .stl .ply .obj .glb.
+        Heights and meshes; the extension sets the format: .exr .tif .npy .png .stl .ply .obj .glb.
     preview : str, Path or OutputStream, optional
         Shaded picture, .png.
     report : str, Path or OutputStream, optional
-        JSON account of the run.
+        JSON report of the run.
     overwrite : bool
         Replace files that exist.
     metadata : mapping, optional
         What to put in the report. Default: ``relief.report.to_dict()``.
     at : str
-        Where height files hold heights: "centers" of the pixels, or their "corners", which lose nothing. Meshes have
-        the heights of the corners either way.
+        Where height files hold heights: at the "centers" of the pixels, or without loss at their "corners". Meshes
+        always have the heights of the corners.
 
     Raises
     ------
     UsageError
-        If a relief is not written with an ending, or the preview is not named .png.
+        If an extension is not supported for reliefs, or the preview is not a .png file.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
 
