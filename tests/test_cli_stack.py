@@ -139,7 +139,7 @@ def test_files_outside_are_told(run, folder):
         (
             2,
             '[[layer]]\nfile = "leaf.png"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "9mm,0"',
-            "scene.toml: b: 9mm: the size of a pixel is not known; say --width 100mm",
+            "scene.toml: b: 9mm: the size of a pixel is not known; give --width 100mm",
         ),
         (4, '[canvas]\nsize = "99999x99999"\n[[layer]]\nfile = "leaf.png"', "scene.toml: a canvas of 99999 x 99999 is"),
     ],

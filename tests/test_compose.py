@@ -149,7 +149,7 @@ def test_a_width_in_mm_sets_the_scale(ground, sticker):
     bare = as_map(ground.normals)
     with pytest.raises(nm.UsageError, match="`scale='30mm'`: the size of a pixel is not known"):
         paste(bare, laid(sticker, scale="30mm"))
-    with pytest.raises(nm.UsageError, match="sticker: 5mm: the size of a pixel is not known; say `width='100mm'`"):
+    with pytest.raises(nm.UsageError, match="sticker: 5mm: the size of a pixel is not known; give `width='100mm'`"):
         paste(bare, laid(sticker, at="5mm,0"))
     assert paste(bare, laid(sticker, at="5mm,5mm"), width=nm.length("40mm")).normal_map.frame.pitch_mm == 0.5
 

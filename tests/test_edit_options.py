@@ -12,7 +12,7 @@ LAYER, TRANSFORM = nm.LayerOptions, nm.TransformOptions
     [
         (LAYER, {"mode": "screen"}, "`mode='screen'`: use one of over, rnm, pd"),
         (LAYER, {"anchor": "middle"}, "`anchor='middle'`: use one of center, top-left"),
-        (LAYER, {"at": "5px"}, "`at='5px'`: expected 2 distances with commas, such as 30%,12mm"),
+        (LAYER, {"at": "5px"}, "`at='5px'`: expected 2 distances separated by commas, such as 30%,12mm"),
         (LAYER, {"at": "5,6"}, "`at=.*: distance '5': expected a number with a unit"),
         (LAYER, {"strength": 1.5}, '`strength=1.5`: must lie between 0 and 1 where the mode is "over"'),
         (LAYER, {"strength": -1}, "`strength=-1`: must be zero or more"),
@@ -30,7 +30,7 @@ LAYER, TRANSFORM = nm.LayerOptions, nm.TransformOptions
         (
             nm.TransformOptions,
             {"crop": "1,2"},
-            "`crop='1,2'`: expected 4 distances with commas, such as 10%,10%,80%,50%",
+            "`crop='1,2'`: expected 4 distances separated by commas, such as 10%,10%,80%,50%",
         ),
         (TRANSFORM, {"crop": "a,0,1px,1px"}, "`crop=.*: distance 'a': expected a number with a unit"),
         (TRANSFORM, {"crop": "0,0,0,5px"}, "`crop='0,0,0,5px'`: width and height must be greater than zero"),

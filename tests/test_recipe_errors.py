@@ -35,7 +35,7 @@ def message_of(text, kind=nm.InputError):
         (f"rotate = 1{'0' * 400}", "rotate: found a number of more than 30 digits, which is too large"),
         ("height_factor = 5000", "height_factor = 5000: must lie between -1000 and 1000, such as 1"),
         ("at = 5", 'at: found the number 5, expected text in quotes, such as "30%,50%"'),
-        ('at = "30%"', 'at = "30%": expected 2 distances with commas, such as 30%,12mm'),
+        ('at = "30%"', 'at = "30%": expected 2 distances separated by commas, such as 30%,12mm'),
         ('at = "3,4"', "at = \"3,4\": distance '3': expected a number with a unit"),
         ('anchor = "middle"', 'anchor = "middle": use one of center, top-left'),
         ('mode = "multiply"', 'mode = "multiply": use one of over, rnm, pd'),
