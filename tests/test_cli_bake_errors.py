@@ -59,7 +59,7 @@ BAD_WORDS = [
     ("--pitch 2px", r"--pitch 2px: .*give it in mm, cm or in"),
     ("--pitch -1mm", r"--pitch=-1mm: must be greater than zero"),
     ("--pitch 1e9mm", r"--pitch 1e9mm: must lie between 1e-06 and 1e\+06"),
-    ("--width 10mm --pitch 1mm", r"--width and --pitch both say how large a pixel is"),
+    ("--width 10mm --pitch 1mm", r"--width and --pitch both set the size of a pixel"),
     ("--target 1,2", r"--target 1,2: expected three numbers, such as 0,12\.5,3"),
     ("--target 1,2,x", r"--target 1,2,x: expected three numbers"),
     ("--target 1,2,nan", r"--target nan: must lie between"),
@@ -83,7 +83,7 @@ BAD_WORDS = [
     ("--sigma-s -3", r"--sigma-s=-3: must lie between"),
     ("--sigma-s nan", r"--sigma-s nan: must lie between"),
     ("--sigma-s -2%", r"--sigma-s=-2%: must be greater than zero"),
-    ("--sigma-s 8px", r"--sigma-s 8px: a mesh has no pixels; give edges, mm or %"),
+    ("--sigma-s 8px", r"--sigma-s 8px: a mesh has no pixels; give edge lengths, mm or %"),
     ("--sigma-s much", rf"--sigma-s much: {NUMBER}"),
     ("--sigma-r 0", r"--sigma-r 0: must lie between 0\.01 and 10"),
     ("--sigma-r 11", r"--sigma-r 11: must lie between"),
@@ -152,10 +152,10 @@ def test_words_that_are_missing(refused, place):
 @pytest.mark.parametrize(
     ("words", "pattern"),
     [
-        ("--size 19999x9999", r"19999x9999: comes to 200 megapixels of layers .*limit of 100; .*--max-megapixels"),
-        ("--size 9999999x9999999", r"--size 9999999x9999999: comes to 1e\+08 megapixels"),
-        ("--size 60x50 --view front,left --max-megapixels 0.005", r"comes to 0\.006 megapixels .* the limit of 0\.005"),
-        ("--size 60x50 --supersample 4 --max-megapixels 0.004", r"comes to 0\.0048 megapixels .* limit of 0\.004"),
+        ("--size 19999x9999", r"19999x9999: needs 200 megapixels of layers .*limit of 100; .*--max-megapixels"),
+        ("--size 9999999x9999999", r"--size 9999999x9999999: needs 1e\+08 megapixels"),
+        ("--size 60x50 --view front,left --max-megapixels 0.005", r"needs 0\.006 megapixels .* the limit of 0\.005"),
+        ("--size 60x50 --supersample 4 --max-megapixels 0.004", r"needs 0\.0048 megapixels .* limit of 0\.004"),
         ("--max-faces 1151", r"plate\.obj: 1152 faces, more than the limit of 1151; .*raise --max-faces"),
     ],
 )

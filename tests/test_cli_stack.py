@@ -154,7 +154,7 @@ def test_words_that_are_wrong(refused, folder, feed):
     refused(2, "no output given: add one", "compose", "stack", scene)
     refused(3, "no.toml: no such file", "compose", "stack", folder / "no.toml", "-o", out)
     refused(2, "--size big: expected columns x rows", "compose", "stack", scene, "-o", out, "--size", "big")
-    refused(2, "--width 9px: the size of a pixel follows", "compose", "stack", scene, "-o", out, "--width", "9px")
+    refused(2, "--width 9px: sets the size of a pixel", "compose", "stack", scene, "-o", out, "--width", "9px")
     refused(2, "plate.exr: is also an input", "compose", "stack", scene, "-o", folder / "plate.exr", "--overwrite")
     refused(2, "wide.png: is also an input", "compose", "stack", scene, "-o", folder / "wide.png", "--overwrite")
     refused(5, "leaf.png: exists already", "compose", "stack", scene, "-o", folder / "leaf.png")
