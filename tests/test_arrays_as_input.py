@@ -224,8 +224,8 @@ def test_pictures_may_be_arrays(dome, codes, clean_map):
             UsageError,
             "the mask of layer must be an array",
         ),
-        (lambda: nm.compose(nm.Layer(whole())), UsageError, "the layers must be a list of Layer, found Layer"),
-        (lambda: nm.paste(whole(), 3), UsageError, "the layers must be a list of Layer, found int"),
+        (lambda: nm.compose(nm.Layer(whole())), UsageError, "the layers must be a list of Layer objects, found Layer"),
+        (lambda: nm.paste(whole(), 3), UsageError, "the layers must be a list of Layer objects, found int"),
         (lambda: nm.relief(whole(), mu_map="a"), UsageError, "`mu_map`: weighs the detail map"),
         (
             lambda: nm.relief(whole(), beta_map="a"),
