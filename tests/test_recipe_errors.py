@@ -67,8 +67,8 @@ def test_a_layers_key(line, message):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "scene.toml: holds no layer; start one with [[layer]]"),
-        ("layer = []", "scene.toml: holds no layer"),
+        ("", "scene.toml: has no layers; start one with [[layer]]"),
+        ("layer = []", "scene.toml: has no layers"),
         ('layers = "a"', "scene.toml: unknown key 'layers'; did you mean 'layer'?"),
         ('[layer]\nfile = "a"', "scene.toml: [layer] is one table; write [[layer]], with double brackets"),
         ("layer = 3", "scene.toml: layer: found the number 3, expected tables [[layer]]"),

@@ -163,7 +163,11 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
         (("pack", "base.exr", "-o", "w.psd", "--half"), 2, "--half is for EXR"),
         (("pack", "base.exr", "-o", "w.exr", "--half", "--bits", "16"), 2, "--half: applies to EXR only"),
         (("pack", "base.exr", "-o", "w.psd", "--at", "3"), 2, "--at 3: expected 2 distances"),
-        (("pack", "base.exr", "-o", "w.psd", "--at", "999999px,0"), 2, "accepted are places within 30000 px"),
+        (
+            ("pack", "base.exr", "-o", "w.psd", "--at", "999999px,0"),
+            2,
+            "is placed at 999999, 0; positions must be within 30000 px",
+        ),
         (("pack", "base.exr", "-o", "w.psd", "--name", "a", "--name", "b"), 2, "--name: given 2 times for 1 maps"),
         (("pack", "base.exr", "-o", "no/w.psd"), 5, "the folder no does not exist|does not exist; make it first"),
         (("pack", "base.exr", "-o", "base.exr"), 5, "exists already"),

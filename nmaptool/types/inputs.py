@@ -34,7 +34,7 @@ def as_normal_map(value: Any, what: str = "the map", mask: Float32 | None = None
     ----------
     value : NormalMap or (H, W, 3) float
     what : str
-        What to call it in messages, such as "the original".
+        Name for messages, such as "the original".
     mask : (H, W) float32, optional
         An array holds normals where this is above 0. Ignored for a NormalMap, which has its own coverage.
 
@@ -64,7 +64,7 @@ def as_raster(value: Any, what: str = "the picture") -> RasterImage:
     value : RasterImage or (H, W) or (H, W, 1 to 4) uint8, uint16 or float
         By number of channels: grey; red and green; red, green and blue; red, green, blue and alpha.
     what : str
-        What to call it in messages.
+        Name for messages.
 
     Raises
     ------

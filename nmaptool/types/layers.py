@@ -26,7 +26,7 @@ class Layer(OneLine):
     mask : (h, w) bool or float in [0, 1], optional
         Has the size of the map: 1 shows the layer, 0 hides it.
     mask_name : str
-        What to call the mask in messages, such as its file.
+        Name of the mask for messages, such as its file.
 
     Raises
     ------
@@ -69,7 +69,7 @@ class LayerGroup(OneLine):
     mask : (H, W) bool or float in [0, 1], optional
         Has the size of the canvas: 1 shows the group, 0 hides it.
     mask_name : str
-        What to call the mask in messages, such as its file.
+        Name of the mask for messages, such as its file.
     """
 
     layers: tuple[Layer | LayerGroup, ...]

@@ -33,7 +33,7 @@ class Mesh(OneLine):
     unit_from : str
         Source of ``mm_per_unit``: ``given``, ``file`` (fixed by its format) or ``assumed``.
     name : str
-        What to call the mesh in messages: a file name.
+        Name of the mesh for messages: a file name.
 
     Raises
     ------
@@ -100,7 +100,7 @@ class Mesh(OneLine):
         unit_from : str
             ``given``, or ``assumed`` if the unit is not known; unusual sizes are then reported.
         name : str
-            What to call the mesh in messages.
+            Name of the mesh for messages.
 
         Returns
         -------
