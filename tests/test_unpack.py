@@ -65,8 +65,8 @@ def test_findings_are_printed_and_the_exit_code_is_1(tmp_path, run):
     nm.write_workspace(packed(pixels=pixels), tmp_path / "w.psd")
     done = run("compose", "unpack", tmp_path / "w.psd", "-o", tmp_path / "out")
     assert done.code == 1
-    assert "! bumpy: was mirrored left to right without its vectors" in done.out
-    assert "    -> turn its vectors, too: transform the map with --flip-h --vectors-only" in done.out
+    assert "! bumpy: was mirrored left to right, but its vectors were not" in done.out
+    assert "    -> change its vectors too: transform the map with --flip-h --vectors-only" in done.out
     assert (tmp_path / "out" / "bumpy.exr").exists()
     done = run("compose", "unpack", tmp_path / "w.psd", "-o", tmp_path / "out", "--overwrite", "--json")
     assert done.code == 1

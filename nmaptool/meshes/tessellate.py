@@ -1,4 +1,4 @@
-"""A height field to triangles in mm: +x right, +y up, +z to the viewer, the picture's lower left corner at 0."""
+"""Triangulate height fields in mm: +x right, +y up, +z towards the viewer, the picture's lower left corner at 0."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def surface_mesh(height: Height | Relief) -> Mesh:
     Returns
     -------
     Mesh
-        In mm: +x right, +y up, +z to the viewer, the lower left corner of the picture at (0, 0).
+        In mm: +x right, +y up, +z towards the viewer, the lower left corner of the picture at (0, 0).
 
     Raises
     ------
     UsageError
-        If it is something else, such as an array, which does not know the size of a pixel.
+        If the value is neither, such as an array, which has no pixel size.
 
     Examples
     --------
