@@ -62,7 +62,7 @@ def parse_recipe(values: Mapping[str, Any], *, name: str = "recipe", folder: str
     Examples
     --------
     >>> nm.parse_recipe({"layer": [{"file": "plate.png"}, {"file": "leaf.png", "mode": "rnm"}]})
-    <Recipe recipe: 2 layers, 2 files, canvas that of the lowest layer>
+    <Recipe recipe: 2 layers, 2 files, canvas of the lowest layer's size>
     """
     known = _known(values, ("canvas", "layer"), name)
     canvas = CanvasOptions()

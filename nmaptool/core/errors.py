@@ -40,7 +40,7 @@ class UsageError(NmaptoolError, ValueError, exit_code=2):
 
 
 class InputError(NmaptoolError, ValueError, exit_code=3):
-    """A file or array that cannot be used as it is (exit code 3)."""
+    """A file or array that cannot be used (exit code 3)."""
 
 
 class LimitError(NmaptoolError, exit_code=4):

@@ -56,7 +56,7 @@ class Kind:
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """Any text; the options class parses it further if it has a syntax of its own."""
+    """Any text; the options class parses it further if it has a syntax."""
 
 
 @dataclass(frozen=True)

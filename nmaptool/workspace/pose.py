@@ -51,7 +51,7 @@ class Pose:
         return self == replace(Pose(), moved=self.moved, curl=self.curl)
 
     def findings(self) -> Iterator[tuple[str, str, str]]:
-        """Code, message and remedy of each finding."""
+        """Yield the code, message and remedy of each finding."""
         if self.turn != "none" and not self.vectors_turned:
             did, flags = _TURN_WORDS[self.turn]
             yield (

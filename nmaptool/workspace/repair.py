@@ -132,7 +132,7 @@ def _not_finite(layer: WorkspaceLayer) -> Mask | None:
 
 
 def _is_signed(layer: WorkspaceLayer) -> bool:
-    """Whether floats hold n: some are negative, or they are of unit length as they are."""
+    """Whether floats hold n: some are negative, or they are already of unit length."""
     if layer.pixels.dtype != np.float32:
         return False
     color = layer.pixels[..., :3][layer.alpha > 0.5]
