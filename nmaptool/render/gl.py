@@ -108,9 +108,7 @@ def _turned_to_viewer(points: Float64, faces: Faces) -> Faces:
     col, row = (np.ascontiguousarray(points[:, axis]) for axis in (0, 1))
     a, b, c = (np.ascontiguousarray(faces[:, k]) for k in range(3))
     left, top = col.take(a), row.take(a)
-    away = (col.take(b) - left) * (row.take(c) - top) > (col.take(c) - left) * (
-        row.take(b) - top
-    )  # row numbers increase downwards
+    away = (col.take(b) - left) * (row.take(c) - top) > (col.take(c) - left) * (row.take(b) - top)  # rows go down
     return np.column_stack([np.where(away, c, a), b, np.where(away, a, c)])
 
 

@@ -14,7 +14,7 @@ from nmaptool.workspace.pose import Pose
 from nmaptool.workspace.signature import Signature, smoothed
 
 _CLEAR = 0.02
-# mean difference of signatures, on a scale of 0 to 1: below, resampling and 8 bits; above, no longer similar
+# mean difference of signatures, 0 to 1: alike up to the first (resampling, 8 bits), unlike from the second
 _ALIKE, _UNLIKE = 0.004, 0.04
 _SLOPE_CAP = 2.0
 _LEAST_ANGLE_DEG = 2.0

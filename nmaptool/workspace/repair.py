@@ -212,7 +212,7 @@ def _editor_findings(layer: WorkspaceLayer) -> Iterator[tuple[str, str, str]]:
     if not layer.shown and layer.facts.get("visible") is not False:
         yield (
             "hidden",
-            "is hidden; it is kept and marked as hidden",
+            "is hidden; it is kept, marked as hidden",
             "delete it, or keep it: stack ignores hidden layers",
         )
     for what in layer.facts.get("not_kept", ()):
