@@ -75,15 +75,19 @@ def hollow():
         (
             (hollow(),),
             InputError,
-            r"^normals: 3 of 64 normals have no direction .* first at row 2, column 3; leave them out with a mask$",
+            r"^normals: normals without a direction .*: 3 of 64, .* row 2, column 3; exclude them with a mask$",
         ),
-        ((hollow(), np.arange(64).reshape(8, 8) > 32), InputError, "2 of 31 normals .* first at row 4, column 5"),
+        (
+            (hollow(), np.arange(64).reshape(8, 8) > 32),
+            InputError,
+            "normals without a direction .*: 2 of 31, the first at row 4, column 5",
+        ),
         ((whole()[..., :2],), InputError, r"^normals: found shape \(8, 8, 2\), expected \(H, W, 3\)$"),
         ((np.moveaxis(whole(), -1, 0),), InputError, r"components last, with numpy.moveaxis\(normals, 0, -1\)"),
         (
             (whole().astype(np.uint8),),
             InputError,
-            "normals: found uint8, expected floats from -1 to 1; turn codes",
+            "normals: found uint8, expected floats from -1 to 1; convert codes",
         ),
         ((np.zeros((0, 4, 3)),), InputError, "a picture of 4 x 0 pixels is empty"),
         (
@@ -224,8 +228,8 @@ def test_pictures_may_be_arrays(dome, codes, clean_map):
             UsageError,
             "the mask of layer must be an array",
         ),
-        (lambda: nm.compose(nm.Layer(whole())), UsageError, "the layers must be a list of Layer, found Layer"),
-        (lambda: nm.paste(whole(), 3), UsageError, "the layers must be a list of Layer, found int"),
+        (lambda: nm.compose(nm.Layer(whole())), UsageError, "the layers must be a list of Layer objects, found Layer"),
+        (lambda: nm.paste(whole(), 3), UsageError, "the layers must be a list of Layer objects, found int"),
         (lambda: nm.relief(whole(), mu_map="a"), UsageError, "`mu_map`: weighs the detail map"),
         (
             lambda: nm.relief(whole(), beta_map="a"),

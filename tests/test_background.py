@@ -267,7 +267,7 @@ def test_a_colour_that_is_no_normal_is_background_and_one_that_may_be_is_a_doubt
         pixels = on_backdrop(d.normals, d.inside, color).astype(np.uint8)
         back = nm.read_normal_map(png(tmp_path / f"{color[0]}.png", pixels))
         assert back.decoding.background == background
-    assert "is #c8c8c8; if that is background, say `background_color='#c8c8c8'`" in back.decoding.warnings[0]
+    assert "is #c8c8c8; if that is the background, use `background_color='#c8c8c8'`" in back.decoding.warnings[0]
 
 
 def test_flat_patches_cut_by_the_edge_are_no_backdrop(tmp_path, png):

@@ -255,7 +255,7 @@ def test_faces_wound_at_random_give_the_same_maps():
 
 def test_views_that_become_the_same_are_refused():
     assert len(nm.bake_views(sphere(6), nm.BakeOptions(**NUMPY, view="front,iso", azimuth=30.0))) == 2
-    with pytest.raises(nm.UsageError, match="`view='front,left'`: `azimuth` and `elevation` take the place of"):
+    with pytest.raises(nm.UsageError, match="`view='front,left'`: `azimuth` and `elevation` override the angles of"):
         nm.BakeOptions(view="front,left", azimuth=10.0)
 
 

@@ -107,10 +107,10 @@ def test_rays_go_from_the_surface_to_the_eye():
 
 
 def test_what_cannot_be_framed():
-    with pytest.raises(nm.UsageError, match="`margin='40px'`: leaves nothing of 100 x 80; use a smaller one"):
+    with pytest.raises(nm.UsageError, match="`margin='40px'`: leaves no room in 100 x 80 px; use a smaller one"):
         camera(margin=nm.length("40px"))
     edge_on = nm.Mesh(np.array([[0, 0, 0], [0, 0, 1.0], [0, 0, 3]]), np.array([[0, 1, 2]], np.int32))
-    with pytest.raises(nm.InputError, match="is seen edge-on from here; choose another `view`"):
+    with pytest.raises(nm.InputError, match="is seen exactly edge-on; choose another `view`"):
         camera(edge_on)
-    with pytest.raises(nm.UsageError, match="the camera stands inside the mesh; use a larger `pitch`"):
+    with pytest.raises(nm.UsageError, match="the camera is inside the mesh; use a larger `pitch`"):
         camera(sphere(4), fov=90.0, pitch=nm.length("0.001mm")).project(sphere(4).vertices)

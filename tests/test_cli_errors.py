@@ -48,7 +48,7 @@ BAD_MAPS = [
     ("folder", INPUT, r"folder\.png: is a folder"),
     ("cut", INPUT, r"cut\.png: .*truncated or damaged"),
     ("wrong", INPUT, r"wrong\.png: holds EXR data; rename it to wrong\.exr"),
-    ("nan", INPUT, r"nan\.exr: 1 pixel\(s\) hold NaN .* x=30, y=20"),
+    ("nan", INPUT, r"nan\.exr: found 1 pixel with NaN .* x=30, y=20"),
     ("one", INPUT, r"one\.png: has 1 channel.*needs red, green and blue"),
     ("two", INPUT, r"two\.png: has 2 channel.*needs red, green and blue"),
     ("huge", LIMIT, r"huge\.png: 100000 x 100000 is 10000 megapixels.*--max-megapixels"),

@@ -141,7 +141,7 @@ def test_files_outside_are_told(run, folder):
         (
             2,
             '[[layer]]\nfile = "leaf.png"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "9mm,0"',
-            r'scene.toml, line 3: layer 2 \(b\): 9mm: the size of a pixel is not known; say width = "100mm"',
+            r'scene.toml, line 3: layer 2 \(b\): 9mm: the size of a pixel is not known; give width = "100mm"',
         ),
         (4, '[canvas]\nsize = "99999x99999"\n[[layer]]\nfile = "leaf.png"', "scene.toml: a canvas of 99999 x 99999 is"),
     ],
@@ -156,7 +156,7 @@ def test_words_that_are_wrong(refused, folder, feed):
     refused(2, "no output given: add one", "compose", "stack", scene)
     refused(3, "no.toml: no such file", "compose", "stack", folder / "no.toml", "-o", out)
     refused(2, "--size big: expected columns x rows", "compose", "stack", scene, "-o", out, "--size", "big")
-    refused(2, "--width 9px: the size of a pixel follows", "compose", "stack", scene, "-o", out, "--width", "9px")
+    refused(2, "--width 9px: sets the size of a pixel", "compose", "stack", scene, "-o", out, "--width", "9px")
     refused(2, "plate.exr: is also an input", "compose", "stack", scene, "-o", folder / "plate.exr", "--overwrite")
     refused(2, "wide.png: is also an input", "compose", "stack", scene, "-o", folder / "wide.png", "--overwrite")
     refused(5, "leaf.png: already exists", "compose", "stack", scene, "-o", folder / "leaf.png")

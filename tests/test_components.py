@@ -126,7 +126,7 @@ def test_a_pair_beside_three_components_is_taken_by_name_only(tmp_path, picture)
 def test_grey_and_alpha_are_x_and_y_only_where_that_is_said(tmp_path, codes, png):
     normals = facing(6)
     path = png(tmp_path / "map.png", codes(normals, 16)[..., :2])
-    told = r"needs red, green and blue;.*if the two are x and y, say `components='xy'`"
+    told = r"needs red, green and blue;.*if the two are x and y, use `components='xy'`"
     with pytest.raises(nm.InputError, match=told):
         nm.read_normal_map(path)
     back = nm.read_normal_map(path, nm.ReadOptions(components="xy", green="up"))
@@ -238,7 +238,9 @@ def test_swizzles_of_two_components(tmp_path, codes, png, picture):
         nm.UsageError, match=r"two.exr: has no blue; take x and y from r and g, such as `swizzle='-g,r,b'`"
     ):
         nm.read_normal_map(two, nm.ReadOptions(swizzle="b,g,r"))
-    with pytest.raises(nm.UsageError, match=r"`swizzle='r,g,-b'`: z is made from x and y and points up; give it no"):
+    with pytest.raises(
+        nm.UsageError, match=r"`swizzle='r,g,-b'`: z is computed from x and y and is never negative; remove its minus"
+    ):
         nm.read_normal_map(two, nm.ReadOptions(swizzle="r,g,-b"))
     shuffled = png(tmp_path / "bgr.png", codes(normals, 16)[..., ::-1].copy())
     back = nm.read_normal_map(shuffled, nm.ReadOptions(components="xy", swizzle="b,g,r"))
@@ -247,12 +249,12 @@ def test_swizzles_of_two_components(tmp_path, codes, png, picture):
 
 def test_errors_of_two_components(tmp_path, codes, png, picture):
     grey = png(tmp_path / "grey.png", codes(facing(11))[..., :1])
-    with pytest.raises(nm.InputError, match=r"grey.png: has 1 channel\(s\) \(Y\); two numbers a pixel need two chan"):
+    with pytest.raises(nm.InputError, match=r"grey.png: has 1 channel \(Y\); a two-component map needs two chan"):
         nm.read_normal_map(grey, nm.ReadOptions(components="xy"))
     bad = facing(11)[..., :2].copy()
     bad[3, 4] = np.nan
     with pytest.raises(
-        nm.InputError, match=r"bad.exr: 1 pixel\(s\) hold NaN or infinite values, the first at x=4, y=3"
+        nm.InputError, match=r"bad.exr: found 1 pixel with NaN or infinite values, the first at x=4, y=3"
     ):
         nm.read_normal_map(picture(tmp_path / "bad.exr", bad, ("X", "Y")))
     with pytest.raises(nm.UsageError, match="`components='uv'`: use one of auto, xyz, xy, octahedral"):

@@ -149,7 +149,7 @@ def test_a_width_in_mm_sets_the_scale(ground, sticker):
     bare = as_map(ground.normals)
     with pytest.raises(nm.UsageError, match="`scale='30mm'`: the size of a pixel is not known"):
         paste(bare, laid(sticker, scale="30mm"))
-    with pytest.raises(nm.UsageError, match="sticker: 5mm: the size of a pixel is not known; say `width='100mm'`"):
+    with pytest.raises(nm.UsageError, match="sticker: 5mm: the size of a pixel is not known; give `width='100mm'`"):
         paste(bare, laid(sticker, at="5mm,0"))
     assert paste(bare, laid(sticker, at="5mm,5mm"), width=nm.length("40mm")).normal_map.frame.pitch_mm == 0.5
 
@@ -176,7 +176,7 @@ def test_masks_hide_and_must_fit(ground, sticker):
     shown = paste(ground, laid(sticker, mask, at="0,0", anchor="top-left")).placed[:20, :30]
     assert np.array_equal(shown, sticker.coverage * mask)
     for bad, message in (
-        (np.zeros((20, 30), np.float32), "the mask of sticker is empty"),
+        (np.zeros((20, 30), np.float32), "the mask of sticker is entirely black"),
         (np.ones((5, 6), np.float32), "the mask of sticker is 6 x 5, expected 30 x 20"),
         (np.full((20, 30), np.nan, np.float32), "the mask of sticker must lie between 0 and 1"),
     ):

@@ -269,7 +269,7 @@ def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
         ),
         (3, r"missing.png: ", maps["missing"], out),
         (3, r"one.png: has 1 channel", maps["one"], out),
-        (3, r"nan.exr: 1 pixel\(s\) hold NaN", maps["nan"], out),
+        (3, r"nan.exr: found 1 pixel with NaN", maps["nan"], out),
         (5, r"small.png: already exists; give another name, or --overwrite", clean, maps["small"]),
         (5, r"the folder .* does not exist", clean, tmp_path / "no" / "out.png"),
     )

@@ -206,7 +206,7 @@ def test_sigma_s_in_edges_in_mm_and_in_percent():
     bases = [nm.decompose_normals(mesh, nm.FilterOptions(sigma_s=size)).base for size in sizes]
     assert angles(bases[0], bases[1]).mean() < 1e-3
     assert angles(bases[0], bases[2]).mean() < 1e-3
-    with pytest.raises(nm.UsageError, match=r"`sigma_s='3px'`: a mesh has no pixels; give edges, mm or %"):
+    with pytest.raises(nm.UsageError, match=r"`sigma_s='3px'`: a mesh has no pixels; give edge lengths, mm or %"):
         nm.FilterOptions(sigma_s=nm.length("3px"))
 
 

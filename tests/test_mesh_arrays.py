@@ -22,10 +22,10 @@ def test_meshes_of_any_number_type(kind):
 @pytest.mark.parametrize(
     ("vertices", "faces", "error", "message"),
     [
-        (TRIANGLE, [[0, 1, 3]], InputError, "mesh: face 0 names vertex 3; expected whole numbers from 0 to 2"),
-        (TRIANGLE, [[0, 1, 2], [0, 1, -1]], InputError, "face 1 names vertex -1"),
-        (TRIANGLE, [[0, 1, 1.5]], InputError, "face 0 names vertex 1.5; expected whole numbers"),
-        (TRIANGLE, [[0, 1, np.nan]], InputError, "face 0 names vertex nan"),
+        (TRIANGLE, [[0, 1, 3]], InputError, "mesh: face 0 refers to vertex 3; expected whole numbers from 0 to 2"),
+        (TRIANGLE, [[0, 1, 2], [0, 1, -1]], InputError, "face 1 refers to vertex -1"),
+        (TRIANGLE, [[0, 1, 1.5]], InputError, "face 0 refers to vertex 1.5; expected whole numbers"),
+        (TRIANGLE, [[0, 1, np.nan]], InputError, "face 0 refers to vertex nan"),
         (
             TRIANGLE,
             [[0, 1, 2, 0]],
@@ -56,7 +56,7 @@ def test_meshes_go_to_trimesh_and_back():
     assert nm.Mesh.from_arrays(TRIANGLE, [[0, 1, 2]], 7).to_trimesh().units is None
     box.units = "furlongs per"
     for value, error, message in (
-        (box, InputError, "unit 'furlongs per' of the trimesh mesh is not known; give mm_per_unit"),
+        (box, InputError, "the trimesh mesh has the unknown unit 'furlongs per'; give mm_per_unit"),
         (trimesh.Scene(), UsageError, r"found a Scene; join its parts with scene.to_mesh\(\)"),
         ("a.stl", UsageError, "expected a trimesh.Trimesh, found str; use Mesh.from_arrays for arrays"),
     ):

@@ -239,9 +239,9 @@ def test_height_checks_its_parts():
     for z, domain, size, message in (
         (np.zeros((3, 4)), inside, frame, r"expected float64 \(4, 5\)"),
         (good, np.ones((4, 5), bool), frame, r"expected bool \(3, 4\)"),
-        (good, ~inside, frame, "no pixel in its domain"),
+        (good, ~inside, frame, "the domain of the height field is empty"),
         (np.full((4, 5), np.nan), inside, frame, "heights must be finite"),
-        (good, inside, nm.Frame(3, 4), "needs the size of a pixel"),
+        (good, inside, nm.Frame(3, 4), "needs a pixel size in mm; set pitch_mm of its frame"),
     ):
         with pytest.raises(InputError, match=message):
             nm.Height(z, domain, size)

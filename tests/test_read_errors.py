@@ -172,7 +172,7 @@ def test_a_value_that_is_no_number_where_the_map_is_defined(tmp_path, dome, pict
     normals[17, 5, 1] = normals[40, 50, 2] = value
     path = picture(tmp_path / f"map{ending}", normals)
     with pytest.raises(
-        nm.InputError, match=r"2 pixel\(s\) hold NaN or infinite values, the first at x=5, y=17; repair"
+        nm.InputError, match=r"found 2 pixels with NaN or infinite values, the first at x=5, y=17; repair"
     ):
         nm.read_normal_map(path)
 

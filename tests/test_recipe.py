@@ -130,7 +130,7 @@ def test_values_that_no_layer_can_have_are_refused_in_python_too():
         (lambda: nm.RecipeLayer("a.png", read={"max_megapixels": 1e9}), "unknown key 'max_megapixels'"),
         (lambda: nm.RecipeGroup(()), "group: a group needs at least one layer"),
         (lambda: nm.RecipeLink(""), "recipe: found nothing"),
-        (lambda: nm.Recipe(()), r"recipe: holds no layer; start one with \[\[layer\]\]"),
+        (lambda: nm.Recipe(()), r"recipe: has no layers; start one with \[\[layer\]\]"),
     ):
         with pytest.raises(nm.InputError, match=message):
             make()

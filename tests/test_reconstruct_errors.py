@@ -82,5 +82,5 @@ def test_options_that_cannot_be_meant(make, message):
 
 
 def test_a_figure_too_large():
-    with pytest.raises(LimitError, match=r"`size='9000x9000'`: more than the 16000000 pixels a figure may have"):
+    with pytest.raises(LimitError, match=r"`size='9000x9000'`: has more than 16000000 pixels"):
         nm.CompareOptions(size="9000x9000")

@@ -82,10 +82,10 @@ def test_no_public_value_prints_its_arrays(values):
         ("RasterImage", "<RasterImage image: 6 x 4 px, pitch unknown, channels R, G, B, 8-bit codes>"),
         ("Decoded", "<Decoded picture: 64 x 64 px, pitch unknown, background flat>"),
         ("Inspection", "<Inspection picture: 64 x 64 px, 8 bits, 1 finding (no-foreground)>"),
-        ("Mesh", "<Mesh mesh: 42 vertices, 80 faces, 1 mm to a unit (assumed)>"),
+        ("Mesh", "<Mesh mesh: 42 vertices, 80 faces, 1 mm per unit (assumed)>"),
         ("LayerGroup", "<LayerGroup group: 1 layer>"),
         ("Workspace", "<Workspace workspace: 32 x 32 px, 0.5 mm per px, 16 bits, 1 layer>"),
-        ("Recipe", "<Recipe recipe: 3 layers, 2 files, canvas that of the lowest layer>"),
+        ("Recipe", "<Recipe recipe: 3 layers, 2 files, canvas of the lowest layer's size>"),
         ("RecipeLink", "<RecipeLink recipe: layer 3 (other.toml): other.toml>"),
     ],
 )

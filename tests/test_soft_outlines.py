@@ -107,7 +107,7 @@ def test_a_plate_comes_back_from_a_workspace(tmp_path, run, refused):
     assert (again.coverage == 1).all()
     assert np.abs(again.normals - expected.normals).max() < 1e-6
     words = ("compose", "pack", tmp_path / "plate.exr", "-o", tmp_path / "work.psd")
-    refused(2, 'must lie between 0 and 1 where the mode is "over"', *words, "--strength", "5")
+    refused(2, 'must lie between 0 and 1 for the mode "over"', *words, "--strength", "5")
 
 
 @pytest.mark.parametrize("size", ["100x80", "137x110", "51x40", "30x24"])

@@ -106,7 +106,7 @@ def test_train_options_that_cannot_be_meant(changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"sigma_s": ()}, "sigma_s: 0 values, expected 1 to 16"),
+        ({"sigma_s": ()}, "`sigma_s`: found 0 values, expected 1 to 16"),
         ({"sigma_s": (0.0,)}, "`sigma_s=0`: must lie between 0.1 and 1000"),
         ({"sigma_r": (0.2, np.nan)}, "`sigma_r=nan`: must lie between 0.01 and 10"),
         ({"passes": 0}, "passes 0: must lie between 1 and 20"),

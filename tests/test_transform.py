@@ -171,7 +171,7 @@ def test_what_does_not_fit_is_an_input_error(noise, how, message):
 
 
 def test_millimetres_need_a_pitch_and_results_a_limit():
-    with pytest.raises(nm.UsageError, match="3mm: the size of a pixel is not known; say `width='100mm'`"):
+    with pytest.raises(nm.UsageError, match="3mm: the size of a pixel is not known; give `width='100mm'`"):
         moved(bump_map(), crop="3mm,0,3mm,3mm")
     with pytest.raises(nm.UsageError, match="`scale='3mm'`: the size of a pixel is not known"):
         moved(bump_map(), scale="3mm")

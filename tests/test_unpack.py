@@ -68,8 +68,8 @@ def test_findings_are_printed_and_the_exit_code_is_1(tmp_path, run):
     nm.write_workspace(packed(pixels=pixels), tmp_path / "w.psd")
     done = run("compose", "unpack", tmp_path / "w.psd", "-o", tmp_path / "out")
     assert done.code == 1
-    assert "! bumpy: was mirrored left to right without its vectors" in done.out
-    assert "    -> turn its vectors, too: transform the map with --flip-h --vectors-only" in done.out
+    assert "! bumpy: was mirrored left to right, but its vectors were not" in done.out
+    assert "    -> change its vectors too: transform the map with --flip-h --vectors-only" in done.out
     assert (tmp_path / "out" / "bumpy.exr").exists()
     done = run("compose", "unpack", tmp_path / "w.psd", "-o", tmp_path / "out", "--overwrite", "--json")
     assert done.code == 1
@@ -164,9 +164,13 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
         (("pack", "base.exr", "-o", "w.psd", "--bits", "32"), 2, r"--bits 32 is not supported"),
         (("pack", "base.exr", "-o", "w.psd", "--bits", "12"), 2, "--bits 12: use 8 or 16"),
         (("pack", "base.exr", "-o", "w.psd", "--half"), 2, "--half is for EXR"),
-        (("pack", "base.exr", "-o", "w.exr", "--half", "--bits", "16"), 2, "--half: is for EXR"),
+        (("pack", "base.exr", "-o", "w.exr", "--half", "--bits", "16"), 2, "--half: applies to EXR only"),
         (("pack", "base.exr", "-o", "w.psd", "--at", "3"), 2, "--at 3: expected 2 distances"),
-        (("pack", "base.exr", "-o", "w.psd", "--at", "999999px,0"), 2, "accepted are places within 30000 px"),
+        (
+            ("pack", "base.exr", "-o", "w.psd", "--at", "999999px,0"),
+            2,
+            "is placed at 999999, 0; positions must be within 30000 px",
+        ),
         (("pack", "base.exr", "-o", "w.psd", "--name", "a", "--name", "b"), 2, "--name: given 2 times for 1 maps"),
         (("pack", "base.exr", "-o", "no/w.psd"), 5, "the folder no does not exist|does not exist; create it first"),
         (("pack", "base.exr", "-o", "base.exr"), 5, "already exists"),

@@ -78,8 +78,8 @@ def test_clipping_effects_and_opacity_of_the_fill(psd):
     assert workspace.layers[0].opacity == pytest.approx(0.2)
     told = [finding.message for finding in nm.unpack(workspace).findings if finding.code == "not-kept"]
     assert told == [
-        "has clipping to the layer below, which is not in its pixels",
-        "has layer effects, which is not in its pixels",
+        "has clipping to the layer below, which its pixels do not include",
+        "has layer effects, which its pixels do not include",
     ]
 
 

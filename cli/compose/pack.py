@@ -53,7 +53,7 @@ class WorkspaceOutput(Options, group="Outputs"):
 
 
 @dataclass(frozen=True)
-class Layering(Options, group="Composing"):
+class Layering(Options, group="Layers"):
     """How the maps are placed in the layered file; each flag once for every map, bottom to top.
 
     Parameters

@@ -39,7 +39,7 @@ class RecipeFolder(Options, group="Inputs"):
 
 
 @dataclass(frozen=True)
-class StackCanvas(Options, group="Composing"):
+class StackCanvas(Options, group="Canvas"):
     """Replaces the canvas of the recipe.
 
     Parameters

@@ -70,7 +70,7 @@ def parse_recipe(
     Examples
     --------
     >>> nm.parse_recipe({"layer": [{"file": "plate.png"}, {"file": "leaf.png", "mode": "rnm"}]})
-    <Recipe recipe: 2 layers, 2 files, canvas that of the lowest layer>
+    <Recipe recipe: 2 layers, 2 files, canvas of the lowest layer's size>
     """
     top = Place(name, line_of)
     known = _known(values, ("canvas", "layer"), top)

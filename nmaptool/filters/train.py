@@ -85,7 +85,7 @@ def training_example(mesh: Mesh, filter: FilterOptions | None = None) -> Trainin
     --------
     >>> import trimesh
     >>> nm.training_example(nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1)))
-    <TrainingExample of mesh: 42 vertices, 80 faces, 1 mm to a unit (assumed)>
+    <TrainingExample of mesh: 42 vertices, 80 faces, 1 mm per unit (assumed)>
     """
     prepared = prepare_mesh(mesh, filter or FilterOptions(filter="grnf"))
     metadata = {"name": mesh.name, **plain_values(prepared.filter)}

@@ -1,4 +1,4 @@
-"""A height field to triangles in mm: +x right, +y up, +z to the viewer, the picture's lower left corner at 0."""
+"""Triangulate height fields in mm: +x right, +y up, +z towards the viewer, the picture's lower left corner at 0."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ def surface_mesh(height: Height | Relief) -> Mesh:
     Returns
     -------
     Mesh
-        In mm: +x right, +y up, +z to the viewer, the lower left corner of the picture at (0, 0).
+        In mm: +x right, +y up, +z towards the viewer, the lower left corner of the picture at (0, 0).
 
     Raises
     ------
     UsageError
-        If it is something else, such as an array, which does not know the size of a pixel.
+        If the value is neither, such as an array, which has no pixel size.
 
     Examples
     --------
     >>> height = nm.Height(np.zeros((3, 4)), np.ones((2, 3), bool), nm.Frame(2, 3, pitch_mm=0.5))
     >>> nm.surface_mesh(height)
-    <Mesh mesh: 12 vertices, 12 faces, 1 mm to a unit (assumed)>
+    <Mesh mesh: 12 vertices, 12 faces, 1 mm per unit (assumed)>
     """
     height = as_height(height)
     rows = height.frame.rows

@@ -56,12 +56,12 @@ class Kind:
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """Any text; the options class parses it further if it has a syntax of its own."""
+    """Any text; the options class parses it further if it has a syntax."""
 
 
 @dataclass(frozen=True)
 class SignedText(Text):
-    """Text that may begin with a minus sign, such as numbers with commas between them."""
+    """Text that may begin with a minus sign, such as numbers separated by commas."""
 
     signed: ClassVar[bool] = True
 
@@ -81,12 +81,12 @@ class Choice(Kind):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The accepted names, those added at run time included."""
+        """The accepted names, including those added at run time."""
         return tuple(self._now())
 
     @property
     def descriptions(self) -> dict[str, str]:
-        """What each name means, if the table has descriptions."""
+        """The meaning of each name; empty if the table has no descriptions."""
         now = self._now()
         return dict(now) if isinstance(now, Mapping) else {}
 

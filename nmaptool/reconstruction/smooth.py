@@ -67,7 +67,7 @@ def smooth(
     >>> import trimesh
     >>> box = nm.Mesh.from_trimesh(trimesh.creation.box().subdivide().subdivide())
     >>> nm.smooth(box, nm.SmoothOptions(detail_gain=2)).mesh
-    <Mesh mesh: 98 vertices, 192 faces, 1 mm to a unit (assumed)>
+    <Mesh mesh: 98 vertices, 192 faces, 1 mm per unit (assumed)>
     """
     options = options or SmoothOptions()
     stages = Stages()

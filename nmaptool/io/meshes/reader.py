@@ -66,7 +66,7 @@ def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX
     Examples
     --------
     >>> nm.read_mesh("samples/rings.ply", unit="mm")
-    <Mesh samples/rings.ply: 12096 vertices, 24192 faces, 1 mm to a unit (given)>
+    <Mesh samples/rings.ply: 12096 vertices, 24192 faces, 1 mm per unit (given)>
     """
     if unit is not None and unit not in _MM:
         raise UsageError(f"`unit={unit!r}`: use one of {', '.join(_MM)}")

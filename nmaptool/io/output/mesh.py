@@ -60,6 +60,6 @@ def write_mesh(
     >>> mesh = nm.Mesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     >>> nm.write_mesh(mesh, "triangle.ply", "triangle.obj")
     >>> nm.read_mesh("triangle.ply")
-    <Mesh triangle.ply: 3 vertices, 1 face, 1 mm to a unit (assumed)>
+    <Mesh triangle.ply: 3 vertices, 1 face, 1 mm per unit (assumed)>
     """
     mesh_outputs(outputs, report=report, overwrite=overwrite).write(mesh, mesh_metadata(mesh, metadata))

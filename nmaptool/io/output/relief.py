@@ -91,7 +91,7 @@ def write_relief(
     >>> relief = nm.relief(np.dstack([np.full((8, 8), 0.5), np.zeros((8, 8)), np.ones((8, 8))]))
     >>> nm.write_relief(relief, "relief.stl", "heights.npy", preview="relief.png")
     >>> nm.read_mesh("relief.stl")
-    <Mesh relief.stl: 384 vertices, 128 faces, 1 mm to a unit (assumed)>
+    <Mesh relief.stl: 384 vertices, 128 faces, 1 mm per unit (assumed)>
     """
     plan = relief_outputs(outputs, preview=preview, report=report, overwrite=overwrite, at=at)
     plan.write(relief, relief.report.to_dict() if metadata is None else metadata)
