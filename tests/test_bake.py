@@ -215,7 +215,7 @@ def test_millimetres_are_those_of_the_width():
 
 
 def test_edges_so_long_that_forms_become_detail_are_warned_of():
-    assert any("its edges are long: sigma_s comes to" in w for w in baked(sphere(8), {}).report.warnings)
+    assert any("the edges are long: `sigma_s` is " in w for w in baked(sphere(8), {}).report.warnings)
     assert not any("edges are long" in w for w in baked(sphere(8), {"sigma_s": "2%"}).report.warnings)
     assert not any("edges are long" in w for w in baked(sphere(60), {}).report.warnings)
 

@@ -83,7 +83,7 @@ def test_a_state_of_other_options_is_refused(run, meshes, refused, tmp_path):
     state = tmp_path / "state.npz"
     nm.write_training(nm.TrainingState("another"), state)
     words = ("-o", tmp_path / "f.npz", "--state", state)
-    refused(3, r"state\.npz: is of a training with other meshes or options", "train", *meshes, *QUICK, *words)
+    refused(3, r"state\.npz: belongs to a training with other meshes or options", "train", *meshes, *QUICK, *words)
 
 
 def test_bake_smooth_and_compare_take_a_filter(run, meshes, trained, tmp_path):
@@ -155,7 +155,7 @@ def test_too_few_faces(refused, tmp_path):
     few.write_bytes(obj(mesh.vertices, mesh.faces[:300]))
     refused(
         3,
-        "300 faces in all: too few to learn from; give more meshes, or denser ones",
+        "the meshes have only 300 faces in total, but training needs at least 500; give more meshes, or denser ones",
         "train",
         few,
         "-o",

@@ -69,7 +69,7 @@ def test_what_is_dropped_is_told_and_faces_keep_their_order():
 
 
 def test_long_edges_are_told():
-    assert "its edges are long: sigma_s comes to" in nm.smooth(knobbly(6)).report.warnings[0]
+    assert "the edges are long: `sigma_s` is " in nm.smooth(knobbly(6)).report.warnings[0]
 
 
 def test_what_goes_wrong_is_told():
