@@ -87,7 +87,7 @@ def test_a_closed_mesh_tells_its_volume(run, place):
 def test_warnings_are_said(run, place):
     (place / "twice.obj").write_bytes(obj(VERTICES, [*FACES, FACES[0]]))
     done = run("smooth", "twice.obj", "-o", "m.stl")
-    assert "nmap: warning: twice.obj: 1 faces without area, with NaN or twice there were dropped\n" in done.err
+    assert "nmap: warning: twice.obj: dropped faces (without area, with NaN, or duplicate): 1\n" in done.err
 
 
 def test_minus_signs_are_values(run, place):

@@ -140,7 +140,7 @@ def test_what_train_cannot_do(run, meshes, refused, trained, tmp_path):
 def test_what_a_filter_cannot_do(run, meshes, refused, trained, tmp_path):
     for command, out in (("bake", tmp_path / "m"), ("smooth", tmp_path / "s.stl"), ("compare", tmp_path / "c.png")):
         words = (command, meshes[0], "-o", out)
-        refused(2, "--model: belongs to --filter learned, not to rnf", *words, "--model", trained)
+        refused(2, "--model: only applies to --filter learned, found rnf", *words, "--model", trained)
         refused(2, "--sigma-r 0.3: a learned filter has no parameters; leave it out", *words, "--filter", "learned",
                 "--sigma-r", "0.3")  # fmt: skip
         words = (*words, "--filter", "learned", "--model")

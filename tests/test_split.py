@@ -74,7 +74,7 @@ def test_sizes_in_px_mm_and_percent(bumpy):
     unknown = nm.NormalMap(whole.normals, whole.coverage, nm.Frame(128, 128), name="dome.png")
     with pytest.raises(nm.UsageError, match=r"`sigma_s='2mm'`: the pitch of dome.png is unknown; give px or %"):
         nm.split(unknown, nm.SplitOptions(sigma_s=nm.length("2mm")))
-    with pytest.raises(nm.UsageError, match=r"`sigma_s='0.1px'`: is 0.1 px here; use at least 0.3px"):
+    with pytest.raises(nm.UsageError, match=r"`sigma_s='0.1px'`: is only 0.1 px here; use at least 0.3px"):
         nm.split(whole, nm.SplitOptions(sigma_s=nm.length("0.1px")))
 
 
