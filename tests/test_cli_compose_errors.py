@@ -151,16 +151,19 @@ BAD_INPUTS = {
     (INPUT, "paste"): [
         ("base.exr missing.exr", r"missing\.exr: no such file"),
         ("one.exr motif.exr", r"one\.exr: has 1 channel"),
-        ("base.exr clear.exr", r"clear\.exr: covers nothing where it lies; .*alpha"),
-        ("motif.exr detail.exr --at 0,0 --scale .1 --mode rnm", r"detail\.exr: lies on nothing: mode \"rnm\""),
+        ("base.exr clear.exr", r"clear\.exr: covers no pixel of the canvas; .*alpha"),
+        ("motif.exr detail.exr --at 0,0 --scale .1 --mode rnm", r"detail\.exr: mode \"rnm\" needs a surface below it"),
     ],
     (INPUT, PASTE): [
         ("nan.exr", r"nan\.exr: 1 pixel\(s\) hold NaN"),
         ("--mask black20.png", r"black20\.png: the mask of motif\.exr is empty"),
         ("--mask black.png", r"black\.png: the mask of motif\.exr is 40 x 30, expected 20 x 20"),
-        ("--at 100px,0", r"motif\.exr: lies fully off the canvas of 40 x 30 px: from 90,-10 to 110,10 px"),
-        ("--at=-9px,-9px --anchor right", r"motif\.exr: lies fully off the canvas"),
-        ("--scale 0.001", r"motif\.exr: covers nothing where it lies; .*scale"),
+        (
+            "--at 100px,0",
+            r"motif\.exr: is entirely outside the canvas of 40 x 30 px: it extends from 90,-10 to 110,10 px",
+        ),
+        ("--at=-9px,-9px --anchor right", r"motif\.exr: is entirely outside the canvas"),
+        ("--scale 0.001", r"motif\.exr: covers no pixel of the canvas; .*scale"),
     ],
     (LIMIT, PASTE): [("--max-megapixels 0.001", r"base\.exr: 40 x 30 is 0\.0012 megapixels, more than the limit")],
     (INPUT, "transform"): [("missing.exr", r"missing\.exr: no such file")],
@@ -169,9 +172,9 @@ BAD_INPUTS = {
         ("--crop -1px,0,9px,9px", r"base\.exr: --crop=.* is 9 x 9 px at -1,0, .*; make .* --pad"),
     ],
     (LIMIT, TRANSFORM): [
-        ("--scale 1000", r"base\.exr: a result of 40000 x 30000 px is more than .*--max-megapixels"),
+        ("--scale 1000", r"base\.exr: the result of 40000 x 30000 px exceeds .*--max-megapixels"),
         ("--pad 1e6%", r"base\.exr: a result of \d+ x \d+ px is more than the limit of 270"),
-        ("--resize 40000x2", r"base\.exr: with a side of more than 32000 px it cannot be turned or"),
+        ("--resize 40000x2", r"base\.exr: has a side of more than 32000 px, the limit for rotating and"),
         ("--affine 1e6,0,0,1e6", r"base\.exr: a result of 40000000 x 30000000 px"),
     ],
 }
@@ -194,10 +197,10 @@ def test_standard_input_goes_by_that_name(run, fails, place, monkeypatch):
     files = {"good": (place / "motif.exr").read_bytes(), "bad": b"hello", "none": b""}
     for given, words, pattern in (
         ("good", "blend base.exr -", r"standard input is 20 x 20, but base\.exr is 40 x 30"),
-        ("good", "paste base.exr - --at 100px,0", r"standard input: lies fully off the canvas"),
+        ("good", "paste base.exr - --at 100px,0", r"standard input: is entirely outside the canvas"),
         ("good", "paste base.exr - --mask black20.png", r"black20\.png: the mask of standard input is empty"),
         ("good", "transform - --pad 9mm", r"9mm: the size of a pixel is not known"),
-        ("good", "transform - --scale 1000 --max-megapixels 1", r"standard input: a result of 20000 x 20000"),
+        ("good", "transform - --scale 1000 --max-megapixels 1", r"standard input: the result of 20000 x 20000"),
         ("bad", "transform -", r"standard input: is not a picture"),
         ("none", "paste - motif.exr", r"standard input: is empty"),
         ("good", "paste - -", r"standard input: can be read only once"),

@@ -176,7 +176,7 @@ def test_compare_to_standard_output(run, place):
         ("-o -", r"-: a figure is written to a file, such as -o figure\.png"),
         ("", r"no output given: add one, such as -o figure\.png"),
         ("-o f.png --report r.txt", r"r\.txt: a report is written as \.json"),
-        ("-o f.png --scheme poisson", r"--scheme poisson: is what gSfG is compared with"),
+        ("-o f.png --scheme poisson", r"--scheme poisson: Poisson is always compared; choose"),
         ("-o f.png --view up", r"--view up: use one of front, back"),
         ("-o f.png --size 3", r"--size 3: expected columns x rows"),
     ],
