@@ -79,7 +79,7 @@ BAD_WORDS = [
     (PASTE, "--scale 1,2,3", r"--scale 1,2,3: expected one or two"),
     (PASTE, "--scale wide", r"--scale wide: expected a factor, two with a comma, or a width such as 30mm"),
     (PASTE, "--scale 1e6px", r"--scale 1000000px: is 5e\+04 times the layer's size; use 0\.001 to 1000 times"),
-    (PASTE, "--scale 5mm", r"--scale 5mm: the size of .* not known; say --width 100mm"),
+    (PASTE, "--scale 5mm", r"--scale 5mm: the size of .* not known; give --width 100mm"),
     (PASTE, "--at 5mm,0", r"motif\.exr: 5mm: the size of a pixel is not known; say --width 100mm, or use px or %"),
     (PASTE, "--feather 5mm", r"motif\.exr: 5mm: the size of a pixel is not known"),
     (PASTE, "--feather -5px", r"--feather=-5px: must be zero or more, such as 6px"),
@@ -169,13 +169,13 @@ BAD_INPUTS = {
     (INPUT, "transform"): [("missing.exr", r"missing\.exr: no such file")],
     (INPUT, TRANSFORM): [
         ("--crop 0,0,50px,9px", r"base\.exr: --crop 0,0,50px,9px is 50 x 9 px at 0,0, .*40 x 30 px"),
-        ("--crop -1px,0,9px,9px", r"base\.exr: --crop=.* is 9 x 9 px at -1,0, .*; make .* --pad"),
+        ("--crop -1px,0,9px,9px", r"base\.exr: --crop=.* is 9 x 9 px at -1,0, .*; to enlarge a picture, use --pad"),
     ],
     (LIMIT, TRANSFORM): [
         ("--scale 1000", r"base\.exr: the result of 40000 x 30000 px exceeds .*--max-megapixels"),
-        ("--pad 1e6%", r"base\.exr: a result of \d+ x \d+ px is more than the limit of 270"),
+        ("--pad 1e6%", r"base\.exr: the result of \d+ x \d+ px exceeds the limit of 270"),
         ("--resize 40000x2", r"base\.exr: has a side of more than 32000 px, the limit for rotating and"),
-        ("--affine 1e6,0,0,1e6", r"base\.exr: a result of 40000000 x 30000000 px"),
+        ("--affine 1e6,0,0,1e6", r"base\.exr: the result of 40000000 x 30000000 px"),
     ],
 }
 

@@ -141,7 +141,11 @@ def test_files_outside_are_told(run, folder):
             '[[layer]]\nfile = "leaf.png"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "9mm,0"',
             "scene.toml: b: 9mm: the size of a pixel is not known; say --width 100mm",
         ),
-        (4, '[canvas]\nsize = "99999x99999"\n[[layer]]\nfile = "leaf.png"', "scene.toml: a canvas of 99999 x 99999 is"),
+        (
+            4,
+            '[canvas]\nsize = "99999x99999"\n[[layer]]\nfile = "leaf.png"',
+            "scene.toml: the canvas of 99999 x 99999 has",
+        ),
     ],
 )
 def test_a_recipe_that_is_wrong(refused, folder, code, text, message):
