@@ -134,7 +134,7 @@ def test_files_outside_are_told(run, folder):
         (
             3,
             '[[layer]]\nfile = "plate.exr"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "900px,0"',
-            "scene.toml: b: is entirely outside the canvas of 80 x 60 px: .*; move it with --at$",
+            "scene.toml: b: its area from .* is outside the canvas of 80 x 60 px; move it with --at$",
         ),
         (
             2,

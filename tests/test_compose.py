@@ -123,7 +123,7 @@ def test_anchors_and_units(ground, anchor, at, corner):
     square = as_map(random_normals(20, 30, seed=10))
     if corner[1] < 0:
         with pytest.raises(
-            nm.InputError, match="map: is entirely outside the canvas of 80 x 60 px: it extends from 25,-26 to 55,-6 px"
+            nm.InputError, match="map: its area from 25,-26 to 55,-6 px is outside the canvas of 80 x 60 px; move"
         ):
             paste(ground, laid(square, anchor=anchor, at=at))
         return

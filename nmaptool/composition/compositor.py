@@ -153,8 +153,8 @@ def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
     left, top, right, bottom = bounds(matrix, cols, rows)
     if left >= frame.cols or top >= frame.rows or right <= 0 or bottom <= 0:
         raise InputError(
-            f"{layer.name}: is entirely outside the canvas of {frame} px: it extends from {left},{top} to "
-            f"{right},{bottom} px; move it with `at`"
+            f"{layer.name}: its area from {left},{top} to {right},{bottom} px is outside the canvas of {frame} px; "
+            "move it with `at`"
         )
     # feathering needs the coverage beyond the canvas: a layer that continues there has no edge at the canvas border
     beyond = int(np.ceil(feather)) + 1 if feather else 0
