@@ -77,7 +77,7 @@ def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uin
         pixel = (end.pixel[0][mixed], end.pixel[1][mixed])
         largest[pixel] = np.maximum(largest[pixel], end.jump[mixed])
     out = heights.copy()
-    for end, mixed in chosen:  # the larger jump decides; a pixel half-way belongs to the nearer side
+    for end, mixed in chosen:  # the larger jump decides; a pixel half-way belongs to the side in front
         decides = mixed & (end.jump >= largest[end.pixel])
         pixel = (end.pixel[0][decides], end.pixel[1][decides])
         new = end.continued[decides]
