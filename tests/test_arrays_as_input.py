@@ -124,7 +124,7 @@ def test_integrate_gives_the_heights_of_the_masked_part(dome_array):
 def test_integrate_says_what_is_wrong(dome_array):
     normals, inside = dome_array
     whole_map = nm.NormalMap.from_array(normals, inside)
-    with pytest.raises(InputError, match=r"the mask selects nothing of the surface: it must be 0\.5 or more there"):
+    with pytest.raises(InputError, match=r"the mask selects no part of the surface: set it to 0\.5 or more there"):
         nm.integrate(whole_map, ~inside)
     with pytest.raises(InputError, match="normals is 32 x 32 pixels but the mask is 4 x 4"):
         nm.integrate(whole_map, np.ones((4, 4)))
@@ -230,7 +230,7 @@ def test_pictures_may_be_arrays(dome, codes, clean_map):
         ),
         (lambda: nm.compose(nm.Layer(whole())), UsageError, "the layers must be a list of Layer objects, found Layer"),
         (lambda: nm.paste(whole(), 3), UsageError, "the layers must be a list of Layer objects, found int"),
-        (lambda: nm.relief(whole(), mu_map="a"), UsageError, "`mu_map`: weighs the detail map"),
+        (lambda: nm.relief(whole(), mu_map="a"), UsageError, "`mu_map`: has no effect without a detail map"),
         (
             lambda: nm.relief(whole(), beta_map="a"),
             UsageError,

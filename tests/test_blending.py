@@ -129,7 +129,7 @@ def test_arguments_are_not_changed_and_bad_ones_are_named():
     assert np.array_equal(A, before[0]) and np.array_equal(B, before[1])
     with pytest.raises(ValueError, match="unknown mode 'screen': use one of rnm, pd"):
         blend(A, B, "screen")
-    with pytest.raises(ValueError, match="must have one shape"):
+    with pytest.raises(ValueError, match="must have the same shape"):
         blend(A, B[:-1], "rnm")
     for strength in (-1.0, np.nan, np.full(A.shape[:2], -0.1)):
         with pytest.raises(ValueError, match="strength must be finite and zero or more"):

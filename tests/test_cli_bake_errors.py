@@ -173,7 +173,7 @@ BAD_MESHES = {
     "line.obj": (obj(LINE, [[0, 1, 2]]), r"line\.obj: no face has an area \(faces: 1\)"),
     "point.obj": (obj(POINT, [[0, 1, 2]]), r"point\.obj: all vertices are at one point"),
     "nan.ply": (ply(VERTICES * np.nan, FACES, "ascii"), r"nan\.ply: every face has a vertex that is NaN or infinite"),
-    "wall.obj": (obj(WALL, [[0, 1, 2]]), r"wall\.obj: nothing of it is seen in the front view; choose another --view"),
+    "wall.obj": (obj(WALL, [[0, 1, 2]]), r"wall\.obj: is not visible in the front view; choose another --view"),
     "mesh.fbx": (b"Kaydara FBX Binary", r"mesh\.fbx: "),
 }
 
@@ -193,7 +193,7 @@ def test_a_mesh_that_is_not_there(refused, place):
 
 @pytest.mark.parametrize("words", ["--target 1000,0,0", "--pitch 1000mm --target 500,0,0", "--target 1e9,0,0 --fov 20"])
 def test_a_mesh_out_of_sight(refused, place, words):
-    pattern = r"plate\.obj: nothing of it is seen in the front view; choose another --view, --pitch or --target"
+    pattern = r"plate\.obj: is not visible in the front view; choose another --view, --pitch or --target"
     refused(INPUT, pattern, "bake", "plate.obj", "-o", "m", *QUICK, *words.split())
 
 

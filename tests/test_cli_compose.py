@@ -258,7 +258,7 @@ def test_words_on_stderr(made, run, place):
     assert (quiet.out, quiet.err) == ("", "")
     nm.write_normal_map(as_map(random_normals(10, 10), pitch_mm=1.0), "coarse.exr")
     warned = made("paste", "plate.png", "coarse.exr").err
-    assert "nmap: warning: coarse.exr: its pixels are 1 mm, the canvas's 0.5 mm" in warned
+    assert "nmap: warning: coarse.exr: its pixels are 1 mm, those of the canvas 0.5 mm" in warned
 
 
 def test_a_file_is_replaced_only_when_told(run, place):

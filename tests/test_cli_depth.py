@@ -88,7 +88,7 @@ def test_a_mask(run: Any, tmp_path: Path, depth_png: Path, png: Any) -> None:
         (("-o", "map.exr", "--jumps-out", "j.exr"), 2, "the jumps picture is written as .png"),
         (("-o", "map.exr", "--jump", "x"), 2, "--jump x: use auto, none or a height, such as 2px"),
         (("-o", "map.exr", "--smooth", "-1px"), 2, "--smooth=-1px: use auto, none or a height"),
-        (("-o", "map.exr", "--depth-scale", "5mm"), 2, "does not say how large a pixel is"),
+        (("-o", "map.exr", "--depth-scale", "5mm"), 2, "is unknown; give px or %, or the --width of the picture"),
         (("-o", "map.exr", "--fov", "200"), 2, "--fov 200: must lie between"),
         (("-o", "map.exr", "--mask", "none.png"), 3, "none.png: no such file"),
         (("-o", "map.exr", "--max-megapixels", "0.001"), 4, "megapixels"),
@@ -103,7 +103,9 @@ def test_refusals(
 
 def test_inputs_that_are_no_depth(refused: Any, tmp_path: Path, maps: dict[str, Path]) -> None:
     out = tmp_path / "out.exr"
-    refused(3, "is a colour picture; a depth or height picture is grey", "compose", "depth", maps["clean"], "-o", out)
+    refused(
+        3, "is a colour picture, but depth and height pictures are grey", "compose", "depth", maps["clean"], "-o", out
+    )
     refused(3, "is not a picture", "compose", "depth", maps["text"], "-o", out)
     refused(3, "truncated or damaged", "compose", "depth", maps["cut"], "-o", out)
     refused(3, "no such file", "compose", "depth", maps["missing"], "-o", out)

@@ -138,7 +138,7 @@ BAD_WORDS = [
     (("--max-megapixels", "0"), r"--max-megapixels 0: must be greater than zero"),
     (("--background", "round"), r"round.*--background.*plane"),
     (("--background", "surface"), r"--background surface: needs .*--surface"),
-    (("--surface", "clean.png"), r"--surface: only goes with --background surface"),
+    (("--surface", "clean.png"), r"--surface: needs --background surface"),
     (("--background-color", "pink"), r"--background-color pink: use one of auto, none"),
     (("--swizzle", "r,g"), r"--swizzle r,g: give the channels"),
     (("--swizzle", "-g,r"), r"--swizzle=-g,r: give the channels"),

@@ -87,7 +87,7 @@ def test_a_closed_mesh_tells_its_volume(run, place):
 def test_warnings_are_said(run, place):
     (place / "twice.obj").write_bytes(obj(VERTICES, [*FACES, FACES[0]]))
     done = run("smooth", "twice.obj", "-o", "m.stl")
-    assert "nmap: warning: twice.obj: 1 faces without area, with NaN or twice there were dropped\n" in done.err
+    assert "nmap: warning: twice.obj: dropped faces (without area, with NaN, or duplicate): 1\n" in done.err
 
 
 def test_minus_signs_are_values(run, place):
@@ -176,7 +176,7 @@ def test_compare_to_standard_output(run, place):
         ("-o -", r"-: a figure is written to a file, such as -o figure\.png"),
         ("", r"no output given: add one, such as -o figure\.png"),
         ("-o f.png --report r.txt", r"r\.txt: a report is written as \.json"),
-        ("-o f.png --scheme poisson", r"--scheme poisson: is what gSfG is compared with"),
+        ("-o f.png --scheme poisson", r"--scheme poisson: Poisson is always compared; choose"),
         ("-o f.png --view up", r"--view up: use one of front, back"),
         ("-o f.png --size 3", r"--size 3: expected columns x rows"),
     ],

@@ -136,14 +136,21 @@ def test_files_outside_are_told(run, folder):
         (
             3,
             '[[layer]]\nfile = "plate.exr"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "900px,0"',
-            r"scene.toml, line 3: layer 2 \(b\): lies fully off the canvas of 80 x 60 px: .*; place it with at$",
+            (
+                r"scene.toml, line 3: layer 2 \(b\): "
+                r"its area from .* is outside the canvas of 80 x 60 px; move it with at$"
+            ),
         ),
         (
             2,
             '[[layer]]\nfile = "leaf.png"\n[[layer]]\nname = "b"\nfile = "bunny.exr"\nat = "9mm,0"',
             r'scene.toml, line 3: layer 2 \(b\): 9mm: the size of a pixel is not known; give width = "100mm"',
         ),
-        (4, '[canvas]\nsize = "99999x99999"\n[[layer]]\nfile = "leaf.png"', "scene.toml: a canvas of 99999 x 99999 is"),
+        (
+            4,
+            '[canvas]\nsize = "99999x99999"\n[[layer]]\nfile = "leaf.png"',
+            "scene.toml: the canvas of 99999 x 99999 has",
+        ),
     ],
 )
 def test_a_recipe_that_is_wrong(refused, folder, code, text, message):

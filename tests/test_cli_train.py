@@ -83,7 +83,7 @@ def test_a_state_of_other_options_is_refused(run, meshes, refused, tmp_path):
     state = tmp_path / "state.npz"
     nm.write_training(nm.TrainingState("another"), state)
     words = ("-o", tmp_path / "f.npz", "--state", state)
-    refused(3, r"state\.npz: is of a training with other meshes or options", "train", *meshes, *QUICK, *words)
+    refused(3, r"state\.npz: belongs to a training with other meshes or options", "train", *meshes, *QUICK, *words)
 
 
 def test_bake_smooth_and_compare_take_a_filter(run, meshes, trained, tmp_path):
@@ -148,7 +148,7 @@ def test_what_train_cannot_do(run, meshes, refused, trained, tmp_path):
 def test_what_a_filter_cannot_do(run, meshes, refused, trained, tmp_path):
     for command, out in (("bake", tmp_path / "m"), ("smooth", tmp_path / "s.stl"), ("compare", tmp_path / "c.png")):
         words = (command, meshes[0], "-o", out)
-        refused(2, "--model: belongs to --filter learned, not to rnf", *words, "--model", trained)
+        refused(2, "--model: only applies to --filter learned, found rnf", *words, "--model", trained)
         refused(2, "--sigma-r 0.3: a learned filter has no parameters; leave it out", *words, "--filter", "learned",
                 "--sigma-r", "0.3")  # fmt: skip
         words = (*words, "--filter", "learned", "--model")
@@ -163,7 +163,7 @@ def test_too_few_faces(refused, tmp_path):
     few.write_bytes(obj(mesh.vertices, mesh.faces[:300]))
     refused(
         3,
-        "300 faces in all: too few to learn from; give more meshes, or denser ones",
+        "the meshes have only 300 faces in total, but training needs at least 500; give more meshes, or denser ones",
         "train",
         few,
         "-o",

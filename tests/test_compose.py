@@ -123,7 +123,7 @@ def test_anchors_and_units(ground, anchor, at, corner):
     square = as_map(random_normals(20, 30, seed=10))
     if corner[1] < 0:
         with pytest.raises(
-            nm.InputError, match="map: lies fully off the canvas of 80 x 60 px: from 25,-26 to 55,-6 px"
+            nm.InputError, match="map: its area from 25,-26 to 55,-6 px is outside the canvas of 80 x 60 px; move"
         ):
             paste(ground, laid(square, anchor=anchor, at=at))
         return
@@ -157,15 +157,17 @@ def test_a_width_in_mm_sets_the_scale(ground, sticker):
 def test_pixels_of_another_size_are_reported(ground, sticker):
     coarse = as_map(sticker.normals, sticker.coverage, pitch_mm=1.0, name="coarse")
     (warning,) = paste(ground, laid(coarse)).report.warnings
-    assert warning == ("coarse: its pixels are 1 mm, the canvas's 0.5 mm; to keep its size in mm, give it the scale 2")
+    assert warning == (
+        "coarse: its pixels are 1 mm, those of the canvas 0.5 mm; to keep its size in mm, set its scale to 2"
+    )
     assert not paste(ground, laid(coarse, scale=2)).report.warnings
 
 
 def test_a_stretched_layer_is_warned_of(ground, sticker):
     (warning,) = paste(ground, laid(sticker, scale="0.4,0.5")).report.warnings
     assert warning == (
-        "sticker: is stretched, so its heights stay and its slopes change by 2.5 across and 2 down; the height factor "
-        "0.447 keeps them on the whole"
+        "sticker: is stretched unevenly and keeps its heights, so its slopes are multiplied by 2.5 across and 2 down; "
+        "a height factor of 0.447 keeps them on average"
     )
     assert not paste(ground, laid(sticker, scale="0.4,0.5", height_factor=0.447)).report.warnings
 
@@ -194,7 +196,7 @@ def test_details_are_clipped_to_what_is_below(sticker):
     assert np.array_equal(free.coverage, np.maximum(half.coverage, sticker.coverage))
     over = nm.compose([nm.Layer(half), laid(sticker, clip="yes")]).normal_map
     assert np.array_equal(over.coverage, half.coverage)
-    with pytest.raises(nm.InputError, match='sticker: lies on nothing: mode "rnm" changes what is below'):
+    with pytest.raises(nm.InputError, match='sticker: mode "rnm" needs a surface below it, found none'):
         nm.compose([laid(sticker, mode="rnm")])
 
 
@@ -234,7 +236,7 @@ def test_a_canvas_of_its_own(sticker):
     assert not clear.placed.any()  # the lowest is the ground of the others
     with pytest.raises(nm.InputError, match="nothing to compose: give at least one layer"):
         nm.compose([])
-    with pytest.raises(nm.LimitError, match="a canvas of 90000 x 90000 is 8100 megapixels"):
+    with pytest.raises(nm.LimitError, match="the canvas of 90000 x 90000 has 8100 megapixels"):
         nm.compose([laid(sticker)], nm.CanvasOptions(size="90000x90000"))
 
 

@@ -237,12 +237,12 @@ def test_progress_is_told_by_the_thread_that_filters(monkeypatch):
 @pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
 @pytest.mark.parametrize("name", ["sigma_s_px", "sigma_r"])
 def test_sigmas_that_cannot_be_meant(name, value):
-    with pytest.raises(nm.UsageError, match=f"{name} {value:g}: must be greater than zero"):
+    with pytest.raises(nm.UsageError, match=f"`{name}={value:g}`: must be finite and greater than zero"):
         rolling_guidance_image(*rough(), **{"sigma_s_px": 3.0, "sigma_r": 0.5, "iterations": 3, name: value})
 
 
 def test_iterations_that_cannot_be_meant():
-    with pytest.raises(nm.UsageError, match="iterations 0: must be at least 1"):
+    with pytest.raises(nm.UsageError, match="`iterations=0`: must be at least 1"):
         rolling_guidance(*rough(), iterations=0)
 
 
@@ -250,7 +250,7 @@ def test_iterations_that_cannot_be_meant():
 def test_vectors_that_are_no_normals_are_refused(bad):
     normals, cover = rough()
     normals[0, 0] = (0, 0, bad)
-    with pytest.raises(nm.InputError, match="normals must be finite and of unit length"):
+    with pytest.raises(nm.InputError, match="the normals must be finite and of unit length"):
         rolling_guidance(normals, cover)
 
 
@@ -258,17 +258,17 @@ def test_vectors_that_are_no_normals_are_refused(bad):
 def test_coverage_that_is_none_is_refused(bad):
     normals, cover = rough()
     cover[3, 4] = bad
-    with pytest.raises(nm.InputError, match=r"coverage must lie in \[0, 1\]"):
+    with pytest.raises(nm.InputError, match=r"the coverage must be in \[0, 1\]"):
         rolling_guidance(normals, cover)
 
 
 def test_arrays_that_do_not_fit_are_refused():
     normals, cover = rough()
-    with pytest.raises(nm.InputError, match=r"normals are float64 \(44, 37, 3\), expected float32 \(H, W, 3\)"):
+    with pytest.raises(nm.InputError, match=r"the normals must be float32 \(H, W, 3\); found float64 \(44, 37, 3\)"):
         rolling_guidance(normals.astype(float), cover)
-    with pytest.raises(nm.InputError, match=r"normals are float32 \(44, 37, 2\), expected"):
+    with pytest.raises(nm.InputError, match=r"the normals must be float32 \(H, W, 3\); found float32 \(44, 37, 2\)"):
         rolling_guidance(normals[..., :2], cover)
-    with pytest.raises(nm.InputError, match=r"coverage is float32 \(37, 44\), expected float32 \(44, 37\)"):
+    with pytest.raises(nm.InputError, match=r"the coverage must be float32 \(44, 37\); found float32 \(37, 44\)"):
         rolling_guidance(normals, cover.T)
-    with pytest.raises(nm.InputError, match="without pixels"):
+    with pytest.raises(nm.InputError, match="the normal map has no pixels"):
         rolling_guidance(normals[:0], cover[:0])

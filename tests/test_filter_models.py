@@ -84,19 +84,19 @@ def deflated_zeros(path):
         (lambda p: p.write_bytes(b"hello"), "it is not a .npz file, or it is damaged"),
         (lambda p: p.write_bytes(b""), "it is not a .npz file, or it is damaged"),
         (deflated_zeros, "it unpacks to more than the limit of 64000000 bytes"),
-        (lambda p: npz(p, {"a": np.zeros(3)}), "it is not a filter of nmaptool: it has no header"),
-        (lambda p: npz(p, header(b"[1]")), "it is not a filter of nmaptool: it has no header"),
-        (lambda p: npz(p, header(b'{"kind": "cake"}')), "it is 'cake', expected 'nmaptool filter 1'"),
-        (lambda p: npz(p, header(b'{"kind": "nmaptool filter 1"}')), "its header is damaged"),
+        (lambda p: npz(p, {"a": np.zeros(3)}), r"it is not a filter of nmaptool \(its header is missing or damaged\)"),
+        (lambda p: npz(p, header(b"[1]")), r"it is not a filter of nmaptool \(its header is missing or damaged\)"),
+        (lambda p: npz(p, header(b'{"kind": "cake"}')), "its header says 'cake', expected 'nmaptool filter 1'"),
+        (lambda p: npz(p, header(b'{"kind": "nmaptool filter 1"}')), "its header lacks a value or has an invalid one"),
         (
             lambda p: npz(p, header(b'{"kind": "nmaptool filter 1", "descriptor": {"sigma_s": [0]}}')),
-            "its header is damaged",
+            "its header lacks a value or has an invalid one",
         ),
-        (lambda p: npz(p, without("stage1_centers")), "it has no array 'stage1_centers'"),
-        (lambda p: npz(p, without("stage0_network1_w2")), "it has no array 'stage0_network1_w2'"),
+        (lambda p: npz(p, without("stage1_centers")), "it lacks the array 'stage1_centers'"),
+        (lambda p: npz(p, without("stage0_network1_w2")), "it lacks the array 'stage0_network1_w2'"),
         (
             lambda p: npz(p, without("stage0_centers") | {"stage0_centers": np.zeros((2, 20), np.float32)}),
-            "a network takes 19 inputs, but kinds are told by 20",
+            "a network has 19 inputs, but the cluster centres have 20",
         ),
     ],
 )
@@ -138,12 +138,14 @@ def test_damaged_files_give_one_kind_of_error(file):
 
 def test_a_training_is_no_filter_and_a_filter_no_training(file, tmp_path):
     with pytest.raises(
-        nm.InputError, match="unfinished training: it is 'nmaptool filter 1', expected 'nmaptool training 1'"
+        nm.InputError, match="unfinished training: its header says 'nmaptool filter 1', expected 'nmaptool training 1'"
     ):
         nm.read_training(file)
     nm.write_training(nm.TrainingState("abc"), tmp_path / "t.npz")
     assert nm.read_training(tmp_path / "t.npz").fingerprint == "abc"
-    with pytest.raises(nm.InputError, match="filter: it is 'nmaptool training 1', expected 'nmaptool filter 1'"):
+    with pytest.raises(
+        nm.InputError, match="filter: its header says 'nmaptool training 1', expected 'nmaptool filter 1'"
+    ):
         nm.read_filter_model(tmp_path / "t.npz")
 
 

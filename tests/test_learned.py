@@ -240,33 +240,35 @@ def test_a_learned_filter_takes_no_parameters(changes, message):
 
 
 def test_a_model_belongs_to_the_learned_filter():
-    with pytest.raises(nm.UsageError, match="`model`: belongs to `filter='learned'`, not to rnf"):
+    with pytest.raises(nm.UsageError, match="`model`: only applies to `filter='learned'`, found rnf"):
         nm.decompose_normals(hilly(0), model=small_filter())
-    with pytest.raises(nm.UsageError, match="`model`: belongs to `filter='learned'`, not to grnf"):
+    with pytest.raises(nm.UsageError, match="`model`: only applies to `filter='learned'`, found grnf"):
         nm.bake(hilly(0), filter=nm.FilterOptions(filter="grnf"), model=small_filter())
 
 
 def test_models_that_do_not_fit_together():
     good = network()
-    with pytest.raises(nm.InputError, match=r"weights b1 are float32 \(4,\), expected float32 \(3,\)"):
+    with pytest.raises(nm.InputError, match=r"the weights b1 must be float32 \(3,\); found float32 \(4,\)"):
         dataclasses.replace(good, b1=np.zeros(4, np.float32))
-    with pytest.raises(nm.InputError, match=r"weights w1 are float64 .*, expected float32"):
+    with pytest.raises(nm.InputError, match=r"the weights w1 must be float32 .*; found float64"):
         dataclasses.replace(good, w1=good.w1.astype(float))
-    with pytest.raises(nm.InputError, match="weights w2 are not all finite"):
+    with pytest.raises(nm.InputError, match="the weights w2 must be finite"):
         dataclasses.replace(good, w2=good.w2 * np.float32(np.nan))
     centers = np.zeros((2, 19), np.float32)
-    with pytest.raises(nm.InputError, match="1 networks for 2 kinds of neighbourhood"):
+    with pytest.raises(nm.InputError, match="a stage needs one network per cluster: networks 1, clusters 2"):
         Stage(centers, (good,))
-    with pytest.raises(nm.InputError, match=r"centers are float64 \(2, 19\), expected finite float32 \(K, C\)"):
+    with pytest.raises(
+        nm.InputError, match=r"the cluster centres must be finite float32 \(K, C\); found float64 \(2, 19\)"
+    ):
         Stage(centers.astype(float), (good, good))
-    with pytest.raises(nm.InputError, match="a network takes 19 inputs, but kinds are told by 21"):
+    with pytest.raises(nm.InputError, match="a network has 19 inputs, but the cluster centres have 21"):
         Stage(np.zeros((2, 21), np.float32), (good, good))
     with pytest.raises(nm.InputError, match="a learned filter needs at least one stage"):
         FilterModel(DESCRIPTOR, ())
     mixes = network(mixed=4, more=7)
     with pytest.raises(nm.InputError, match="a network mixes 4 normals, expected 5"):
         FilterModel(DESCRIPTOR, (Stage(centers, (mixes, mixes)),))
-    with pytest.raises(nm.InputError, match="a network takes 19 inputs, but its descriptor gives 63"):
+    with pytest.raises(nm.InputError, match="a network has 19 inputs, but the descriptor has 63"):
         FilterModel(nm.DescriptorOptions(), (Stage(centers, (good, good)),))
 
 

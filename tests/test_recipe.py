@@ -79,7 +79,7 @@ def test_names_of_any_kind_come_back(name):
 
 def test_a_name_that_no_text_can_hold_is_refused():
     recipe = nm.Recipe((nm.RecipeLayer("b\udcffd.png"),))
-    with pytest.raises(nm.InputError, match=r"b\?d.png: has a name that is not valid UTF-8; rename it"):
+    with pytest.raises(nm.InputError, match=r"b\?d.png: the file name is not valid UTF-8; rename the file"):
         nm.to_toml(recipe)
 
 

@@ -86,7 +86,7 @@ def test_what_is_not_a_map_is_named():
         solve(original, mask="mask.png")
     with pytest.raises(UsageError, match="the beta map must be an array of numbers, found str"):
         solve(original, beta_map="m.png")
-    with pytest.raises(UsageError, match="`mu_map`: weighs the detail map"):
+    with pytest.raises(UsageError, match="`mu_map`: has no effect without a detail map"):
         solve(original, mu_map=original.coverage)
     for bad in (np.full((96, 96), np.nan), np.full((96, 96), 60, np.uint8), np.full((96, 96), -0.1)):
         with pytest.raises(InputError, match="the mask must hold values from 0 to 1"):

@@ -133,7 +133,7 @@ def test_free_background_follows_its_own_normals():
     z = relief.z_mm / relief.pitch_mm
     assert np.abs((z - z.mean()) - (roll - roll.mean())).max() < 1e-6 * np.ptp(roll)
     assert relief.mask.all()
-    assert any("delta has no effect" in warning for warning in relief.report.warnings)
+    assert any("`delta` has no effect" in warning for warning in relief.report.warnings)
 
 
 def test_steep_normals_are_capped():
@@ -198,9 +198,9 @@ def test_misfits_are_named():
     for name in ("mu", "beta", "delta"):
         with pytest.raises(InputError, match=f"but the {name} map is 40 x 40"):
             solve(original, original, **{f"{name}_map": small.coverage})
-    with pytest.raises(InputError, match="the beta map must be finite and not negative"):
+    with pytest.raises(InputError, match="the beta map: values must be finite, not negative and at most"):
         solve(original, beta_map=np.full((96, 96), -1, np.float32))
-    with pytest.raises(InputError, match="the delta map must be finite"):
+    with pytest.raises(InputError, match="the delta map: values must be finite and at most"):
         solve(original, delta_map=np.full((96, 96), np.nan, np.float32))
     with pytest.raises(InputError, match="the mask selects nothing"):
         solve(original, mask=np.zeros((96, 96)))
@@ -209,11 +209,11 @@ def test_misfits_are_named():
     with pytest.raises(InputError, match="every pixel is background"):
         solve(dataclasses.replace(original, foreground=np.zeros((96, 96), bool)))
     nothing = dataclasses.replace(original, coverage=np.zeros((96, 96), np.float32))
-    with pytest.raises(InputError, match=r"all of it is background .* say `background_color='none'`"):
+    with pytest.raises(InputError, match=r"every pixel is background .* use `background_color='none'`"):
         solve(original, background="surface", surface=nothing)
     with pytest.raises(UsageError, match="`background='surface'`: needs the curved background"):
         solve(original, background="surface")
-    with pytest.raises(UsageError, match="`surface`: only goes with `background='surface'`, not plane"):
+    with pytest.raises(UsageError, match="`surface`: needs `background='surface'`, found plane"):
         solve(original, surface=original)
 
 

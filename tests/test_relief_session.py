@@ -192,7 +192,7 @@ def test_a_curved_background(as_height):
         options = dataclasses.replace(start, **change)
         fresh = nm.relief(original, mask=motif, surface=background, options=options)
         assert_same(session.solve(options), fresh)
-    with pytest.raises(UsageError, match="`surface`: only goes with `background='surface'`, not plane"):
+    with pytest.raises(UsageError, match="`surface`: needs `background='surface'`, found plane"):
         session.solve(nm.ReliefOptions())
 
 
@@ -226,7 +226,7 @@ def test_the_latest_settings_are_kept(maps):
     assert iterations(nm.ReliefSession(*maps, keep=3), one, two, three, one) == [True, True, True, False]
     assert iterations(nm.ReliefSession(*maps, keep=1), one, two, one, one) == [True, True, True, False]
     assert iterations(nm.ReliefSession(*maps, keep=0), one, one) == [True, True]
-    with pytest.raises(UsageError, match="keep -1: must be zero or more"):
+    with pytest.raises(UsageError, match="`keep=-1`: must be zero or more"):
         nm.ReliefSession(*maps, keep=-1)
 
 
@@ -261,7 +261,7 @@ def test_a_solve_that_fails_does_no_harm(maps):
             with pytest.raises(LimitError, match="`memory_limit` allows 0MB"):
                 each.solve(tight)
     too_low = dataclasses.replace(START, height=nm.length("0.01mm"), fit="delta")
-    with pytest.raises(InputError, match=r"`height='0.01mm'`: changing delta alone does not reach"):
+    with pytest.raises(InputError, match=r"`height='0.01mm'`: changing delta alone gives at least"):
         session.solve(too_low)
     found = session.solve(dataclasses.replace(START, delta=1.0))
     assert_same(found, nm.relief(*maps, options=dataclasses.replace(START, delta=1.0)))
@@ -287,7 +287,7 @@ def test_a_session_asked_from_its_own_callback_says_so(maps):
     def ask(word, share):
         session.solve()
 
-    with pytest.raises(nm.UsageError, match="a session cannot solve while it solves"):
+    with pytest.raises(nm.UsageError, match="a session cannot solve inside its own progress callback"):
         session.solve(START, progress=ask)
     assert session.solve(START).report.residual <= START.tolerance
 

@@ -64,12 +64,12 @@ def test_what_is_dropped_is_told_and_faces_keep_their_order():
     found = nm.smooth(nm.Mesh(mesh.vertices, odd, name="odd"))
     assert np.array_equal(found.source_faces, np.delete(np.arange(len(odd)), 7))
     assert np.array_equal(found.mesh.faces, mesh.faces)
-    assert found.report.warnings[0] == "1 faces without area, with NaN or twice there were dropped"
+    assert found.report.warnings[0] == "dropped faces (without area, with NaN, or duplicate): 1"
     assert found.report.findings.degenerate_faces == 1
 
 
 def test_long_edges_are_told():
-    assert "its edges are long: sigma_s comes to" in nm.smooth(knobbly(6)).report.warnings[0]
+    assert "the edges are long: `sigma_s` is " in nm.smooth(knobbly(6)).report.warnings[0]
 
 
 def test_what_goes_wrong_is_told():
@@ -78,7 +78,7 @@ def test_what_goes_wrong_is_told():
     rough = nm.Mesh(mesh.vertices + rng.normal(size=mesh.vertices.shape) * 0.6 * mesh.mean_edge, mesh.faces)
     found = nm.smooth(rough, nm.SmoothOptions(6.0), reconstruct_options=nm.ReconstructOptions(closeness=1e-6))
     words = " ".join(found.report.warnings)
-    assert "faces end folded over; a smaller `sigma_s`" in words
+    assert "; use a smaller `sigma_s`, a `detail_gain` closer to 1" in words
     assert "the volume changed by" in words
 
 

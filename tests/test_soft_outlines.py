@@ -84,7 +84,9 @@ def test_a_plate_is_the_ground_however_its_place_is_put_into_words(place):
     plate = flat_map(ROWS, COLS)
     motif = laid(bump_map(10, 12), at="20px,20px")
     assert (nm.compose([laid(plate, **place), motif]).normal_map.coverage == 1).all()
-    with pytest.raises(nm.InputError, match=r"plate: covers nothing .* flat background is not brought along"):
+    with pytest.raises(
+        nm.InputError, match=r"plate: covers no pixel of the canvas; .* flat background is not part of a layer"
+    ):
         nm.compose([laid(plate, at="30px,20px"), motif])
 
 
@@ -154,4 +156,4 @@ def test_a_detail_fitted_unevenly_says_what_becomes_of_its_slopes():
     uneven = nm.blend(flat_map(80, 200), bump_map(ROWS, COLS), fit).report.warnings
     assert even == ()
     assert len(uneven) == 1
-    assert "slopes change by 0.25 across and 0.5 down" in uneven[0]
+    assert "slopes are multiplied by 0.25 across and 0.5 down" in uneven[0]

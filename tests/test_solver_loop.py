@@ -89,7 +89,7 @@ def test_an_island_without_a_load_is_flat_wherever_it_starts(method):
 @pytest.mark.parametrize("bad", [np.full((5, 6), np.nan), np.zeros((6, 5)), np.full((5, 6), np.inf)])
 def test_a_start_that_is_none(bad):
     solver = prepare(free_system(np.ones((4, 5))), "amg")
-    with pytest.raises(InputError, match=r"heights to start from must be finite and of shape \(5, 6\), found \("):
+    with pytest.raises(InputError, match=r"the start heights must be finite and of shape \(5, 6\); found shape \("):
         solver.solve(np.ones((5, 6)), start=bad)
 
 

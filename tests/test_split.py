@@ -72,11 +72,9 @@ def test_sizes_in_px_mm_and_percent(bumpy):
     )
     assert by_px == pytest.approx(by_mm) == pytest.approx(by_share)
     unknown = nm.NormalMap(whole.normals, whole.coverage, nm.Frame(128, 128), name="dome.png")
-    with pytest.raises(
-        nm.UsageError, match=r"`sigma_s='2mm'`: dome.png does not say how large a pixel is; give px or %"
-    ):
+    with pytest.raises(nm.UsageError, match=r"`sigma_s='2mm'`: the pitch of dome.png is unknown; give px or %"):
         nm.split(unknown, nm.SplitOptions(sigma_s=nm.length("2mm")))
-    with pytest.raises(nm.UsageError, match=r"`sigma_s='0.1px'`: is 0.1 px here; use at least 0.3px"):
+    with pytest.raises(nm.UsageError, match=r"`sigma_s='0.1px'`: is only 0.1 px here; use at least 0.3px"):
         nm.split(whole, nm.SplitOptions(sigma_s=nm.length("0.1px")))
 
 
@@ -94,7 +92,7 @@ def test_options_that_cannot_be_meant():
 def test_a_map_that_covers_nothing_is_refused():
     flat = np.zeros((4, 4, 3), np.float32) + np.float32([0, 0, 1])
     empty = nm.NormalMap(flat, np.zeros((4, 4), np.float32), nm.Frame(4, 4), name="empty.exr")
-    with pytest.raises(nm.InputError, match=r"empty.exr: covers nothing; there is nothing to split"):
+    with pytest.raises(nm.InputError, match=r"empty.exr: no pixel is covered, so there is nothing to split"):
         nm.split(empty)
 
 

@@ -40,7 +40,7 @@ def test_a_state_of_another_training_is_refused():
     for others, changes in ((examples(1), {}), (examples(), {"hidden": 5}), (examples(), {"seed": 4})):
         with pytest.raises(
             nm.InputError,
-            match="the state: is of a training with other meshes or options; give the same again, or another `state`",
+            match="the state: belongs to a training with other meshes or options; use the same ones, or another",
         ):
             nm.train(others, dataclasses.replace(OPTIONS, **changes), descriptor=DESCRIPTOR, state=state)
 
@@ -76,9 +76,11 @@ def test_progress_rises_to_the_end():
 def test_what_cannot_be_learned_from():
     mesh = nm.clean_mesh(sheet(lambda x, y: 0 * x, 4, 4))[0]
     flat = nm.TrainingExample(mesh, np.tile([0, 0, 1.0], (32, 1)))
-    with pytest.raises(nm.InputError, match="32 faces in all: too few to learn from; give more meshes, or denser ones"):
+    with pytest.raises(
+        nm.InputError, match="the meshes have only 32 faces in total, but training needs at least 500; give more"
+    ):
         nm.train([flat])
-    with pytest.raises(nm.InputError, match=r"mesh: targets are \(31, 3\), expected \(32, 3\)"):
+    with pytest.raises(nm.InputError, match=r"mesh: targets must have shape \(32, 3\); found \(31, 3\)"):
         nm.TrainingExample(mesh, flat.targets[1:])
     with pytest.raises(nm.InputError, match="mesh: targets must be finite and of unit length"):
         nm.TrainingExample(mesh, flat.targets * 1.1)

@@ -175,13 +175,13 @@ def test_millimetres_need_a_pitch_and_results_a_limit():
         moved(bump_map(), crop="3mm,0,3mm,3mm")
     with pytest.raises(nm.UsageError, match="`scale='3mm'`: the size of a pixel is not known"):
         moved(bump_map(), scale="3mm")
-    with pytest.raises(nm.LimitError, match="a result of 24000 x 20000 px is more than the limit of 270 megapixels"):
+    with pytest.raises(nm.LimitError, match="the result of 24000 x 20000 px exceeds the limit of 270 megapixels"):
         moved(bump_map(), scale=100)
 
 
 def test_a_stretched_picture_says_what_becomes_of_its_slopes():
     stretched = nm.transform(bump_map(), nm.TransformOptions(resize="480x200")).report.warnings
     assert len(stretched) == 1
-    assert "slopes change by 0.5 across and 1 down; `height_factor=1.41` keeps" in stretched[0]
+    assert "slopes are multiplied by 0.5 across and 1 down; `height_factor=1.41` keeps" in stretched[0]
     for how in ({"resize": "480x400"}, {"scale": "2,1", "height_factor": 1.0}, {"rotate": 20, "flip_h": True}):
         assert nm.transform(bump_map(), nm.TransformOptions(**how)).report.warnings == ()
