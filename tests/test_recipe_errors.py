@@ -1,4 +1,4 @@
-"""What is wrong with a recipe, in one line each: where, which key, what was found, what is accepted."""
+"""Faults in recipes, in one line each: the location, the key, the value found and the values accepted."""
 
 import re
 import tomllib
@@ -60,7 +60,7 @@ def message_of(text, kind=nm.InputError):
         ("read.max_megapixels = 1000", "read: unknown key 'max_megapixels'; use one of layer, green"),
     ],
 )
-def test_a_layers_key(line, message):
+def test_wrong_keys_of_a_layer_are_named(line, message):
     assert f"scene.toml: layer 2 (bunny): {message}" in message_of(BUNNY + line)
 
 
@@ -111,11 +111,11 @@ def test_a_layers_key(line, message):
         ('[[layer]]\nmode = "x"\n[[layer.layer]]\nfile = "a"', 'scene.toml: layer 1: mode = "x": use one of over'),
     ],
 )
-def test_the_recipe(text, message):
+def test_wrong_recipes_are_refused(text, message):
     assert message in message_of(text)
 
 
-def test_groups_too_deep_in_each_other():
+def test_groups_nested_too_deeply_are_refused():
     depth = 17
     tables = "".join(f"[[{'.'.join(['layer'] * (i + 1))}]]\n" for i in range(depth))
     where = re.escape("layer " + ".".join(["1"] * (depth - 1)))
