@@ -104,7 +104,7 @@ def test_two_channels_of_a_tiff_are_x_and_y(tmp_path, codes, picture, bits, wors
     assert angle_deg(back.normals, normals).max() < worst
 
 
-def test_two_channels_with_alpha(tmp_path, dome, picture):
+def test_two_channels_with_alpha_are_read(tmp_path, dome, picture):
     d = dome()
     stored = np.dstack([d.normals[..., :2], d.inside])
     back = nm.read_normal_map(picture(tmp_path / "map.exr", stored, ("N.X", "N.Y", "A")))

@@ -24,6 +24,7 @@ GLOBS = (
     "cli/**/*.py",
     "nmaptool/**/*.py",
     "nmaptool/**/*.pyi",
+    "tests/**/*.py",
 )
 FILES = sorted({path for pattern in GLOBS for path in ROOT.glob(pattern)})
 PROSE = {
