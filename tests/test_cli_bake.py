@@ -114,7 +114,7 @@ def test_dropped_faces_are_reported(run, tmp_path):
     (tmp_path / "odd.ply").write_bytes(ply(vertices, [*faces, [0, 0, 1], [0, 1, 25]], "ascii"))
     done = run("bake", tmp_path / "odd.ply", "-o", tmp_path / "m", *QUICK)
     assert done.code == 0
-    assert "27 vertices, 34 faces; 1 faces without area, 1 faces with NaN, 1 unused vertices" in done.err
+    assert "27 vertices, 34 faces; 1 face without area, 1 face with NaN, 1 vertex unused" in done.err
     assert "nmap: warning: " in done.err
     assert run("bake", tmp_path / "odd.ply", "-o", tmp_path / "n", *QUICK, "-q").err == ""
 

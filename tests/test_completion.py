@@ -98,7 +98,7 @@ def test_folders_named_by_the_environment_are_used(home, run, monkeypatch, tree)
 @pytest.mark.parametrize(
     ("found", "pattern"),
     [
-        ("powershell", r"powershell has no completion of nmap; name one of bash, zsh, fish"),
+        ("powershell", r"completion is not available for powershell; name one of bash, zsh, fish"),
         (None, r"cannot tell which"),
     ],
 )

@@ -122,7 +122,7 @@ def test_a_background_becomes_alpha(run, tmp_path, dome, codes, png, backdrop):
     done = run("compose", "convert", source, tmp_path / "b.png", "--bits", 8)
     assert (done.code, done.out) == (0, "")
     assert f"background {backdrop}: coverage is stored in alpha" in done.err
-    assert "anti-aliased pixels took the normals next to them inside the motif" in done.err
+    assert "anti-aliased pixels took their normals from inside the motif" in done.err
     back = nm.read_normal_map(tmp_path / "b.png")
     assert back.decoding.background == "alpha"
     assert np.abs(back.coverage - d.cover).mean() < 0.01
