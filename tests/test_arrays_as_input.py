@@ -1,4 +1,4 @@
-"""Plain arrays of any type are as good as the package's own values, and what is wrong with them is said in one line."""
+"""Plain arrays of any type are accepted like the package's own types, and their faults are named in one line."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from nmaptool.types.plain_arrays import as_mask
 
 @pytest.fixture
 def dome_array(dome):
-    """Normals (32, 32, 3) float64, and where the dome is; garbage elsewhere."""
+    """Normals (32, 32, 3) float64 and the mask of the dome; garbage outside it."""
     d = dome(32, 32)
     normals = d.normals * 1.7
     normals[~d.inside] = np.nan
@@ -36,11 +36,11 @@ def test_vectors_of_any_float_type_become_unit_length(dtype, scale):
 
 
 @pytest.mark.parametrize("scale", [1e-300, 1e-30, 1e30, 1e300])
-def test_very_long_and_very_short_vectors_have_a_direction(scale):
+def test_very_long_and_very_short_vectors_keep_their_direction(scale):
     np.testing.assert_allclose(nm.NormalMap.from_array(whole() * scale).normals, whole(), atol=1e-7)
 
 
-def test_float32_that_is_unit_length_keeps_its_bits(clean_map):
+def test_float32_normals_of_unit_length_keep_their_bits(clean_map):
     read = nm.read_normal_map(clean_map)
     made = nm.NormalMap.from_array(read.normals, read.coverage)
     assert made.normals.tobytes() == read.normals.tobytes()
@@ -50,7 +50,7 @@ def test_float32_that_is_unit_length_keeps_its_bits(clean_map):
     np.testing.assert_array_equal(given, read.normals)
 
 
-def test_outside_the_mask_normals_are_flat(dome_array):
+def test_normals_outside_the_mask_are_flat(dome_array):
     normals, inside = dome_array
     for mask in (inside, inside.astype(np.float16), inside.astype(int), inside.tolist()):
         made = nm.NormalMap.from_array(normals, mask, pitch_mm=0.5)
@@ -102,12 +102,12 @@ def hollow():
         ((whole() + 0j,), UsageError, "must be an array of numbers, found ndarray"),
     ],
 )
-def test_arrays_that_are_no_normals(arguments, error, message):
+def test_arrays_that_are_not_normals_are_refused(arguments, error, message):
     with pytest.raises(error, match=message):
         nm.NormalMap.from_array(*arguments)
 
 
-def test_integrate_gives_the_heights_of_the_masked_part(dome_array):
+def test_integrate_returns_the_heights_of_the_masked_part(dome_array):
     normals, inside = dome_array
     heights = nm.integrate(normals, inside)
     assert heights.shape == (33, 33)
@@ -121,7 +121,7 @@ def test_integrate_gives_the_heights_of_the_masked_part(dome_array):
     )
 
 
-def test_integrate_says_what_is_wrong(dome_array):
+def test_integrate_names_what_is_wrong(dome_array):
     normals, inside = dome_array
     whole_map = nm.NormalMap.from_array(normals, inside)
     with pytest.raises(InputError, match=r"the mask selects no part of the surface: set it to 0\.5 or more there"):
@@ -134,7 +134,7 @@ def test_integrate_says_what_is_wrong(dome_array):
         nm.integrate("map.png")
 
 
-def test_a_relief_of_arrays_is_that_of_maps(dome_array):
+def test_a_relief_of_arrays_equals_that_of_maps(dome_array):
     normals, inside = dome_array
     options = nm.ReliefOptions(background="free")
     original = nm.NormalMap.from_array(normals, inside)
@@ -151,7 +151,7 @@ def test_a_relief_of_arrays_is_that_of_maps(dome_array):
     )
 
 
-def test_a_soft_mask_counts_once():
+def test_a_soft_mask_is_applied_once():
     soft = np.clip(np.hypot(*np.mgrid[-16:16, -16:16]) / -4 + 3, 0, 1)
     original = nm.NormalMap.from_array(whole(32, 32), soft > 0)
     np.testing.assert_array_equal(
@@ -159,7 +159,7 @@ def test_a_soft_mask_counts_once():
     )
 
 
-def test_edits_of_arrays_are_those_of_maps(dome):
+def test_edits_of_arrays_equal_those_of_maps(dome):
     array = dome(32, 32).normals
     own = nm.NormalMap.from_array(array)
     half = np.arange(32 * 32).reshape(32, 32) % 2 == 0
@@ -181,7 +181,7 @@ def test_edits_of_arrays_are_those_of_maps(dome):
     assert isinstance(group.layers[0], nm.Layer)
 
 
-def test_pictures_may_be_arrays(dome, codes, clean_map):
+def test_images_may_be_arrays(dome, codes, clean_map):
     image = nm.read_raster(clean_map)
     seen, expected = nm.inspect_map(image.pixels), nm.inspect_map(image)
     assert (seen.mean_abs_curl, seen.bits, seen.channels) == (expected.mean_abs_curl, 16, expected.channels)
@@ -245,7 +245,7 @@ def test_pictures_may_be_arrays(dome, codes, clean_map):
         (lambda: nm.unpack("a.psd"), UsageError, "the workspace must be a Workspace, found str; read one with"),
     ],
 )
-def test_wrong_types_are_named_with_the_remedy(call, error, message):
+def test_wrong_types_are_named_with_a_remedy(call, error, message):
     with pytest.raises(error, match=message) as caught:
         call()
     assert "\n" not in str(caught.value)

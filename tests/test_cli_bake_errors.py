@@ -1,4 +1,4 @@
-"""Everything that can go wrong with the bake command: the exit code, one clear line, and every file as it was."""
+"""Failures of the bake command: the exit code, one clear line, and no changed file."""
 
 import os
 import subprocess
@@ -18,7 +18,7 @@ USAGE, INPUT, LIMIT, OUTPUT, RENDERER, INTERRUPTED = 2, 3, 4, 5, 6, 130
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
-    """A folder with a plate, a file and a folder, which is where commands run."""
+    """The working folder of the commands, with a plate, a file and a folder."""
     monkeypatch.chdir(tmp_path)
     write_plate(tmp_path / "plate.obj")
     (tmp_path / "file").write_text("precious", encoding="utf-8")
@@ -104,7 +104,7 @@ BAD_WORDS = [
 
 
 @bad_words(BAD_WORDS)
-def test_words_that_cannot_be_meant(refused, place, words, pattern):
+def test_wrong_arguments_are_refused(refused, place, words, pattern):
     refused(USAGE, pattern, "bake", "plate.obj", "-o", "m", *quickly(*words))
 
 
@@ -132,17 +132,17 @@ BAD_TARGETS = {
 
 
 @bad_targets(BAD_TARGETS)
-def test_a_target_that_cannot_be_written(refused, place, code, target, pattern):
+def test_a_target_that_cannot_be_written_is_refused(refused, place, code, target, pattern):
     refused(code, pattern, "bake", "plate.obj", *QUICK, "-o", *target.split())
 
 
-def test_a_report_in_the_folder_that_is_made(run, place):
+def test_a_report_may_be_in_the_new_folder(run, place):
     words = ("--report", "m/r.json", "--plot", "m/p.png")
     assert run("bake", "plate.obj", *QUICK, "-o", "m", *words).code == 0
     assert {"r.json", "p.png", "sheet.png"} < {path.name for path in (place / "m").iterdir()}
 
 
-def test_words_that_are_missing(refused, place):
+def test_missing_arguments_are_named(refused, place):
     refused(USAGE, r"no output given: add one, such as -o maps or -o maps\.exr", "bake", "plate.obj")
     refused(USAGE, r"no output given: add one", "bake", "plate.obj", "--report", "r.json")
     refused(USAGE, "MESH is missing", "bake", "-o", "m")
@@ -159,7 +159,7 @@ def test_words_that_are_missing(refused, place):
         ("--max-faces 1151", r"plate\.obj: 1152 faces, more than the limit of 1151; .*raise --max-faces"),
     ],
 )
-def test_limits(refused, place, words, pattern):
+def test_sizes_beyond_the_limits_are_refused(refused, place, words, pattern):
     refused(LIMIT, pattern, "bake", "plate.obj", "-o", "m", *quickly(*words.split()))
 
 
@@ -179,25 +179,25 @@ BAD_MESHES = {
 
 
 @pytest.mark.parametrize("name", BAD_MESHES)
-def test_a_mesh_that_cannot_be_used(refused, place, name):
+def test_an_unusable_mesh_is_refused(refused, place, name):
     data, pattern = BAD_MESHES[name]
     (place / name).write_bytes(data)
     refused(INPUT, pattern, "bake", name, "-o", "m", *QUICK, "--report", "r.json")
     refused(INPUT, pattern, "bake", name, "-o", "m.exr", *QUICK, "--json")
 
 
-def test_a_mesh_that_is_not_there(refused, place):
+def test_a_missing_mesh_is_named(refused, place):
     refused(INPUT, r"none\.obj: no such file", "bake", "none.obj", "-o", "m", *QUICK)
     refused(INPUT, r"full: is a folder", "bake", "full", "-o", "m", *QUICK)
 
 
 @pytest.mark.parametrize("words", ["--target 1000,0,0", "--pitch 1000mm --target 500,0,0", "--target 1e9,0,0 --fov 20"])
-def test_a_mesh_out_of_sight(refused, place, words):
+def test_a_mesh_out_of_view_is_refused(refused, place, words):
     pattern = r"plate\.obj: is not visible in the front view; choose another --view, --pitch or --target"
     refused(INPUT, pattern, "bake", "plate.obj", "-o", "m", *QUICK, *words.split())
 
 
-def test_no_renderer(refused, place, monkeypatch):
+def test_a_missing_renderer_is_reported_with_a_remedy(refused, place, monkeypatch):
     monkeypatch.setattr(gl, "Offscreen", fail_with(OSError("no libEGL\nhere")))
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
     words = ("bake", "plate.obj", "-o", "m", "--size", "60x50")
@@ -209,7 +209,7 @@ def test_no_renderer(refused, place, monkeypatch):
     refused(RENDERER, rf"\(window: {why}\).*{remedy}", *words)
 
 
-def test_no_renderer_in_truth(place, tree, fails):
+def test_a_renderer_that_is_really_missing_is_reported(place, tree, fails):
     before = tree()
     script = "import sys; from nmaptool_cli.main import main; sys.exit(main(sys.argv[1:]))"
     words = [sys.executable, "-W", "error", "-c", script, "bake", "plate.obj", "-q", "-o", "m", "--size", "60x50"]
@@ -232,7 +232,7 @@ PLACES = [
 
 @pytest.mark.parametrize("where", PLACES)
 @pytest.mark.parametrize("out", ["m", "m.exr", "full"])
-def test_ctrl_c_anywhere(refused, place, monkeypatch, where, out):
+def test_ctrl_c_at_any_stage_leaves_no_file(refused, place, monkeypatch, where, out):
     monkeypatch.setattr(where, fail_with(KeyboardInterrupt))
     words = ("--overwrite", "--plot", "p.png", "--report", "r.json", "--view", "front,left", "--depth")
     refused(INTERRUPTED, "interrupted; nothing was written", "bake", "-q", "plate.obj", "-o", out, *QUICK, *words)
@@ -240,7 +240,7 @@ def test_ctrl_c_anywhere(refused, place, monkeypatch, where, out):
 
 @pytest.mark.parametrize("out", ["m", "full", "m.exr"])
 @pytest.mark.parametrize("late", [False, True])
-def test_a_full_disk(refused, place, monkeypatch, out, late):
+def test_a_full_disk_leaves_no_file(refused, place, monkeypatch, out, late):
     from nmaptool.io.output import layers as layer_files
 
     begun = disk_that_fills(monkeypatch, layer_files, good=2 if late and out != "m.exr" else 0)
@@ -250,19 +250,19 @@ def test_a_full_disk(refused, place, monkeypatch, out, late):
     assert len(begun) == (3 if late and out != "m.exr" else 1)
 
 
-def test_a_folder_that_cannot_be_written_to(refused, place, monkeypatch):
+def test_a_folder_that_cannot_be_written_to_is_refused(refused, place, monkeypatch):
     monkeypatch.setattr(os, "access", lambda path, mode, **_: not mode & os.W_OK)
     refused(OUTPUT, r"the folder full cannot be written to", "bake", "plate.obj", "-o", "full", *QUICK, "--overwrite")
     refused(OUTPUT, r"the folder \. cannot be written to", "bake", "plate.obj", "-o", "m.exr", *QUICK)
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="the superuser may write anywhere")
-def test_a_read_only_folder(refused, place):
+def test_a_read_only_folder_is_refused(refused, place):
     (place / "full").chmod(0o500)
     refused(OUTPUT, r"full/m: cannot be created", "bake", "plate.obj", "-o", "full/m", *QUICK)
     (place / "full").chmod(0o700)
 
 
-def test_a_folder_that_cannot_be_made(refused, place, monkeypatch):
+def test_a_folder_that_cannot_be_created_is_refused(refused, place, monkeypatch):
     monkeypatch.setattr("pathlib.Path.mkdir", fail_with(PermissionError(13, "Permission denied")))
     refused(OUTPUT, r"m: cannot be created \(Permission denied\)", "bake", "-q", "plate.obj", "-o", "m", *QUICK)

@@ -1,4 +1,4 @@
-"""Everything that can go wrong with the compose commands: the exit code, one clear line, and every file as it was."""
+"""Failures of the compose commands: the exit code, one clear line, and no changed file."""
 
 import io
 import os
@@ -18,7 +18,7 @@ USAGE, INPUT, LIMIT, OUTPUT, BUG, INTERRUPTED = 2, 3, 4, 5, 70, 130
 
 @pytest.fixture
 def place(tmp_path, monkeypatch, png, picture):
-    """A folder with a base, a detail, a motif, masks and files of other kinds, which is where commands run."""
+    """The working folder of the commands, with a base, a detail, a motif, masks and files of other kinds."""
     monkeypatch.chdir(tmp_path)
     disc = np.hypot(*(np.mgrid[0:20, 0:20] - 9.5)) < 9
     nm.write_normal_map(bump_map(30, 40), "base.exr")
@@ -110,11 +110,11 @@ BAD_WORDS = [
 
 
 @pytest.mark.parametrize(("start", "words", "pattern"), BAD_WORDS, ids=[f"{b[0][:5]} {b[1]}" for b in BAD_WORDS])
-def test_words_that_cannot_be_meant(refused, place, start, words, pattern):
+def test_wrong_arguments_are_refused(refused, place, start, words, pattern):
     refused(USAGE, pattern, "compose", *start.split(), "-o", "out.exr", *words.split())
 
 
-def test_words_that_are_missing(refused, place):
+def test_missing_arguments_are_named(refused, place):
     refused(USAGE, "DETAIL is missing", "compose", "blend", "base.exr", "-o", "out.exr")
     no_layers = "no layers given: add one or more after the background"
     refused(USAGE, no_layers, "compose", "paste", "base.exr", "-o", "out.exr")
@@ -185,12 +185,12 @@ BAD_INPUTS = {
         for words, pattern in table
     ],
 )
-def test_what_cannot_be_used(refused, place, code, words, pattern):
+def test_unusable_inputs_are_refused(refused, place, code, words, pattern):
     refused(code, pattern, "compose", *words.split(), "-o", "out.exr", "--curl", "c.png", "--report", "r.json")
     refused(code, pattern, "compose", *words.split(), "-o", "old.exr", "--overwrite", "--json")
 
 
-def test_standard_input_goes_by_that_name(run, fails, place, monkeypatch):
+def test_messages_call_it_standard_input(run, fails, place, monkeypatch):
     files = {"good": (place / "motif.exr").read_bytes(), "bad": b"hello", "none": b""}
     for given, words, pattern in (
         ("good", "blend base.exr -", r"standard input is 20 x 20, but base\.exr is 40 x 30"),
@@ -234,13 +234,13 @@ BAD_TARGETS = {
 
 @pytest.mark.parametrize("start", [BLEND, PASTE, TRANSFORM])
 @bad_targets(BAD_TARGETS)
-def test_a_target_that_cannot_be_written(refused, place, symlink, start, code, target, pattern):
+def test_a_target_that_cannot_be_written_is_refused(refused, place, symlink, start, code, target, pattern):
     if target.startswith("link"):
         symlink(place / "link.exr", place / "base.exr")
     refused(code, pattern, "compose", *start.split(), "-o", *target.split())
 
 
-def test_a_file_is_an_input_by_its_layer_too(refused, place):
+def test_a_file_given_by_its_layer_is_an_input_too(refused, place):
     also = r"base\.exr: is also an input"
     refused(USAGE, also, "compose", "blend", "base.exr:RGB", "detail.exr", "-o", "base.exr", "--overwrite")
     refused(USAGE, also, "compose", "paste", "plate.png", "base.exr:RGB", "-o", "base.exr", "--overwrite")
@@ -252,7 +252,7 @@ def test_a_file_is_an_input_by_its_layer_too(refused, place):
 @pytest.mark.parametrize("where", ["nmaptool.io.output.map_pictures.curl_picture", "nmaptool.core.vectors.curl"])
 @pytest.mark.parametrize("start", [BLEND, PASTE, TRANSFORM])
 @pytest.mark.parametrize("out", ["out.exr", "old.exr", "-"])
-def test_ctrl_c_anywhere(refused, place, monkeypatch, where, start, out):
+def test_ctrl_c_at_any_stage_leaves_no_file(refused, place, monkeypatch, where, start, out):
     monkeypatch.setattr(where, fail_with(KeyboardInterrupt))
     words = (*start.split(), "-o", out, "--overwrite", "-q", "--curl", "c.png", "--report", "r.json")
     refused(INTERRUPTED, "interrupted; nothing was written", "compose", *words)
@@ -262,7 +262,7 @@ def test_ctrl_c_anywhere(refused, place, monkeypatch, where, start, out):
     ("out", "stated"), [("out.exr", r"out\.exr"), ("old.exr", r"old\.exr"), ("-", "standard output")]
 )
 @pytest.mark.parametrize("count", [1, 2])
-def test_a_full_disk(refused, place, monkeypatch, out, stated, count):
+def test_a_full_disk_leaves_no_file(refused, place, monkeypatch, out, stated, count):
     from nmaptool.io.output import normal_map as map_files
 
     disk_that_fills(monkeypatch, map_files, good=count - 1)
@@ -271,7 +271,7 @@ def test_a_full_disk(refused, place, monkeypatch, out, stated, count):
     refused(OUTPUT, rf"error: {stated}: cannot be written \(is the disk full\?\)", "compose", *words)
 
 
-def test_a_folder_that_cannot_be_written_to(refused, place, monkeypatch):
+def test_a_folder_that_cannot_be_written_to_is_refused(refused, place, monkeypatch):
     monkeypatch.setattr(os, "access", lambda path, mode, **_: not mode & os.W_OK)
     refused(OUTPUT, r"out\.exr: the folder \. cannot be written to", "compose", *BLEND.split(), "-o", "out.exr")
 
@@ -288,7 +288,7 @@ FLAGS = {
 
 
 @pytest.mark.parametrize("start", FLAGS)
-def test_any_words_end_in_a_map_or_in_one_clear_line(run, place, trials, start, monkeypatch):
+def test_random_arguments_give_a_map_or_one_clear_line(run, place, trials, start, monkeypatch):
     pick = random.Random(start)
     flags, values = FLAGS[start].split(), WORDS.split(" ")
     for _ in range(trials(150)):

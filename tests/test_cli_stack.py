@@ -1,4 +1,4 @@
-"""``nmap compose stack``: the recipe's picture, and the recipe in its metadata."""
+"""``nmap compose stack``: the map of a recipe, and the recipe in its metadata."""
 
 import io
 import json
@@ -34,7 +34,7 @@ def pixels(path):
     return nm.read_raster(path).pixels
 
 
-def test_it_writes_what_compose_gives(run, folder):
+def test_stack_writes_the_result_of_compose(run, folder):
     out = folder / "scene.exr"
     pictures = ("--curl", folder / "curl.png", "--placed", folder / "placed.png", "--report", folder / "scene.json")
     done = run("compose", "stack", folder / "scene.toml", "-o", out, *pictures)
@@ -58,13 +58,13 @@ def test_it_writes_what_compose_gives(run, folder):
 
 
 @pytest.mark.parametrize("ending", ["png", "tif", "exr"])
-def test_the_recipe_in_the_metadata_gives_the_same_picture(run, folder, ending):
+def test_the_recipe_in_the_metadata_gives_the_same_map(run, folder, ending):
     one, two, three = (folder / f"{name}.{ending}" for name in ("one", "two", "three"))
     assert run("compose", "stack", folder / "scene.toml", "-o", one, "--green", "down", "--width", "5cm").code == 0
     text = nm.read_raster(one).attributes["recipe"]
     assert 'width = "5cm"' in text
     assert 'file = "parts/../leaf.png"' in text
-    (folder / "parts" / "leaf.toml").unlink()  # its layers are in the text
+    (folder / "parts" / "leaf.toml").unlink()  # the metadata contain its layers
     assert run("compose", "stack", one, "-o", two).code == 0
     (folder / "again.toml").write_text(text, encoding="utf-8")
     assert run("compose", "stack", folder / "again.toml", "-o", three).code == 0
@@ -77,7 +77,7 @@ def test_the_recipe_in_the_metadata_gives_the_same_picture(run, folder, ending):
     assert not np.array_equal(pixels(plain), pixels(one))
 
 
-def test_names_in_a_description_come_back_whatever_is_in_them(folder, tmp_path):
+def test_metadata_text_is_read_back_whatever_it_contains(folder, tmp_path):
     text = "a = 'x'\r\nnmaptool:green=down\n\\n\\\\n \u2028 ä漢😀 \x85"
     leaf = nm.read_normal_map(folder / "leaf.png")
     for ending in ("png", "tif", "exr"):
@@ -87,7 +87,7 @@ def test_names_in_a_description_come_back_whatever_is_in_them(folder, tmp_path):
         assert attributes["green"] == "up"
 
 
-def test_a_recipe_from_standard_input_lies_in_the_current_folder(run, folder, feed, monkeypatch):
+def test_a_recipe_from_standard_input_refers_to_the_current_folder(run, folder, feed, monkeypatch):
     monkeypatch.chdir(folder)
     run("compose", "stack", "scene.toml", "-o", "file.png")
     feed((folder / "scene.toml").read_text(encoding="utf-8"))
@@ -101,10 +101,10 @@ def test_a_recipe_from_standard_input_lies_in_the_current_folder(run, folder, fe
     assert np.array_equal(pixels(folder / "far.png"), pixels(folder / "file.png"))
 
 
-def test_the_canvas_can_be_given(run, folder):
+def test_the_canvas_can_be_set_by_flags(run, folder):
     out = folder / "out.exr"
     done = run("compose", "stack", folder / "scene.toml", "-o", out, "--size", "80x61", "--width", "41mm")
-    assert done.code == 3  # the mask of a group is of the canvas's size
+    assert done.code == 3  # a group's mask must have the size of the canvas
     assert "scene.toml, line 20: layer 3 (ornaments): the mask of ornaments is 80 x 60, expected 80 x 61" in done.err
     (folder / "plain.toml").write_text(
         '[canvas]\nsize = "9x9"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n', encoding="utf-8"
@@ -118,7 +118,7 @@ def test_the_canvas_can_be_given(run, folder):
     )
 
 
-def test_files_outside_are_told(run, folder):
+def test_files_outside_the_folder_are_reported(run, folder):
     (folder / "parts" / "up.toml").write_text('[[layer]]\nfile = "../plate.exr"\n', encoding="utf-8")
     done = run("compose", "stack", folder / "parts" / "up.toml", "-o", folder / "out.png", "--json")
     assert done.code == 0
@@ -153,12 +153,12 @@ def test_files_outside_are_told(run, folder):
         ),
     ],
 )
-def test_a_recipe_that_is_wrong(refused, folder, code, text, message):
+def test_a_wrong_recipe_is_refused(refused, folder, code, text, message):
     (folder / "scene.toml").write_text(text, encoding="utf-8")
     refused(code, message, "compose", "stack", folder / "scene.toml", "-o", folder / "out.png")
 
 
-def test_words_that_are_wrong(refused, folder, feed):
+def test_wrong_arguments_are_refused(refused, folder, feed):
     scene, out = folder / "scene.toml", folder / "out.png"
     refused(2, "no output given: add one", "compose", "stack", scene)
     refused(3, "no.toml: no such file", "compose", "stack", folder / "no.toml", "-o", out)
@@ -173,7 +173,7 @@ def test_words_that_are_wrong(refused, folder, feed):
         refused(3, message, "compose", "stack", "-", "-o", out)
 
 
-def test_a_layer_of_a_file_is_an_input_too(refused, folder):
+def test_a_file_given_by_its_layer_is_an_input_too(refused, folder):
     nm.write_layers(nm.split(nm.read_normal_map(folder / "plate.exr")), folder / "maps.exr")
     (folder / "scene.toml").write_text('[[layer]]\nfile = "maps.exr:original"\n', encoding="utf-8")
     out = folder / "maps.exr"

@@ -1,4 +1,4 @@
-"""What depth_to_normals and its options refuse, each in one clear line."""
+"""Errors of depth_to_normals and its options, each in one clear line."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ def colored(apart: float) -> nm.RasterImage:
         ({"depth_scale": "0px"}, r"`depth_scale='0px'`: must be greater than zero"),
     ],
 )
-def test_options(given: dict[str, Any], pattern: str) -> None:
+def test_invalid_options_are_refused(given: dict[str, Any], pattern: str) -> None:
     with pytest.raises(nm.UsageError, match=pattern):
         nm.DepthOptions(**given)
 
 
 @pytest.mark.parametrize("flag", ["depth_scale", "jump", "smooth"])
-def test_mm_need_the_size_of_a_pixel(flag: str) -> None:
+def test_mm_need_a_pitch(flag: str) -> None:
     pattern = rf"`{flag}='2mm'`: the pitch of image is unknown; give px or %, or the `width` of the picture"
     with pytest.raises(nm.UsageError, match=pattern):
         nm.depth_to_normals(picture(RAMP, 8), nm.DepthOptions(**{flag: "2mm"}))
 
 
-def test_colour() -> None:
+def test_a_colour_image_is_refused_and_a_nearly_grey_one_is_accepted() -> None:
     with pytest.raises(nm.InputError, match=r"photo\.jpg: is a colour picture, but depth and height pictures are grey"):
         nm.depth_to_normals(colored(30))
     noisy = nm.depth_to_normals(colored(3))
@@ -55,7 +55,7 @@ def test_colour() -> None:
     np.testing.assert_array_equal(exact.normal_map.normals, grey.normal_map.normals)
 
 
-def test_channels() -> None:
+def test_wrong_channels_are_refused() -> None:
     odd = nm.RasterImage(np.zeros((4, 4, 2), np.float32), ("Z", "ZBack"), name="deep.exr", bits=32)
     with pytest.raises(
         nm.InputError, match=r"deep\.exr: has the channels Z, ZBack, but a depth picture has one grey channel"
@@ -64,14 +64,14 @@ def test_channels() -> None:
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_nothing_there(value: float) -> None:
+def test_an_image_without_any_depth_is_refused(value: float) -> None:
     with pytest.raises(nm.InputError, match="no pixel has a depth: all are transparent, NaN or infinite"):
         nm.depth_to_normals(picture(np.full((8, 8), value)))
     with pytest.raises(nm.InputError, match="no pixel has a depth greater than 0"):
         nm.depth_to_normals(picture(np.zeros((8, 8))), nm.DepthOptions(invert=True))
 
 
-def test_what_the_file_says_is_not_contradicted() -> None:
+def test_options_that_contradict_the_file_are_refused() -> None:
     height = picture(RAMP, name="h.exr", attributes={"kind": "height", "pitch_mm": "0.5"})
     with pytest.raises(
         nm.UsageError, match=r"`invert`: h\.exr declares that it holds height, which fixes the direction; omit it"
@@ -88,7 +88,7 @@ def test_what_the_file_says_is_not_contradicted() -> None:
             nm.depth_to_normals(damaged)
 
 
-def test_cameras() -> None:
+def test_impossible_cameras_are_refused() -> None:
     with pytest.raises(nm.UsageError, match="`depth_scale`: white is 100 px in front of black, but with `fov="):
         nm.depth_to_normals(picture(RAMP, 8), nm.DepthOptions(depth_scale="100px", fov=90))
     depth = picture(RAMP - 10, name="d.exr", attributes={"kind": "depth", "pitch_mm": "1"})
@@ -98,7 +98,7 @@ def test_cameras() -> None:
         nm.depth_to_normals(depth, nm.DepthOptions(fov=40, background="none"))
 
 
-def test_masks() -> None:
+def test_wrong_masks_are_refused() -> None:
     image = picture(RAMP, 8)
     with pytest.raises(nm.InputError, match="image is 40 x 30 pixels but the mask is 4 x 3; make them the same size"):
         nm.depth_to_normals(image, mask=np.ones((3, 4), np.float32))
@@ -108,6 +108,6 @@ def test_masks() -> None:
         nm.depth_to_normals(image, mask=np.full((30, 40), 255, np.float32))
 
 
-def test_a_path_is_no_picture() -> None:
+def test_a_path_instead_of_an_image_is_refused() -> None:
     with pytest.raises(nm.UsageError, match="must be a RasterImage, found str; read one with read_raster"):
         nm.depth_to_normals("depth.png")  # type: ignore[arg-type]

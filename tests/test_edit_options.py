@@ -1,4 +1,4 @@
-"""Options of layers and transforms that cannot be meant."""
+"""Invalid options of layers and transforms."""
 
 import pytest
 
@@ -52,6 +52,6 @@ LAYER, TRANSFORM = nm.LayerOptions, nm.TransformOptions
         (TRANSFORM, {"height_factor": 1e9}, "`height_factor=1e\\+09`: must lie between"),
     ],
 )
-def test_options_that_cannot_be_meant(options, how, message):
+def test_invalid_options_are_refused(options, how, message):
     with pytest.raises(nm.UsageError, match=message):
         options(**how)

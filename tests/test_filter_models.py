@@ -1,4 +1,4 @@
-"""Files of learned filters: the same bytes for the same filter, nothing executed, damage told in one line."""
+"""Files of learned filters: equal filters give equal bytes, no code is executed, damage is reported in one line."""
 
 import io
 import pickle
@@ -20,7 +20,7 @@ def file(tmp_path):
     return path
 
 
-def test_a_filter_comes_back_as_it_was(file, tmp_path):
+def test_a_filter_is_read_back_unchanged(file, tmp_path):
     read = nm.read_filter_model(file)
     assert same(read, small_filter())
     assert read.descriptor == DESCRIPTOR
@@ -29,7 +29,7 @@ def test_a_filter_comes_back_as_it_was(file, tmp_path):
     assert (tmp_path / "again.npz").read_bytes() == file.read_bytes()
 
 
-def test_the_digest_tells_filters_apart():
+def test_the_digest_distinguishes_filters():
     stage = Stage(np.zeros((1, 19), np.float32), (network(),))
     other = Stage(np.zeros((1, 19), np.float32), (network(seed=1),))
     one = FilterModel(DESCRIPTOR, (stage,), {"name": "a"})
@@ -39,7 +39,7 @@ def test_the_digest_tells_filters_apart():
     assert len(one.digest) == 12
 
 
-def test_nothing_that_exists_is_overwritten(file):
+def test_existing_files_are_not_overwritten(file):
     with pytest.raises(nm.OutputError, match=r"f\.npz: already exists; give another name, or `overwrite`"):
         nm.write_filter_model(small_filter(), file)
     nm.write_filter_model(small_filter(), file, overwrite=True)
@@ -100,7 +100,7 @@ def deflated_zeros(path):
         ),
     ],
 )
-def test_files_that_are_no_filter(tmp_path, write, message):
+def test_files_that_are_not_filters_are_refused(tmp_path, write, message):
     path = tmp_path / "f.npz"
     write(path)
     with pytest.raises(nm.InputError, match=rf"f\.npz: cannot be used as a learned filter: {message}"):
@@ -118,8 +118,8 @@ def test_pickled_objects_are_refused_and_not_run(tmp_path):
     assert not mark.exists()
 
 
-def test_damaged_files_give_one_kind_of_error(file):
-    """Cut and flipped anywhere: an InputError, or a filter that is sound."""
+def test_damaged_files_give_an_input_error_or_a_sound_filter(file):
+    """Files cut or with bits flipped anywhere give an InputError or a sound filter."""
     data = file.read_bytes()
     rng = np.random.default_rng(0)
     damaged = file.with_name("damaged.npz")
@@ -136,7 +136,7 @@ def test_damaged_files_give_one_kind_of_error(file):
     assert outcomes["refused"] > 100
 
 
-def test_a_training_is_no_filter_and_a_filter_no_training(file, tmp_path):
+def test_training_states_and_filters_are_not_confused(file, tmp_path):
     with pytest.raises(
         nm.InputError, match="unfinished training: its header says 'nmaptool filter 1', expected 'nmaptool training 1'"
     ):
@@ -149,7 +149,7 @@ def test_a_training_is_no_filter_and_a_filter_no_training(file, tmp_path):
         nm.read_filter_model(tmp_path / "t.npz")
 
 
-def test_the_shipped_filter_is_small_and_says_how_it_was_made():
+def test_the_shipped_filter_is_small_and_states_how_it_was_made():
     from importlib.resources import files
 
     data = files("nmaptool.filters.learned").joinpath("filter.npz").read_bytes()

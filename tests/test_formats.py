@@ -1,4 +1,4 @@
-"""Formats are tables: one entry is accepted by the writers, named in messages, and read by whoever lists them."""
+"""Format tables: an added entry is accepted by the writers, named in messages and shown wherever formats are listed."""
 
 import subprocess
 import sys
@@ -22,7 +22,7 @@ TABLES = {
 
 
 @pytest.mark.parametrize("name", TABLES)
-def test_tables_say_what_every_format_holds(name):
+def test_tables_describe_every_format(name):
     table = getattr(formats, name)
     assert list(table) == TABLES[name]
     assert all(entry.description and "\n" not in entry.description for entry in table.values())
@@ -39,7 +39,7 @@ def relief():
     return nm.relief(bump_map(20, 30), options=nm.ReliefOptions(width=nm.length("30mm")))
 
 
-def test_a_map_format_added_at_run_time(tmp_path, run, monkeypatch):
+def test_a_map_format_added_at_run_time_is_written(tmp_path, run, monkeypatch):
     def write(normal_map, path, options, attributes):
         path.write_text(f"{normal_map.frame.cols} {options.bits} {attributes}", encoding="utf-8")
 
@@ -55,7 +55,7 @@ def test_a_map_format_added_at_run_time(tmp_path, run, monkeypatch):
     assert (tmp_path / "c.xyz").read_text(encoding="utf-8").startswith("9 auto {'recipe': ")
 
 
-def test_a_relief_is_written_as_what_heights_and_meshes_are(relief, tmp_path, run, clean_map, monkeypatch):
+def test_a_relief_is_written_in_every_height_and_mesh_format(relief, tmp_path, run, clean_map, monkeypatch):
     def write_heights(height, path, attributes):
         path.write_text(f"{height.z_mm.shape} {attributes['unit']}", encoding="utf-8")
 
@@ -74,7 +74,7 @@ def test_a_relief_is_written_as_what_heights_and_meshes_are(relief, tmp_path, ru
     assert run("relief", clean_map, "-o", tmp_path / "b.count").code == 0
 
 
-def test_a_workspace_format_added_at_run_time(tmp_path, monkeypatch):
+def test_a_workspace_format_added_at_run_time_is_written(tmp_path, monkeypatch):
     def write(workspace, path):
         path.write_text(" ".join(layer.name for layer in workspace.layers), encoding="utf-8")
 
@@ -86,7 +86,7 @@ def test_a_workspace_format_added_at_run_time(tmp_path, monkeypatch):
         nm.write_workspace(workspace, tmp_path / "a.png")
 
 
-def test_heights_and_meshes_are_refused_by_ending(relief, tmp_path):
+def test_heights_and_meshes_refuse_each_others_endings(relief, tmp_path):
     from nmaptool.io.meshes.writer import write_mesh
     from nmaptool.io.pictures.heights import write_height
 

@@ -1,4 +1,4 @@
-"""The same wrong option, told in the language of Python, of the command line and of a recipe."""
+"""The same wrong option, reported in terms of Python, of the command line and of a recipe."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ RECIPES = {
 
 
 def wrong_value(field: dataclasses.Field[Any]) -> Any:
-    """A value of the right type that the field refuses; None where it takes whatever there is."""
+    """A value of the right type that the field refuses; None if it accepts any value."""
     match kind_of(field):
         case Choice():
             return "rubbish"
@@ -67,13 +67,13 @@ IN_RECIPES = [
     for case in REFUSED
     if case.values[0] in RECIPES and (case.values[0] is not nm.ReadOptions or case.values[1] in READ_KEYS)
 ]
-# parameters of public functions that messages name, beside the fields of options
+# parameters of public functions that messages name, besides the fields of options
 PARAMETERS = {"overwrite", "max_faces", "unit", "model", "mu_map", "surface", "state"}
 PARAMETERS |= {"detail", "depth", "faces", "format"}
 
 
 def strings() -> Iterator[tuple[str, str]]:
-    """Every string of the library but docstrings, with its place."""
+    """Every string of the library except docstrings, with its location."""
     for path in sorted(ROOT.rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         docs = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
@@ -82,7 +82,7 @@ def strings() -> Iterator[tuple[str, str]]:
                 yield f"{path.relative_to(ROOT)}:{node.lineno}", node.value
 
 
-def test_every_class_has_options_that_can_be_wrong() -> None:
+def test_every_options_class_is_tested_with_a_wrong_value() -> None:
     assert {case.values[0] for case in REFUSED} >= set(CLASSES) - {nm.WriteOptions}
     assert set(RECIPES) == {case.values[0] for case in IN_RECIPES}
 
@@ -132,14 +132,14 @@ def test_the_library_names_no_flag() -> None:
 
 
 def test_options_that_are_mentioned_exist() -> None:
-    """What messages name in backticks are fields of options, or parameters of functions."""
+    """Every name in backticks in a message is a field of options or a parameter of a function."""
     known = PARAMETERS | {field.name for options in CLASSES for field in dataclasses.fields(options)}
     named = {(place, name) for place, text in strings() for name in options_in(text)}
     assert {(place, name) for place, name in named if name not in known} == set()
     assert len(named) > 60
 
 
-def test_values_are_told_as_a_shell_takes_them() -> None:
+def test_values_are_shown_in_shell_syntax() -> None:
     assert in_flags("`scale='a b'` and `swizzle='-g,r,b'`") == "--scale 'a b' and --swizzle=-g,r,b"
     assert in_flags("`overwrite=True`, `beta=0.25`") == "--overwrite, --beta 0.25"
     assert in_flags("`max_faces=20000000`") == "--max-faces 20000000"

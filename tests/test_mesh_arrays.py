@@ -1,4 +1,4 @@
-"""Meshes from plain arrays of any type, from trimesh and back."""
+"""Meshes from plain arrays of any type, and conversion to trimesh and back."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
 
 
 @pytest.mark.parametrize("kind", [np.int8, np.int64, np.uint16, np.float16, np.float32, np.float64, list])
-def test_meshes_of_any_number_type(kind):
+def test_meshes_of_any_number_type_are_accepted(kind):
     make = (lambda values: values) if kind is list else (lambda values: np.array(values, kind))
     mesh = nm.Mesh.from_arrays(make(TRIANGLE), make([[0, 1, 2]]), mm_per_unit=10)
     assert (mesh.vertices.dtype, mesh.faces.dtype) == (np.float64, np.int32)
@@ -36,12 +36,12 @@ def test_meshes_of_any_number_type(kind):
         ("a.stl", [[0, 0, 0]], UsageError, "mesh: vertices must be an array of numbers, found str"),
     ],
 )
-def test_arrays_that_are_no_mesh(vertices, faces, error, message):
+def test_arrays_that_are_not_a_mesh_are_refused(vertices, faces, error, message):
     with pytest.raises(error, match=message):
         nm.Mesh.from_arrays(vertices, faces)
 
 
-def test_meshes_go_to_trimesh_and_back():
+def test_meshes_convert_to_trimesh_and_back():
     box = trimesh.creation.box()
     assert nm.Mesh.from_trimesh(box).unit_from == "assumed"
     for units, mm in (("mm", 1), ("cm", 10), ("m", 1000), ("inches", 25.4)):

@@ -1,4 +1,4 @@
-"""What the options' classes refuse, whichever option it is."""
+"""Values that every options class refuses, for any of its options."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nmaptool.options.kinds import Choice, Count, Number, Positive, Weight
 
 
 def required() -> list[Any]:
-    """Every number and choice with a default: None is none of its values."""
+    """Every number and choice with a default, for which None is not a valid value."""
     classes = [value for name in nm.__all__ if isinstance(value := getattr(nm, name), type)]
     return [
         pytest.param(options, field.name, id=f"{options.__name__}.{field.name}")
@@ -25,13 +25,13 @@ def required() -> list[Any]:
 
 
 @pytest.mark.parametrize(("options", "name"), required())
-def test_none_is_refused_where_an_option_has_a_default(options: type[Options], name: str) -> None:
+def test_none_is_refused_if_an_option_has_a_default(options: type[Options], name: str) -> None:
     with pytest.raises((nm.UsageError, TypeError)):
         options(**{name: None})
 
 
 @pytest.mark.parametrize("name", ["background", "energy", "fit", "solver"])
-def test_none_is_no_choice(name: str) -> None:
+def test_none_is_not_a_valid_choice(name: str) -> None:
     with pytest.raises(nm.UsageError, match=rf"`{name}=None`: use one of "):
         nm.ReliefOptions(**{name: None})
 

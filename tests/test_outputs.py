@@ -1,4 +1,4 @@
-"""What lands on disk: heights, meshes, previews and reports, read back by independent readers."""
+"""Written heights, meshes, previews and reports, read back by independent readers."""
 
 import itertools
 import json
@@ -70,12 +70,12 @@ def test_png_heights_are_16_bit_with_their_range_in_mm(carved, tmp_path):
     found = low + grey / 65535 * (high - low)
     inside = carved.mask
     assert np.abs(found - corner_mean(carved.z_mm))[inside].max() <= (high - low) / 65535 / 2 * 1.001
-    assert high - low == pytest.approx(4, abs=1e-6)  # black to white is the height that was asked for
+    assert high - low == pytest.approx(4, abs=1e-6)  # black to white spans the requested height
     assert np.ptp(grey[inside]) > 60000
 
 
 @pytest.mark.parametrize("ending", [".exr", ".png", ".tif"])
-def test_pictures_carry_their_metadata(carved, tmp_path, ending):
+def test_images_have_metadata(carved, tmp_path, ending):
     path = tmp_path / f"h{ending}"
     nm.write_relief(carved, path)
     own = nm.read_raster(path).attributes
@@ -92,7 +92,7 @@ def test_meshes_have_the_exact_size_and_face_outwards(carved, tmp_path, ending):
     path = tmp_path / f"m{ending}"
     nm.write_relief(carved, path)
     mesh = trimesh.load(path, force="mesh")
-    if ending == ".glb":  # in metres, as its specification says
+    if ending == ".glb":  # in metres, as its specification requires
         assert nm.read_mesh(path).mm_per_unit == 1000
         mesh.apply_scale(1000)
     rows, cols = np.nonzero(touching_vertices(carved.mask))
@@ -105,7 +105,7 @@ def test_meshes_have_the_exact_size_and_face_outwards(carved, tmp_path, ending):
     assert mesh.area_faces.min() > 0
 
 
-def test_mesh_heights_are_those_of_the_relief_right_way_up(carved, tmp_path):
+def test_mesh_heights_match_the_relief_and_its_orientation(carved, tmp_path):
     nm.write_relief(carved, tmp_path / "m.ply")
     mesh = trimesh.load(tmp_path / "m.ply", process=False)
     pitch = carved.pitch_mm
@@ -114,14 +114,14 @@ def test_mesh_heights_are_those_of_the_relief_right_way_up(carved, tmp_path):
     assert len(mesh.vertices) == touching_vertices(carved.mask).sum()
 
 
-def test_mesh_outline_is_the_masks():
+def test_the_mesh_outline_follows_the_mask():
     mask = np.zeros((6, 7), bool)
     mask[1:4, 2:6] = True
     mask[2, 3] = False
     mesh = nm.surface_mesh(nm.Height(np.zeros((7, 8)), mask, nm.Frame(6, 7, 1.0)))
     edges = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     _, counts = np.unique(edges, axis=0, return_counts=True)
-    assert (counts == 1).sum() == 2 * (3 + 4) + 4  # around the block and around its hole
+    assert (counts == 1).sum() == 2 * (3 + 4) + 4  # edges around the block and around its hole
     assert counts.max() == 2
 
 
@@ -134,7 +134,7 @@ def test_diagonals_follow_a_ridge():
         assert all((a, b) in edges for a, b in itertools.pairwise(valley.tolist()))
 
 
-def test_preview_is_lit_from_the_upper_left(carved, tmp_path):
+def test_the_preview_is_lit_from_the_upper_left(carved, tmp_path):
     nm.write_relief(carved, preview=tmp_path / "p.png")
     picture = cv2.imread(str(tmp_path / "p.png"))
     assert max(picture.shape) >= 900
@@ -146,7 +146,7 @@ def test_preview_is_lit_from_the_upper_left(carved, tmp_path):
         assert 0.4 < plate[0, 0] < 0.8
 
 
-def test_report_tells_the_run(carved, tmp_path):
+def test_the_report_describes_the_run(carved, tmp_path):
     nm.write_relief(carved, report=tmp_path / "r.json")
     report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert report["height_range_mm"] == pytest.approx(4)
@@ -167,7 +167,7 @@ def test_all_files_appear_or_none(carved, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_existing_files_stay_unless_overwrite_is_said(carved, tmp_path):
+def test_existing_files_are_kept_without_overwrite(carved, tmp_path):
     path = tmp_path / "a.npy"
     path.write_text("mine", encoding="utf-8")
     with pytest.raises(OutputError, match="already exists; give another name, or `overwrite`"):
@@ -205,9 +205,9 @@ def test_endings_are_checked_first(carved, tmp_path):
 
 
 @pytest.mark.parametrize("ending", [*FLOATS, ".png"])
-def test_heights_come_back_as_a_curved_background(tmp_path, ending):
+def test_heights_are_read_back_as_a_curved_background(tmp_path, ending):
     row, col = np.mgrid[0 : ROWS + 1, 0 : COLS + 1]
-    z = 0.1 * col + 0.05 * row  # straight, so that corners follow exactly from centres
+    z = 0.1 * col + 0.05 * row  # a plane: its corner heights follow exactly from those at centres
     height = nm.Height(z, np.ones((ROWS, COLS), bool), nm.Frame(ROWS, COLS, 0.5))
     from nmaptool.io.pictures.heights import write_height
 

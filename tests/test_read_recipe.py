@@ -1,4 +1,4 @@
-"""Recipes from files: TOML that is broken, recipes in recipes, and the one in a picture's metadata."""
+"""Recipes from files: broken TOML, nested recipes, and recipes in image metadata."""
 
 import pytest
 from stack_cases import SCENE, waves, write_maps
@@ -24,7 +24,7 @@ def link(name, more=""):
     return f'[[layer]]\nrecipe = "{name}"\n{more}\n'
 
 
-def test_a_file_is_read_as_its_text(folder):
+def test_a_recipe_file_is_read_like_its_text(folder):
     path = write(folder, "scene.toml", SCENE)
     recipe = nm.read_recipe(path)
     assert recipe.folder == str(folder)
@@ -53,7 +53,7 @@ def test_a_file_is_read_as_its_text(folder):
         ("x = \x01", "not valid TOML at line 1, column 5: found x =;"),
     ],
 )
-def test_toml_that_is_broken(folder, text, message):
+def test_broken_toml_is_refused(folder, text, message):
     path = write(folder, "scene.toml", text)
     with pytest.raises(nm.InputError, match=message) as caught:
         nm.read_recipe(path)
@@ -61,7 +61,7 @@ def test_toml_that_is_broken(folder, text, message):
     assert "\n" not in str(caught.value)
 
 
-def test_files_that_are_no_recipes(folder):
+def test_files_that_are_not_recipes_are_refused(folder):
     latin = folder / "latin.toml"
     latin.write_bytes('# a\nname = "é"'.encode("latin-1"))
     (folder / "empty.toml").touch()
@@ -82,7 +82,7 @@ def test_files_that_are_no_recipes(folder):
         nm.read_recipe(write(folder, "large.toml", ONE + "#" * 1_200_000))
 
 
-def test_a_recipe_in_a_recipe_is_a_group_with_files_from_the_outer_folder(folder):
+def test_a_recipe_in_a_recipe_is_a_group_with_paths_from_the_outer_folder(folder):
     write(folder, "parts/leaves.toml", '[[layer]]\nfile = "../leaf.png"\nmask = "m.png"\n' + link("more/one.toml"))
     write(folder / "parts", "more/one.toml", ONE)
     path = write(folder, "scene.toml", ONE + link("parts/leaves.toml", 'name = "leaves"\nstrength = 0.5\nmask="w.png"'))
@@ -103,7 +103,7 @@ def test_a_recipe_in_a_recipe_is_a_group_with_files_from_the_outer_folder(folder
     assert recipe.notes == ()
 
 
-def test_absolute_names_stay_and_an_inner_canvas_is_noted(folder):
+def test_absolute_paths_are_kept_and_an_inner_canvas_is_noted(folder):
     inner = write(
         folder, "sub/inner.toml", f'[canvas]\nsize = "9x9"\n[[layer]]\nfile = "{folder.as_posix()}/leaf.png"\n'
     )
@@ -127,7 +127,7 @@ def test_a_hidden_recipe_is_not_read(folder):
         nm.read_recipe(write(folder, "scene.toml", ONE + link("broken.toml")))
 
 
-def test_recipes_that_hold_each_other(folder, monkeypatch):
+def test_recipes_that_contain_each_other_are_refused(folder, monkeypatch):
     monkeypatch.chdir(folder)
     write(folder, "b.toml", ONE + link("sub/../a.toml"))
     (folder / "sub").mkdir()
@@ -155,7 +155,7 @@ def test_a_recipe_that_holds_itself_by_another_name(folder, monkeypatch, symlink
         nm.read_recipe("self.toml")
 
 
-def test_recipes_that_lie_too_deep_or_hold_too_much(folder):
+def test_recipes_that_are_too_deep_or_too_large_are_refused(folder):
     for i in range(20):
         write(folder, f"deep{i}.toml", link(f"deep{i + 1}.toml"))
         write(folder, f"wide{i}.toml", link(f"wide{i + 1}.toml") * 10)
@@ -190,7 +190,7 @@ def test_a_recipe_in_a_picture_has_no_lines(folder):
         nm.read_recipe(folder / "bad.png", name="bad.png")
 
 
-def test_names_that_no_file_can_have(folder):
+def test_invalid_file_names_are_refused(folder):
     for name in ("a\\u0000.toml", "x" * 300):
         path = write(folder, "scene.toml", link(name))
         with pytest.raises(

@@ -14,11 +14,11 @@ from nmaptool.core.units import Length, Offset
 from nmaptool.types.recipe import READ_KEYS
 
 TEXT = (Path(__file__).parents[1] / "docs" / "recipes.md").read_text(encoding="utf-8")
-BESIDE = {"hidden": "`false`"}  # keys that are no option of a layer
+BESIDE = {"hidden": "`false`"}  # keys that are not options of a layer
 
 
 def table(title):
-    """Key and default of each row below a title."""
+    """Key and default of each table row under a heading."""
     part = TEXT.split(f"\n## {title}\n")[1].split("\n## ")[0]
     rows = re.findall(r"^\| `(\w+)` \| (.*?) ?\| (.+) \|$", part, re.MULTILINE)
     return {key: (default, words) for key, default, words in rows}
@@ -50,7 +50,7 @@ def test_every_key_is_documented_with_its_default(title, options, keys):
         assert words.endswith("."), key
 
 
-def test_every_word_that_a_key_takes_is_documented():
+def test_every_value_of_a_key_is_documented():
     rows = table("[[layer]] with a file")
     for key, words in (
         ("mode", ("over", "rnm", "pd", "whiteout", "udn", "linear", "overlay")),
@@ -90,7 +90,7 @@ def test_the_example_runs(tmp_path, png, run):
     assert used >= {"file", "at", "anchor", "scale", "rotate", "feather", "mask", "strength", "mode", "green", "hidden"}
 
 
-def test_a_length_in_a_recipe_is_one_in_every_bit():
+def test_lengths_in_a_recipe_are_exact_bit_for_bit():
     canvas = nm.CanvasOptions(width=Length(1e-5 / 3, "in"))
     layer = nm.RecipeLayer("a.png", nm.LayerOptions(feather=Offset(1 / 3, "%")))
     text = nm.to_toml(nm.Recipe((layer,), canvas))

@@ -1,4 +1,4 @@
-"""What is wrong with a recipe, in one line each: where, which key, what was found, what is accepted."""
+"""Faults in recipes, in one line each: the location, the key, the value found and the values accepted."""
 
 import re
 import tomllib
@@ -69,7 +69,7 @@ def line_in(text, kind=nm.InputError):
         ("read.max_megapixels = 1000", "read: unknown key 'max_megapixels'; use one of layer, green"),
     ],
 )
-def test_a_layers_key(line, message):
+def test_wrong_keys_of_a_layer_are_named(line, message):
     assert f"scene.toml: layer 2 (bunny): {message}" in message_of(BUNNY + line)
     assert line_in(f"{BUNNY}# a comment\n\n{line}\n\n# the end") == 8 + line.count("\n")
 
@@ -131,13 +131,13 @@ def test_a_layers_key(line, message):
         (2, '[[layer]]\nmode = "x"\n[[layer.layer]]\nfile = "a"', 'scene.toml: layer 1: mode = "x": use one of over'),
     ],
 )
-def test_the_recipe(line, text, message):
+def test_wrong_recipes_are_refused(line, text, message):
     assert message in message_of(text)
     if line is not None:
         assert line_in(text) == line
 
 
-def test_groups_too_deep_in_each_other():
+def test_groups_nested_too_deeply_are_refused():
     depth = 17
     tables = "".join(f"[[{'.'.join(['layer'] * (i + 1))}]]\n" for i in range(depth))
     where = re.escape("layer " + ".".join(["1"] * (depth - 1)))
@@ -167,6 +167,6 @@ def test_names_in_messages_are_short_and_printable():
         (6, '[[layer]]\nfile = "a.png"\n[[layer]]\nfile = "b.png"\n[layer.read]\nlayer = 1'),
     ],
 )
-def test_lines_however_a_key_is_written(line, text):
+def test_lines_are_found_however_a_key_is_written(line, text):
     assert line_in(text) == line
     assert line_in(text.replace("\n", "\r\n")) == line

@@ -1,4 +1,4 @@
-"""What rebuilding a mesh refuses, in one clear line each."""
+"""Errors in rebuilding a mesh, each in one clear line."""
 
 import numpy as np
 import pytest
@@ -30,12 +30,12 @@ def ball():
         (lambda n: -n, r"the normals would flip 100% of the area of mesh; .* negate them if they point inwards"),
     ],
 )
-def test_normals_that_cannot_be_meant(ball, change, message):
+def test_invalid_normals_are_refused(ball, change, message):
     with pytest.raises(InputError, match=message):
         nm.reconstruct(ball, change(ball.geometry.normals))
 
 
-def test_meshes_that_are_not_clean(ball):
+def test_meshes_that_are_not_clean_are_refused(ball):
     normals = ball.geometry.normals
     with pytest.raises(InputError, match="mesh: has no faces, so there is no surface to rebuild"):
         nm.reconstruct(nm.Mesh(ball.vertices, ball.faces[:0]), normals[:0])
@@ -49,7 +49,7 @@ def test_meshes_that_are_not_clean(ball):
         nm.reconstruct(nm.Mesh(ball.vertices, flat), normals)
 
 
-def test_a_system_that_cannot_be_solved(monkeypatch):
+def test_a_system_that_cannot_be_solved_is_an_error(monkeypatch):
     monkeypatch.setattr(stitching, "_DIRECT", 0)
     monkeypatch.setattr(stitching, "_MOST_CYCLES", 1)
     ball = nm.clean_mesh(sphere(24))[0]
@@ -80,11 +80,11 @@ def test_a_system_that_cannot_be_solved(monkeypatch):
         (lambda: nm.BakeOptions(geometry="new"), r"`geometry='new'`: use one of original, updated"),
     ],
 )
-def test_options_that_cannot_be_meant(make, message):
+def test_invalid_options_are_refused(make, message):
     with pytest.raises(UsageError, match=message):
         make()
 
 
-def test_a_figure_too_large():
+def test_a_figure_that_is_too_large_is_refused():
     with pytest.raises(LimitError, match=r"`size='9000x9000'`: has more than 16000000 pixels"):
         nm.CompareOptions(size="9000x9000")

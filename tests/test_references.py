@@ -1,4 +1,4 @@
-"""What docstrings, comments and documents name is there: modules, functions, files."""
+"""Modules, functions and files named in docstrings, comments and documents exist."""
 
 import ast
 import importlib
@@ -25,7 +25,7 @@ A_FILE = "nmaptool.json"  # within a workspace
 
 @cache
 def resolves(name):
-    """Whether a dotted name is a module, or something in one."""
+    """Whether a dotted name is a module or an object in one."""
     module, _, rest = name.rpartition(".")
     try:
         importlib.import_module(name)
@@ -46,7 +46,7 @@ def value(name):
 
 
 def named(pattern, paths):
-    """(file, what it names), each once."""
+    """(file, named object), each once."""
     return sorted(
         {
             (str(path.relative_to(ROOT)), name)
@@ -64,7 +64,7 @@ def test_dotted_names_resolve():
 
 
 def imported(path):
-    """Dotted names of nmaptool that a file imports, in functions too."""
+    """Dotted names of nmaptool that a file imports, also inside functions."""
     nodes = [
         node
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
@@ -73,7 +73,7 @@ def imported(path):
     return {f"{n.module}.{alias.name}" for n in nodes if OURS.match(n.module) for alias in n.names}
 
 
-def test_programs_beside_the_library_import_what_is_there():
+def test_programs_outside_the_library_import_existing_names():
     names = {(path.name, name) for path in PROGRAMS for name in imported(path)}
     assert len(names) > 50
     assert sorted(f"{file}: {name}" for file, name in names if not resolves(name)) == []
@@ -97,5 +97,5 @@ def test_paths_exist():
         ("nothing.at_all", False),
     ],
 )
-def test_names_that_are_there_and_names_that_are_not(name, there):
+def test_existing_names_resolve_and_missing_names_do_not(name, there):
     assert resolves(f"nmaptool.{name}") is there

@@ -1,4 +1,4 @@
-"""The maps of a recipe: the same picture as nm.compose and nm.paste in every bit."""
+"""The maps of a recipe give the result of nm.compose and nm.paste bit for bit."""
 
 import os
 from pathlib import Path
@@ -42,7 +42,7 @@ def by_hand(folder):
     return plate, (nm.Layer(bunny, options, half), group)
 
 
-def test_a_recipe_is_the_same_call_of_compose_and_of_paste(folder):
+def test_a_recipe_equals_the_same_call_of_compose_and_of_paste(folder):
     by_recipe = composed(folder, SCENE)
     plate, layers = by_hand(folder)
     width = nm.length("40mm")
@@ -53,7 +53,7 @@ def test_a_recipe_is_the_same_call_of_compose_and_of_paste(folder):
     assert by_recipe.normal_map.frame == nm.Frame(60, 80, 0.5)
 
 
-def test_a_recipe_gives_every_argument_of_compose(folder):
+def test_a_recipe_sets_every_argument_of_compose(folder):
     (folder / "scene.toml").write_text(
         '[canvas]\nsize = "90x70"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\nat = "40%,50%"\n'
     )
@@ -71,20 +71,20 @@ def nested(text):
     return "[[layer]]\n" + text.replace("[[layer", "[[layer.layer")
 
 
-def test_a_group_of_one_layer_is_that_layer(folder):
+def test_a_group_of_one_layer_equals_that_layer(folder):
     assert same(composed(folder, PLATE + BUNNY), composed(folder, PLATE + nested(BUNNY)))
     twice = composed(folder, PLATE + nested(BUNNY) + nested(LEAF))
     (folder / "leaf.toml").write_text(LEAF, encoding="utf-8")
     assert same(twice, composed(folder, PLATE + nested(BUNNY) + '[[layer]]\nrecipe = "leaf.toml"\n'))
 
 
-def test_order_matters_where_one_covers_the_other(folder):
+def test_order_matters_where_layers_overlap(folder):
     one, other = composed(folder, PLATE + BUNNY + LEAF), composed(folder, PLATE + LEAF + BUNNY)
     assert not np.array_equal(one.normal_map.normals, other.normal_map.normals)
-    assert same(composed(folder, PLATE + LEAF + BUNNY), composed(folder, PLATE + BUNNY))  # the leaf lies under it
+    assert same(composed(folder, PLATE + LEAF + BUNNY), composed(folder, PLATE + BUNNY))  # the leaf is under the bunny
 
 
-def test_what_is_hidden_is_left_out_and_not_read(folder):
+def test_hidden_layers_are_left_out_and_not_read(folder):
     shown = composed(folder, PLATE + BUNNY)
     gone = '[[layer]]\nfile = "gone.png"\nhidden = true\n'
     assert same(shown, composed(folder, gone + PLATE + BUNNY + nested(gone) + gone))
@@ -103,14 +103,14 @@ def test_a_mask_hides_what_is_black(folder):
     assert np.array_equal(outside.normal_map.normals[:10], plate.normals[:10])
 
 
-def test_options_of_reading_and_what_a_layer_says_of_itself(folder):
+def test_a_layers_reading_options_override_the_general_ones(folder):
     down, up = nm.ReadOptions(green="down"), 'read.green = "up"\n'
     one = composed(folder, PLATE + up + BUNNY, down)
     other = composed(folder, PLATE + BUNNY + 'read.green = "down"\n')
     assert same(one, other)
     assert not same(one, composed(folder, PLATE + BUNNY))
     (folder / "scene.toml").write_text(PLATE + up + BUNNY, encoding="utf-8")
-    recipe = nm.read_stack(folder / "scene.toml", down).recipe  # it alone gives the same again
+    recipe = nm.read_stack(folder / "scene.toml", down).recipe  # the recipe alone reproduces the result
     assert [layer.read for layer in recipe.layers] == [{"green": "up"}, {"green": "down"}]
     again = nm.read_stack(recipe)
     assert same(one, nm.compose(again.layers, again.canvas))
@@ -127,7 +127,7 @@ def test_a_file_is_read_once(folder, symlink):
     assert [each.frame.cols for each in stack.maps] == [80, 24, 24]
 
 
-def test_files_outside_the_folder_are_told(folder, symlink, tmp_path_factory):
+def test_files_outside_the_folder_are_reported(folder, symlink, tmp_path_factory):
     far = tmp_path_factory.mktemp("far")
     for name in ("one.exr", "two.exr", "three.exr"):
         nm.write_normal_map(waves(10, 12, 2), far / name)
@@ -166,7 +166,7 @@ def test_files_outside_the_folder_are_told(folder, symlink, tmp_path_factory):
         (f'[[layer]]\nfile = "{"x" * 300}"', nm.InputError, r"line 1: layer 1 \(xxx.*cannot be read"),
     ],
 )
-def test_a_file_that_is_wrong_is_told_with_the_layer_that_wants_it(folder, text, kind, message):
+def test_a_wrong_file_is_named_with_its_layer(folder, text, kind, message):
     with pytest.raises(kind, match=rf"scene.toml, {message}"):
         composed(folder, text)
 
@@ -174,13 +174,16 @@ def test_a_file_that_is_wrong_is_told_with_the_layer_that_wants_it(folder, text,
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (BUNNY.replace("50%,50%", "900%,0"), r"line 3: layer 2 \(bunny.exr\): lies fully off the canvas of 80 x 60 px"),
-        (BUNNY + "scale = 0.001\n", r"line 3: layer 2 \(bunny.exr\): covers nothing where it lies"),
-        (nested(BUNNY) + 'at = "-9cm,0"\n', r"line 4: layer 2.1 \(bunny.exr\): lies fully off the canvas"),
+        (
+            BUNNY.replace("50%,50%", "900%,0"),
+            r"line 3: layer 2 \(bunny.exr\): its area from .* is outside the canvas of 80 x 60",
+        ),
+        (BUNNY + "scale = 0.001\n", r"line 3: layer 2 \(bunny.exr\): covers no pixel of the canvas; check its mask"),
+        (nested(BUNNY) + 'at = "-9cm,0"\n', r"line 4: layer 2.1 \(bunny.exr\): its area from .* is outside the canvas"),
         (nested(BUNNY).replace("[[layer]]", '[[layer]]\nmask="half.png"'), r"line 3: layer 2: the mask of group is 30"),
     ],
 )
-def test_a_layer_that_does_not_fit_is_told_with_its_line(folder, text, message):
+def test_a_layer_that_does_not_fit_is_reported_with_its_line(folder, text, message):
     (folder / "scene.toml").write_text(PLATE + text.replace('at = "50%,50%"\nat', "at"), encoding="utf-8")
     (folder / "outer.toml").write_text('# a recipe in a recipe\n[[layer]]\nrecipe = "scene.toml"\n', encoding="utf-8")
     for name in ("scene.toml", "outer.toml"):
@@ -190,7 +193,7 @@ def test_a_layer_that_does_not_fit_is_told_with_its_line(folder, text, message):
                 compose(stack.layers, stack.canvas)
 
 
-def test_one_limit_for_all_pictures_together(folder):
+def test_the_size_limit_applies_to_all_images_together(folder):
     reading = nm.ReadOptions(max_megapixels=0.0055)  # the plate has 4800 px, the leaf 480, the bunny 1200
     composed(folder, PLATE + LEAF + LEAF, reading)
     spent = r"other files of the recipe take 0.0048 of 0.0055 megapixels"
@@ -202,7 +205,7 @@ def test_one_limit_for_all_pictures_together(folder):
         composed(folder, PLATE, nm.ReadOptions(max_megapixels=0.004))
 
 
-def test_a_recipe_made_in_python(folder):
+def test_a_recipe_may_be_made_in_python(folder):
     layers = (nm.RecipeLayer("plate.exr"), nm.RecipeLayer("bunny.exr", nm.LayerOptions(at="50%,50%")))
     stack = nm.read_stack(nm.Recipe(layers), folder=folder)
     assert same(composed(folder, PLATE + BUNNY), nm.compose(stack.layers, stack.canvas))

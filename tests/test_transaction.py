@@ -1,4 +1,4 @@
-"""One way out: everything of a run is written or nothing, and what cannot be written is refused before the work."""
+"""Output transactions: all files of a run are written or none, and impossible targets are refused before the work."""
 
 import json
 import os
@@ -19,7 +19,7 @@ def write_text(value, path):
 
 
 def plan(places, *, fail_at=None, error=None, **more):
-    """A plan of text files, one of which fails after it was begun."""
+    """A plan of text files, one of which may fail while it is written."""
 
     def failing(value, path):
         path.write_text("half", encoding="utf-8")
@@ -30,7 +30,7 @@ def plan(places, *, fail_at=None, error=None, **more):
     return Outputs(targets, **more)
 
 
-def test_everything_is_written_in_the_order_it_is_named(tmp_path, tree):
+def test_targets_are_written_in_the_given_order(tmp_path, tree):
     report = tmp_path / "r.json"
     outputs = plan([tmp_path / "a.txt", tmp_path / "b.txt"], report=report)
     assert outputs.paths == outputs.places == [tmp_path / "a.txt", tmp_path / "b.txt", report]
@@ -41,7 +41,7 @@ def test_everything_is_written_in_the_order_it_is_named(tmp_path, tree):
     assert report.read_text(encoding="utf-8") == json.dumps({"outputs": outputs.names}, indent=2) + "\n"
 
 
-def test_what_the_targets_share_is_made_once(tmp_path):
+def test_shared_preparation_runs_once(tmp_path):
     made = []
     outputs = plan([tmp_path / "a.txt", tmp_path / "b.txt"], prepare=lambda value, facts: made.append(facts) or value)
     outputs.write("hello", {"a": 1})
@@ -59,7 +59,7 @@ def test_what_the_targets_share_is_made_once(tmp_path):
     ],
     ids=["full", "limit", "bug", "interrupted"],
 )
-def test_a_failure_in_the_middle_leaves_everything_as_it_was(tmp_path, tree, fail_at, error, expected, message):
+def test_a_failure_while_writing_changes_nothing(tmp_path, tree, fail_at, error, expected, message):
     (tmp_path / "old.txt").write_text("precious", encoding="utf-8")
     before = tree()
     new = tmp_path / "made" / "within"
@@ -71,7 +71,7 @@ def test_a_failure_in_the_middle_leaves_everything_as_it_was(tmp_path, tree, fai
     assert tree() == before
 
 
-def test_errors_name_the_target_not_the_file_beside_it(tmp_path):
+def test_errors_name_the_target_not_its_temporary_file(tmp_path):
     def full(value, path):
         raise OutputError(f"{path}: cannot be written (is the disk full?)")
 
@@ -82,8 +82,8 @@ def test_errors_name_the_target_not_the_file_beside_it(tmp_path):
 
 
 @pytest.mark.parametrize("links", [True, False])
-def test_renaming_is_taken_back_when_a_later_name_is_taken(tmp_path, tree, monkeypatch, links):
-    """The second file appears while the run writes, on file systems with and without hard links."""
+def test_renaming_is_undone_if_a_later_target_already_exists(tmp_path, tree, monkeypatch, links):
+    """The second file appears during writing, on file systems with and without hard links."""
     if not links:
 
         def refuse(self, target):
@@ -137,7 +137,7 @@ def test_a_leftover_that_cannot_be_removed_does_not_end_a_run(tmp_path, monkeypa
     assert [(tmp_path / name).read_text(encoding="utf-8") for name in ("a.txt", "b.txt")] == ["new", "new"]
 
 
-def test_what_cannot_be_written_is_refused_before_the_work(tmp_path):
+def test_impossible_targets_are_refused_before_the_work(tmp_path):
     (tmp_path / "old.txt").write_text("precious", encoding="utf-8")
     (tmp_path / "file").write_text("no folder", encoding="utf-8")
     # Windows takes a name that is too long for a missing one
@@ -160,7 +160,7 @@ def test_what_cannot_be_written_is_refused_before_the_work(tmp_path):
     assert (tmp_path / "old.txt").read_text(encoding="utf-8") == "precious"
 
 
-def test_rules_come_first_and_targets_may_be_left_out(tmp_path):
+def test_rules_are_checked_first_and_targets_are_optional(tmp_path):
     def rule():
         raise UsageError("no such thing")
 
@@ -170,7 +170,7 @@ def test_rules_come_first_and_targets_may_be_left_out(tmp_path):
     check_place(place_of(str(tmp_path / "a.md")), overwrite=False)
 
 
-def test_a_run_is_complete_once_its_results_are_in_place(tmp_path):
+def test_a_run_is_complete_once_its_results_are_written(tmp_path):
     UNFINISHED.is_complete = False
     plan([tmp_path / "state.txt"]).write("kept on the way", final=False)
     assert not UNFINISHED.is_complete
@@ -178,7 +178,7 @@ def test_a_run_is_complete_once_its_results_are_in_place(tmp_path):
     assert UNFINISHED.is_complete
 
 
-def test_sweeping_removes_what_is_unfinished_and_nothing_else(tmp_path, tree):
+def test_sweeping_removes_only_unfinished_files(tmp_path, tree):
     unfinished = Unfinished()
     full, empty, half = tmp_path / "full", tmp_path / "empty", tmp_path / "half.txt"
     for folder in (full, empty):
@@ -192,7 +192,7 @@ def test_sweeping_removes_what_is_unfinished_and_nothing_else(tmp_path, tree):
         assert not half.exists()
         assert not empty.exists()
         assert (full / "kept.txt").read_text(encoding="utf-8") == "another program's"
-        temporary.mkdir()  # which a process that goes on removes by itself
+        temporary.mkdir()  # which a running process removes itself
     half.write_text("finished", encoding="utf-8")
     unfinished.sweep()
     assert half.read_text(encoding="utf-8") == "finished"

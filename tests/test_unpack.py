@@ -20,7 +20,7 @@ def maps(tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["psd", "psb", "ora", "tif", "exr"])
-def test_there_and_back(maps, run, ending):
+def test_packed_layers_are_unpacked_unchanged(maps, run, ending):
     work = maps / f"work.{ending}"
     places = ("--at", "0,0", "--at", "-12px,40px")
     done = run("compose", "pack", maps / "base.exr", maps / "detail.png", "-o", work, *places)
@@ -43,7 +43,7 @@ def test_there_and_back(maps, run, ending):
     assert all(one["anchor"] == "top-left" and one.get("mode", "over") == "over" for one in recipe["layer"])
 
 
-def test_png_masks_names_and_the_report(maps, run, png):
+def test_png_format_masks_names_and_report_are_written(maps, run, png):
     png(maps / "mask.png", np.full((60, 50), 32768, np.uint16))
     flags = ("--name", "Grund", "--name", "Blatt", "--mask", "none", "--mask", maps / "mask.png", "--bits", "8")
     done = run("compose", "pack", maps / "base.exr", maps / "detail.png", "-o", maps / "w.psd", *flags, "--json")
@@ -92,7 +92,7 @@ def test_groups_become_nested_layers(tmp_path):
     assert group["layer"][2]["hidden"] is True
 
 
-def test_groups_that_only_keep_layers_together_are_none_in_the_recipe(tmp_path, run):
+def test_pass_through_groups_are_dissolved_in_the_recipe(tmp_path, run):
     group = nm.WorkspaceGroup("kept together", blend_mode="pass through", opacity=0.5, visible=False)
     nm.write_unpacked(nm.unpack(packed(groups=(group,))), tmp_path / "out")
     recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text(encoding="utf-8"))
@@ -103,7 +103,7 @@ def test_groups_that_only_keep_layers_together_are_none_in_the_recipe(tmp_path, 
 
 
 @pytest.mark.parametrize("ending", ["psd", "ora", "tif", "exr"])
-def test_the_recipe_composes_the_layers_again(tmp_path, run, ending):
+def test_the_recipe_recomposes_the_layers(tmp_path, run, ending):
     maps = [bumpy(), nm.PackedMap(bumpy(60, 50, 1, "small.png"), left=-7, top=20, mode="rnm", group=("kept", "deep"))]
     nm.write_workspace(nm.pack(maps, nm.PackOptions(bits=32 if ending == "exr" else 16)), tmp_path / f"w.{ending}")
     assert run("compose", "unpack", tmp_path / f"w.{ending}", "-o", tmp_path / "out").code == 0
@@ -116,7 +116,7 @@ def test_the_recipe_composes_the_layers_again(tmp_path, run, ending):
     assert np.abs(found.normals - expected.normals)[bumpy().coverage > 0.1].max() < 1e-3
 
 
-def test_names_that_a_file_must_not_have():
+def test_unsafe_layer_names_become_safe_file_names():
     hostile = [
         "../x",
         "a/b",
@@ -187,7 +187,7 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
         (("unpack", "-", "-o", "out"), 2, "a layered file cannot be read from standard input"),
     ],
 )
-def test_refusals(maps, refused, monkeypatch, words, code, message):
+def test_wrong_arguments_are_refused(maps, refused, monkeypatch, words, code, message):
     monkeypatch.chdir(maps)
     refused(code, message, "compose", *words)
 

@@ -15,6 +15,7 @@ from nmaptool.options.blend_modes import layer_meanings
 from nmaptool.options.fields import Options, option
 from nmaptool.options.formats import WORKSPACE_FORMATS
 from nmaptool.options.kinds import Kind, Numeric, SignedText, Switch
+from nmaptool.types.shown import counted
 from nmaptool_cli.command import command
 from nmaptool_cli.compose.recipes import errors_of
 from nmaptool_cli.inputs import read_grey, read_map
@@ -78,7 +79,7 @@ class Layering(Options, group="Layers"):
     mask: tuple[str, ...] = option(())
 
     def of_each(self, count: int, *, recipe: bool) -> list[LayerOptions]:
-        """Name, mode, strength and place of each of ``count`` maps.
+        """Name, mode, strength and position of each of ``count`` maps.
 
         Raises
         ------
@@ -101,7 +102,7 @@ class Layering(Options, group="Layers"):
 def pack(run: Run, /, *maps: str) -> None:
     """Pack normal maps as the layers of one file for an image editor.
 
-    A recipe (.toml) is packed with its layers in place and their vectors turned.
+    A recipe (.toml) is packed with its layers in place and their normals rotated.
 
     Example: nmap compose pack base.exr detail.exr --mode over --mode rnm -o work.psd, and after editing nmap compose
     unpack work.psd -o maps
@@ -181,7 +182,7 @@ def _pixels(place: tuple[Offset, Offset], frame: nm.Frame) -> tuple[int, int]:
 
 def _describe(workspace: nm.Workspace) -> Iterator[str]:
     kind = "half" if workspace.half else f"{workspace.bits} bit"
-    yield f"  {len(workspace.layers)} layers on {workspace.frame}, {kind}, bottom to top:"
+    yield f"  {counted(len(workspace.layers), 'layer')} on {workspace.frame}, {kind}, bottom to top:"
     for layer in workspace.layers:
         rows, cols = layer.size
         yield f"    {layer.name}: {cols} x {rows} at {layer.left},{layer.top}{', with a mask' if layer.mask else ''}"
