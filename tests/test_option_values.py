@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import re
 from typing import Any
 
 import pytest
@@ -34,6 +36,19 @@ def test_none_is_refused_if_an_option_has_a_default(options: type[Options], name
 def test_none_is_not_a_valid_choice(name: str) -> None:
     with pytest.raises(nm.UsageError, match=rf"`{name}=None`: use one of "):
         nm.ReliefOptions(**{name: None})
+
+
+@pytest.mark.parametrize("slope_cap", [0.0, -1.0, 2e4, math.inf, math.nan])
+def test_both_bounds_of_a_positive_number_are_named(slope_cap: float) -> None:
+    message = f"`slope_cap={slope_cap:g}`: must be greater than zero and at most 10000, such as 3"
+    with pytest.raises(nm.UsageError, match=f"^{re.escape(message)}$"):
+        nm.ReliefOptions(slope_cap=slope_cap)
+
+
+@pytest.mark.parametrize(("limit", "bounds"), [(math.inf, "finite and greater than zero"), (-1.0, "greater than zero")])
+def test_a_positive_number_without_an_upper_bound_must_be_finite(limit: float, bounds: str) -> None:
+    with pytest.raises(nm.UsageError, match=f"^`max_megapixels={limit:g}`: must be {bounds}$"):
+        nm.BakeOptions(max_megapixels=limit)
 
 
 @pytest.mark.parametrize("feather", [3.0, True, [1]])

@@ -147,7 +147,9 @@ class Positive(Numeric):
         """As `Kind.read`."""
         if not (0 < value <= self.high and math.isfinite(value)):
             example = f", such as {self.such_as}" if self.such_as else ""
-            raise UsageError(f"`{name}={value:g}`: must be greater than zero{example}")
+            finite = "finite and " if value == math.inf == self.high else ""
+            limit = f" and at most {self.high:g}" if self.high < math.inf else ""
+            raise UsageError(f"`{name}={value:g}`: must be {finite}greater than zero{limit}{example}")
         return value
 
 
