@@ -41,6 +41,13 @@ def test_arrays_that_are_not_a_mesh_are_refused(vertices, faces, error, message)
         nm.Mesh.from_arrays(vertices, faces)
 
 
+@pytest.mark.parametrize(("face", "named"), [([0, 1, 3], 3), ([0, 1, -1], -1), ([0, 2, -4], -4), ([-1, 7, 0], -1)])
+def test_a_mesh_names_a_vertex_that_is_missing(face, named):
+    message = rf"^mesh: a face refers to vertex {named}, which is missing \(vertices: 3\); the file is damaged"
+    with pytest.raises(InputError, match=message):
+        nm.Mesh(np.array(TRIANGLE, np.float64), np.array([[0, 1, 2], face], np.int32))
+
+
 def test_meshes_convert_to_trimesh_and_back():
     box = trimesh.creation.box()
     assert nm.Mesh.from_trimesh(box).unit_from == "assumed"

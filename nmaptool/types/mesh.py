@@ -53,11 +53,13 @@ class Mesh(OneLine):
                 raise InputError(
                     f"{self.name}: {what} are {array.dtype} {array.shape}, expected {np.dtype(dtype).name} (count, 3)"
                 )
-        if len(self.faces) and not (self.faces.min() >= 0 and self.faces.max() < len(self.vertices)):
-            raise InputError(
-                f"{self.name}: a face refers to vertex {int(self.faces.max())}, which is missing (vertices: "
-                f"{len(self.vertices)}); the file is damaged: export it again"
-            )
+        if len(self.faces):
+            lowest, highest = int(self.faces.min()), int(self.faces.max())
+            if lowest < 0 or highest >= len(self.vertices):
+                raise InputError(
+                    f"{self.name}: a face refers to vertex {lowest if lowest < 0 else highest}, which is missing "
+                    f"(vertices: {len(self.vertices)}); the file is damaged: export it again"
+                )
         if not (math.isfinite(self.mm_per_unit) and self.mm_per_unit > 0):
             raise InputError(f"{self.name}: {self.mm_per_unit} mm per unit: must be greater than zero")
         object.__setattr__(self, "vertices", read_only(self.vertices))
