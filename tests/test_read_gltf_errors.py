@@ -175,3 +175,17 @@ def test_invalid_json_is_refused(tmp_path, text):
         (tmp_path / name).write_bytes(data)
         with pytest.raises(InputError, match=DAMAGED):
             read_mesh(tmp_path / name)
+
+
+@pytest.mark.parametrize("size", [5, 11, 12, 15, 19])
+def test_a_glb_without_a_first_chunk_is_truncated(tmp_path, size):
+    path = tmp_path / "a.glb"
+    cases = [(size, f"it holds {size} bytes, but every GLB file has at least 20")]
+    if size >= 12:  # holds the whole header
+        cases.append((500, f"it declares 500 bytes but holds {size}"))
+    for declared, held in cases:
+        path.write_bytes(struct.pack("<4sIIII", b"glTF", 2, declared, 0, 0)[:size])
+        with pytest.raises(
+            InputError, match=rf"a\.glb: the GLB file is truncated: {held}; export or download it again$"
+        ):
+            read_mesh(path)

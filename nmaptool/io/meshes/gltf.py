@@ -24,6 +24,7 @@ from nmaptool.io.meshes.polygons import Integers, one_strip
 from nmaptool.io.meshes.surface import Surface
 
 _JSON, _BIN = 0x4E4F534A, 0x004E4942
+_LEAST_BYTES = 20  # the header of a GLB file and that of its first chunk
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
 
@@ -127,14 +128,14 @@ def _container(file: MeshFile, data: bytes) -> tuple[dict[str, Any], bytes | Non
     """Return the JSON of a file and the binary data after it, if there are any."""
     own = None
     if file.kind == "glb":
-        version, length = struct.unpack_from("<II", data, 4) if len(data) >= 12 else (2, 12)
+        version, length = struct.unpack_from("<II", data, 4) if len(data) >= 12 else (2, 0)
         if version != 2:
             raise _too_old(file)
-        if len(data) < max(length, 20):
-            raise InputError(
-                f"{file.path}: the GLB file is truncated: it declares {length} bytes but holds {len(data)}; "
-                "export or download it again"
-            )
+        if len(data) < max(length, _LEAST_BYTES):
+            held = f"it declares {length} bytes but holds {len(data)}"
+            if length <= len(data):
+                held = f"it holds {len(data)} bytes, but every GLB file has at least {_LEAST_BYTES}"
+            raise InputError(f"{file.path}: the GLB file is truncated: {held}; export or download it again")
         chunks = list(_chunks(data[:length]))
         if chunks[0][0] != _JSON:
             raise file.damaged
