@@ -77,12 +77,19 @@ def deflated_zeros(path):
         archive.writestr("header.npy", held.getvalue())
 
 
+def many_arrays(path):
+    with zipfile.ZipFile(path, "w") as archive:
+        for number in range(4001):
+            archive.writestr(f"{number}.npy", b"")
+
+
 @pytest.mark.parametrize(
     ("write", "message"),
     [
         (lambda p: None, r"it cannot be read \(No such file or directory\)"),
         (lambda p: p.write_bytes(b"hello"), "it is not a .npz file, or it is damaged"),
         (lambda p: p.write_bytes(b""), "it is not a .npz file, or it is damaged"),
+        (many_arrays, "it has 4001 arrays, more than the limit of 4000$"),
         (deflated_zeros, "it unpacks to more than the limit of 64000000 bytes"),
         (lambda p: npz(p, {"a": np.zeros(3)}), r"it is not a filter of nmaptool \(its header is missing or damaged\)"),
         (lambda p: npz(p, header(b"[1]")), r"it is not a filter of nmaptool \(its header is missing or damaged\)"),

@@ -98,7 +98,9 @@ def _read(path: Path) -> dict[str, NDArray[Any]]:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = archive.infolist()
-            if len(members) > _MOST_ARRAYS or sum(member.file_size for member in members) > _MOST_BYTES:
+            if len(members) > _MOST_ARRAYS:
+                raise InputError(f"it has {len(members)} arrays, more than the limit of {_MOST_ARRAYS}")
+            if sum(member.file_size for member in members) > _MOST_BYTES:
                 raise InputError(f"it unpacks to more than the limit of {_MOST_BYTES} bytes")
             return {member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in members}
     except InputError:
