@@ -230,8 +230,8 @@ def test_dropped_faces_are_reported_and_faces_keep_their_numbers():
     assert np.array_equal(np.where(one.faces >= 0, one.faces + 3, -1), other.faces)
     found = other.report.findings
     assert (found.degenerate_faces, found.nonfinite_faces, found.unreferenced_vertices) == (2, 1, 1)
-    assert any("dropped faces without area: 2" in w for w in other.report.warnings)
-    assert any("dropped faces with a NaN or infinite vertex: 1" in w for w in other.report.warnings)
+    assert any(w == "dropped 2 faces without area" for w in other.report.warnings)
+    assert any(w == "dropped 1 face with a NaN or infinite vertex" for w in other.report.warnings)
 
 
 def test_welding_connects_the_faces_for_the_filter():

@@ -87,7 +87,7 @@ def test_the_volume_of_a_closed_mesh_is_reported(run, place):
 def test_warnings_are_printed(run, place):
     (place / "twice.obj").write_bytes(obj(VERTICES, [*FACES, FACES[0]]))
     done = run("smooth", "twice.obj", "-o", "m.stl")
-    assert "nmap: warning: twice.obj: dropped faces (without area, with NaN, or duplicate): 1\n" in done.err
+    assert "nmap: warning: twice.obj: dropped 1 face (without area, with NaN, or duplicate)\n" in done.err
 
 
 def test_values_may_begin_with_a_minus_sign(run, place):

@@ -64,7 +64,7 @@ def test_dropped_faces_are_reported_and_faces_keep_their_order():
     found = nm.smooth(nm.Mesh(mesh.vertices, odd, name="odd"))
     assert np.array_equal(found.source_faces, np.delete(np.arange(len(odd)), 7))
     assert np.array_equal(found.mesh.faces, mesh.faces)
-    assert found.report.warnings[0] == "dropped faces (without area, with NaN, or duplicate): 1"
+    assert found.report.warnings[0] == "dropped 1 face (without area, with NaN, or duplicate)"
     assert found.report.findings.degenerate_faces == 1
 
 

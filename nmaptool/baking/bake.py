@@ -28,6 +28,7 @@ from nmaptool.types.layer_set import LayerReport, LayerSet
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
+from nmaptool.types.shown import counted
 
 # outside this range of sizes in mm, the units of a mesh are probably not millimetres
 _SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
@@ -251,11 +252,8 @@ def _share(split: Decomposition, mesh: Mesh) -> float:
 
 def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:
     f, options, mesh = drawn.prepared.findings, drawn.options, drawn.prepared.mesh
-    counted = (
-        (f.degenerate_faces, "dropped faces without area"),
-        (f.nonfinite_faces, "dropped faces with a NaN or infinite vertex"),
-    )
-    found = [f"{words}: {count}" for count, words in counted if count]
+    dropped = ((f.degenerate_faces, "without area"), (f.nonfinite_faces, "with a NaN or infinite vertex"))
+    found = [f"dropped {counted(count, 'face')} {why}" for count, why in dropped if count]
     longest = float(np.ptp(mesh.vertices, axis=0).max())
     size_mm = longest * mesh.mm_per_unit
     if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:

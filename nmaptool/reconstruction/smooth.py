@@ -14,6 +14,7 @@ from nmaptool.reconstruction.reconstruct import reconstruct
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.mesh_findings import MeshFindings
 from nmaptool.types.reconstruction import ReconstructReport, SmoothReport, SmoothResult
+from nmaptool.types.shown import counted
 
 # share of folded faces above which there is a warning
 _FEW_FOLDED = 0.001
@@ -102,7 +103,7 @@ def target_normals(split: Decomposition, gain: float) -> Float64:
 
 def _dropped(findings: MeshFindings) -> tuple[str, ...]:
     count = findings.degenerate_faces + findings.nonfinite_faces + findings.repeated_faces
-    return (f"dropped faces (without area, with NaN, or duplicate): {count}",) if count else ()
+    return (f"dropped {counted(count, 'face')} (without area, with NaN, or duplicate)",) if count else ()
 
 
 def _warnings(report: ReconstructReport) -> tuple[str, ...]:
