@@ -113,15 +113,15 @@ def command_row(folder: Path, source: str, times: int) -> list[str]:
     files = ("-o", str(folder / "maps"), "--overwrite", "--quiet")
     runs = run(Job("nmap bake", ("bake", str(path), *files), times))
     span = f"{min(runs.seconds):.2f}-{max(runs.seconds):.2f}"
-    return ["nmap bake of 75k faces (PLY), its defaults", str(times), span, f"{runs.peak / 1e9:.2f}"]
+    return ["nmap bake of 75k faces (PLY), default options", str(times), span, f"{runs.peak / 1e9:.2f}"]
 
 
 def main() -> None:
     """Measure, print the results and, with --write, store them."""
     report = Report("bake", __doc__)
-    report.argument("--sizes", type=int, nargs="+", default=SIZES, help="faces of the generated meshes, about")
+    report.argument("--sizes", type=int, nargs="+", default=SIZES, help="approximate faces of the generated meshes")
     report.argument("--mesh", help="also measure this file")
-    report.argument("--repeat", type=int, default=3, help="times are the best of this many (default 3)")
+    report.argument("--repeat", type=int, default=3, help="number of runs; the shortest time counts (default 3)")
     options = report.begin()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does
     sources = [(str(size), size) for size in options.sizes] + ([(options.mesh, 0)] if options.mesh else [])

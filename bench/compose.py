@@ -74,7 +74,7 @@ def main() -> None:
     """Measure, print the results and, with --write, store them."""
     report = Report("compose", __doc__)
     report.argument("--size", type=int, default=SIZE, help="side of the background in pixels (default 4096)")
-    report.argument("--repeat", type=int, default=5, help="times are the best of this many (default 5)")
+    report.argument("--repeat", type=int, default=5, help="number of runs; the shortest time counts (default 5)")
     report.argument("--only", default="", help="only jobs whose names contain this text")
     options = report.begin()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command does

@@ -149,7 +149,7 @@ def _resident() -> int:
     """Bytes of memory in use by the process; the peak so far if the system does not report it."""
     status = Path("/proc/self/statm")
     if status.exists():
-        return int(status.read_text().split()[1]) * resource.getpagesize()
+        return int(status.read_text(encoding="utf-8").split()[1]) * resource.getpagesize()
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _PEAK
 
 

@@ -1,6 +1,6 @@
 """Where one of our methods overtakes another: ``python -m bench.crossover [--sizes 64 128 256 512 1024 2048 4096]``.
 
-``--solver auto`` chooses by these tables.
+The rules of ``--solver auto`` are based on these tables.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def main() -> None:
     sizes = [64, 128, 256, 512, 1024, 2048, 4096]
     report.argument("--sizes", type=int, nargs="+", default=sizes, help="pixels on a side")
     report.argument("--limit", type=float, default=30, help="time limit per method and case, seconds (default 30)")
-    report.argument("--spend", type=float, default=0.3, help="seconds of repeats (default 0.3)")
+    report.argument("--spend", type=float, default=0.3, help="seconds to spend on repeats of each job (default 0.3)")
     options = report.begin()
     options.sizes.sort()
     patience = Patience(options.limit)

@@ -108,7 +108,7 @@ def row_of(rows: int, cols: int, numba_pass: Callable[..., None] | None, repeats
 def main() -> None:
     """Measure, print the results and, with --write, store them."""
     report = Report("kernels", __doc__)
-    report.argument("--repeat", type=int, default=40, help="times are the best of this many (default 40)")
+    report.argument("--repeat", type=int, default=40, help="number of runs; the shortest time counts (default 40)")
     options = report.begin()
     body = ["One pass of two 2x2 box sums over the finest level in float32, in milliseconds; best of several runs."]
     with tempfile.TemporaryDirectory() as name:

@@ -18,7 +18,7 @@ def begin() -> int:
     """Release free memory and reset the peak; return the bytes in use."""
     try:
         ctypes.CDLL(None).malloc_trim(0)
-        _CLEAR.write_text("5")
+        _CLEAR.write_text("5", encoding="utf-8")
     except (AttributeError, OSError):
         return peak()
     return _read("VmRSS")
@@ -32,5 +32,5 @@ def peak() -> int:
 
 
 def _read(name: str) -> int:
-    found = re.search(rf"^{name}:\s*(\d+) kB", _STATUS.read_text(), re.M)
+    found = re.search(rf"^{name}:\s*(\d+) kB", _STATUS.read_text(encoding="utf-8"), re.M)
     return int(found[1]) * 1024 if found else 0

@@ -58,4 +58,4 @@ class MeshReport(Report):
     def __init__(self, name: str, description: str | None) -> None:
         super().__init__(name, description)
         self.argument("--mesh", action="append", help="a mesh file instead of the spheres; repeatable")
-        self.argument("--repeat", type=int, default=2, help="runs of each; the best counts (default 2)")
+        self.argument("--repeat", type=int, default=2, help="number of runs; the shortest time counts (default 2)")

@@ -117,7 +117,7 @@ def _report() -> Report:
     report.argument("--side", type=int, default=1024, help="side of thin masks and of weights (default 1024)")
     report.argument("--solvers", nargs="+", choices=[*SOLVERS, "auto"], default=list(SOLVERS))
     report.argument("--limit", type=float, default=200, help="time limit for one solver on one case, seconds")
-    report.argument("--spend", type=float, default=2, help="seconds of repeats (default 2)")
+    report.argument("--spend", type=float, default=2, help="seconds to spend on repeats of each job (default 2)")
     return report
 
 

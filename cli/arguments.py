@@ -25,7 +25,7 @@ def prepared(arguments: list[str], command: Command | None) -> list[str]:
     Raises
     ------
     UsageError
-        If a flag for a whole number is given anything else.
+        If the value of a whole-number flag is not a whole number.
     """
     signed, whole = (command.signed, command.whole) if command is not None else (frozenset(), frozenset())
     joined: list[str] = []

@@ -33,7 +33,7 @@ class FigureOutputs(ReportOutputs):
     output: Path | None = option(None, short="-o")
 
     def plan(self, prints_json: bool) -> Outputs[nm.Comparison]:
-        """What is written."""
+        """The files to write."""
         from nmaptool.io.output.comparison import comparison_outputs
 
         refuse_stream("a figure is written to a file, such as -o figure.png", self.output)

@@ -20,7 +20,7 @@ from nmaptool_cli.run import Run
 Shell = Literal["bash", "zsh", "fish"]
 SHELLS: tuple[Shell, ...] = ("bash", "zsh", "fish")
 NAMES = ("nmap", "nmaptool")
-# lines of a zsh script for words that may be anything: '1:text' and '*--mask[text]:mask'
+# lines of a zsh script for words of any value: '1:text' and '*--mask[text]:mask'
 _ZSH_WITHOUT_ACTION = re.compile(
     r"""^(?P<start>\ +(?P<quote>['"])(?:[\d*]:(?:[^:\\]|\\.)*|\*?-.*\]:[\w-]+))(?P<end>(?P=quote)(?:\ \\)?)$""",
     re.MULTILINE,
@@ -29,14 +29,14 @@ _ZSH_WITHOUT_ACTION = re.compile(
 
 @dataclass(frozen=True)
 class CompletionOptions(Options, group="Outputs"):
-    """Which shell completes.
+    """The shell to complete in.
 
     Parameters
     ----------
     shell:
-        Default: the shell that this command is called from.
+        Default: the shell that calls this command.
     overwrite:
-        Replace files that exist.
+        Replace existing files.
     """
 
     shell: Shell | None = option(None, choice_of(Shell))
@@ -47,8 +47,8 @@ class CompletionOptions(Options, group="Outputs"):
 def install_completion(run: Run, /) -> None:
     """Complete commands and flags with Tab, in bash, zsh or fish.
 
-    Writes two files, one for nmap and one for nmaptool, into your own folder of completions, and says what to do next.
-    No startup file of the shell is changed.
+    Writes two files, one for nmap and one for nmaptool, to your folder of completions, and prints the next step. The
+    shell's startup files are not changed.
 
     Example: nmap --install-completion --shell zsh
     """
@@ -68,10 +68,10 @@ def install_completion(run: Run, /) -> None:
 
 
 def completion_script(shell: Shell, name: str) -> str:
-    """What the shell reads to complete the command of this name.
+    """The script with which the shell completes the command of this name.
 
-    Where the parser's script has nothing to offer, because a word may be anything, file names are completed: inputs are
-    file names, and the shell itself quotes them.
+    Where the parser's script offers nothing because any word is valid, the shell completes file names, since inputs are
+    files; the shell also quotes them.
     """
     from nmaptool_cli.main import app
 
@@ -86,7 +86,7 @@ def completion_script(shell: Shell, name: str) -> str:
 
 
 def completion_folder(shell: Shell) -> Path:
-    """Where the shell looks for the user's own completions; zsh looks there if it is told to."""
+    """The folder of the user's completions; zsh searches it only once `next_step` is done."""
     home = Path.home()
     match shell:
         case "bash":
@@ -100,7 +100,7 @@ def completion_folder(shell: Shell) -> Path:
 
 
 def next_step(shell: Shell, folder: Path) -> str:
-    """What the user has to do for the completion to begin."""
+    """What the user must do to activate completion."""
     match shell:
         case "bash":
             line = "; ".join(f"source {shlex.quote(str(folder / name))}" for name in NAMES)
@@ -113,7 +113,7 @@ def next_step(shell: Shell, folder: Path) -> str:
 
 
 def _file_name(shell: Shell, name: str) -> str:
-    # zsh calls the function that has the name of the file; _nmap is its own for the network scanner
+    # zsh calls the function named after the file; _nmap is its own function for the network scanner
     return {"bash": name, "zsh": f"_cyclopts_{name}", "fish": f"{name}.fish"}[shell]
 
 
@@ -131,5 +131,5 @@ def _detected() -> Shell:
     for shell in SHELLS:
         if found == shell:
             return shell
-    other = f"{found} has no completion of nmap" if found else "cannot tell which shell this is"
+    other = f"completion is not available for {found}" if found else "cannot tell which shell this is"
     raise UsageError(f"{other}; name one of {', '.join(SHELLS)}, such as --shell bash")

@@ -15,7 +15,22 @@ from nmaptool.options.kinds import Choice, Kind
 from nmaptool_cli.mentions import flag_of
 
 # groups of flags, in the order in which --help shows them
-_ORDER = ("Inputs", "Outputs", "Camera", "Filter", "Rebuilding", "Composing", "Relief", "Solid", "Reading", "Run")
+_ORDER = (
+    "Inputs",
+    "Outputs",
+    "Camera",
+    "Filter",
+    "Reconstruction",
+    "Depth",
+    "Transform",
+    "Blending",
+    "Layers",
+    "Canvas",
+    "Relief",
+    "Solid",
+    "Reading",
+    "Run",
+)
 GROUPS = {name: Group(name, sort_key=place) for place, name in enumerate(_ORDER, start=1)}
 # types that the parser converts itself
 _PARSED = (str, bool, int, float, Path)

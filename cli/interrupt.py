@@ -44,8 +44,9 @@ def _raise(number: int, frame: FrameType | None) -> None:
 
 def _wait(ours: socket.socket) -> None:
     """End the process some time after Ctrl-C, unless Ctrl-C itself has ended it by then."""
-    while numbers := ours.recv(1):
-        if numbers[0] == signal.SIGINT:
-            time.sleep(_PATIENCE_S)
-            UNFINISHED.sweep()
-            os._exit(interrupted())
+    with contextlib.suppress(ConnectionError):  # how Windows may close a pair of sockets
+        while numbers := ours.recv(1):
+            if numbers[0] == signal.SIGINT:
+                time.sleep(_PATIENCE_S)
+                UNFINISHED.sweep()
+                os._exit(interrupted())

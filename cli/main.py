@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -76,6 +77,8 @@ def run() -> None:
     """Run the command line of this process and exit."""
     # the solver's dot products are short: threads of the linear algebra library cost more time than they save
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a pipe on Windows takes the letters of one language only
+        sys.stdout.reconfigure(errors="backslashreplace")
     with interruptible():
         code = main()
     sys.exit(code)

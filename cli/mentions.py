@@ -23,7 +23,7 @@ def in_flags(text: str) -> str:
 
 
 def _words(name: str, value: Any) -> str:
-    """A flag and its value, as the shell takes them; a minus sign needs =."""
+    """A flag and its value in shell syntax; a value that begins with a minus sign needs =."""
     if value is None or value is True:
         return flag_of(name)
     word = shlex.quote(f"{value:g}" if isinstance(value, float) else str(value))

@@ -91,7 +91,7 @@ class MapOutputs(ReportOutputs):
 
 @dataclass(frozen=True)
 class PlacedOutputs(MapOutputs):
-    """A composed normal map with pictures of its curl and of where layers lie.
+    """A composed normal map with pictures of its curl and of the area that layers cover.
 
     Parameters
     ----------

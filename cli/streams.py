@@ -160,5 +160,5 @@ def _is_same(path: Path, name: str) -> bool:
 
     try:
         return path.samefile(split_layer(name)[0])
-    except (OSError, ValueError):  # there is no such input: reading it reports that
+    except (OSError, ValueError):  # no such input: the error follows when it is read
         return False

@@ -12,6 +12,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.options import FilterOptions, MeshReadOptions, TrainOptions
 from nmaptool.options.fields import option
 from nmaptool.options.plain_values import plain_values
+from nmaptool.types.shown import counted
 from nmaptool_cli.command import command
 from nmaptool_cli.inputs import ONLY_FILES, read_mesh
 from nmaptool_cli.outputs import ReportOutputs
@@ -117,5 +118,5 @@ def _train(
 
     state = kept.begun()
     if state is not None:
-        run.say(f"  resumed from {state.name} with {len(state.losses)} networks finished")
+        run.say(f"  resumed from {state.name} with {counted(len(state.losses), 'network')} finished")
     return nm.train(examples, run[TrainOptions], state=state, keep=kept.keep, progress=notify)

@@ -1,7 +1,7 @@
 """Time and memory of the solvers by size: ``python docs/solver_scaling.py [--measure] [--most-megapixels 268]``.
 
 Draws pictures/solver_scaling.png from solver_scaling.json. With --measure it first measures, each point in its
-own process, and stores the results in that file; points of other sizes and methods stay there.
+own process, and stores the results in that file, where points of other sizes and methods are kept.
 """
 
 from __future__ import annotations

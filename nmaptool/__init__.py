@@ -1,4 +1,4 @@
-"""Meshes and normal maps in, carved bas-reliefs in exact millimetres out.
+"""Turn meshes and normal maps into bas-reliefs with exact heights in millimetres.
 
     import nmaptool as nm
 
@@ -6,7 +6,7 @@
     relief = nm.relief(layers.original, layers.detail, options=nm.ReliefOptions(height=nm.length("3mm")))
     nm.write_relief(relief, "head.stl", preview="head.png")
 
-``__init__.pyi`` lists the public names. They load when they are first used: importing the package alone loads no heavy
+``__init__.pyi`` lists the public names. Each is loaded on first use: importing the package alone loads no heavy
 library.
 """
 
@@ -18,7 +18,7 @@ __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def _paint(value: object) -> bytes:
-    """What a notebook shows of a value: `nmaptool.types` does not know `nmaptool.figures` (decision 0019)."""
+    """PNG of a value for notebooks; `nmaptool.types` must not import `nmaptool.figures` itself (decision 0019)."""
     from nmaptool.figures.notebook import png_of  # loads NumPy and OpenCV
 
     return png_of(value)

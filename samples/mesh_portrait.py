@@ -1,6 +1,6 @@
 """A head in the style of old coins: blended solids for the form, with chased hair.
 
-The form is a signed field, negative inside; its surface comes from marching cubes and is evened out; the
+The form is a signed field, negative inside; its surface comes from marching cubes and is smoothed; the
 hair displaces it along its normals, finer than the cubes. x is the sitter's left, y up, z to the front of the face
 until ``portrait`` turns the head.
 """

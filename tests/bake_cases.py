@@ -1,4 +1,4 @@
-"""Small meshes to draw: a plate with bumps, which faces the front, and words that draw it quickly."""
+"""Small meshes to render: a plate with bumps that faces the front, and options that render it quickly."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from mesh_files import obj
 
 from nmaptool.types.mesh import Mesh
 
-# x, y from -10 to 10, z from 0 to 2.5; seen from the front all of it is seen
+# x, y from -10 to 10, z from 0 to 2.5; all of it is visible from the front
 SIDE = 20.0
-# the plate fills the picture's height but for the margin; the renderer is one that every machine has
+# the plate fills the height of the image except for the margin; every machine has this renderer
 QUICK = ("--size", "60x50", "--margin", "2px", "--renderer", "numpy")
 PITCH = SIDE / 46
 
@@ -28,16 +28,16 @@ def plate(cells: int = 24) -> tuple[np.ndarray, np.ndarray]:
 
 
 def plate_mesh() -> Mesh:
-    """The plate in memory."""
+    """The plate as a Mesh."""
     return Mesh(*plate(), name="plate.obj")
 
 
 def quickly(*words: object) -> list[object]:
-    """The words, and those of `QUICK` whose flags are not among them."""
+    """The arguments, plus those of `QUICK` whose flags they do not set."""
     return [*words, *(w for flag in QUICK[::2] if flag not in words for w in (flag, QUICK[QUICK.index(flag) + 1]))]
 
 
 def write_plate(path: Path) -> Path:
-    """The plate as OBJ."""
+    """Write the plate as OBJ."""
     path.write_bytes(obj(*plate()))
     return path

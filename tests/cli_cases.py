@@ -1,6 +1,7 @@
-"""Tables of what the command line refuses, and failures that tests bring about."""
+"""Tables of arguments that the command line refuses, and simulated failures."""
 
 import shlex
+import sys
 
 import pytest
 
@@ -8,18 +9,23 @@ from nmaptool.core.errors import OutputError
 
 
 def bad_words(table):
-    """A test for each (words, pattern) of a table; the test gets the words as a list."""
+    """Parametrize a test with each (words, pattern) of a table; the test gets the words as a list."""
     return pytest.mark.parametrize(
         ("words", "pattern"), [pytest.param(shlex.split(words), pattern, id=words) for words, pattern in table]
     )
 
 
+LONG_NAMES = pytest.mark.skipif(
+    sys.platform == "win32", reason="Windows takes a name that is too long for a missing one"
+)
+
+
 def bad_targets(table):
-    """A test for each target in a table of {exit code: {target and flags: pattern}}."""
+    """Parametrize a test with each target in a table of {exit code: {target and flags: pattern}}."""
     return pytest.mark.parametrize(
         ("code", "target", "pattern"),
         [
-            pytest.param(code, target, pattern, id=target[:25])
+            pytest.param(code, target, pattern, id=target[:25], marks=[LONG_NAMES] if len(target) > 255 else [])
             for code, patterns in table.items()
             for target, pattern in patterns.items()
         ],
@@ -27,7 +33,7 @@ def bad_targets(table):
 
 
 def fail_with(error):
-    """A function that raises an error whatever it is given."""
+    """Return a function that raises an error for any arguments."""
 
     def fail(*_, **__):
         raise error
@@ -36,7 +42,7 @@ def fail_with(error):
 
 
 def disk_that_fills(monkeypatch, module, good=0):
-    """From the picture after so many ``good`` ones, writing ends with bytes left behind; a list of what was begun."""
+    """Let ``good`` pictures be written, then fail halfway through each; return a list of the paths that were begun."""
     begun, write = [], module.write_pictures
 
     def failing(pictures, path):

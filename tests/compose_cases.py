@@ -1,4 +1,4 @@
-"""Maps of analytic surfaces for composing."""
+"""Normal maps of analytic surfaces, to compose."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ FLAT = np.array([0, 0, 1], np.float32)
 
 
 def from_slopes(p, q):
-    """Unit normals (y up) of slopes."""
+    """Unit normals (y up) from slopes."""
     normals = np.dstack([-p, -q, np.ones_like(p)])
     return (normals / np.linalg.norm(normals, axis=-1, keepdims=True)).astype(np.float32)
 
 
 def random_normals(rows=40, cols=50, seed=0, lowest=0.02):
-    """Random unit normals towards the viewer."""
+    """Random unit normals that face the viewer."""
     vectors = np.random.default_rng(seed).normal(size=(rows, cols, 3))
     vectors[..., 2] = np.abs(vectors[..., 2]) + lowest
     return (vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)).astype(np.float32)
@@ -28,13 +28,13 @@ def as_map(normals, coverage=None, pitch_mm=None, foreground=None, name="map"):
 
 
 def flat_map(rows, cols, pitch_mm=None):
-    """A plate: flat, covered, nothing on it."""
+    """A plate: flat and covered everywhere, without a motif."""
     normals = np.broadcast_to(FLAT, (rows, cols, 3)).copy()
     return as_map(normals, pitch_mm=pitch_mm, foreground=np.zeros((rows, cols), bool), name="plate")
 
 
 def bump_map(rows=200, cols=240, turned_deg=0.0, stretch=(1.0, 1.0), height=1.0):
-    """A bumpy height field: turned counter-clockwise, then stretched about the centre, heights times a factor."""
+    """A bumpy height field, rotated counter-clockwise, then stretched about its centre; heights times a factor."""
     y, x = np.mgrid[0:rows, 0:cols]
     x, y = (x + 0.5 - cols / 2) / stretch[0], -(y + 0.5 - rows / 2) / stretch[1]
     cos, sin = np.cos(np.radians(turned_deg)), np.sin(np.radians(turned_deg))
@@ -47,6 +47,6 @@ def bump_map(rows=200, cols=240, turned_deg=0.0, stretch=(1.0, 1.0), height=1.0)
 
 
 def angles_deg(first, second):
-    """Angles between unit vectors, accurate when small."""
+    """Angles in degrees between unit vectors, accurate for small angles."""
     chord = np.linalg.norm(first.astype(np.float64) - second, axis=-1)
     return np.degrees(2 * np.arcsin((chord / 2).clip(0, 1)))

@@ -1,7 +1,8 @@
-"""Small pictures built from analytic surfaces, and the command line as a function."""
+"""Fixtures: small images of analytic surfaces, and the command line as a function."""
 
 from __future__ import annotations
 
+import os
 import re
 import struct
 import sys
@@ -15,11 +16,14 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import pytest
 
+# the benchmark measures memory by means that Windows does not have
+collect_ignore = ["test_bench_systems.py"] if sys.platform == "win32" else []
+
 BACKDROPS = {"white": (1.0, 1.0, 1.0), "black": (-1.0, -1.0, -1.0), "grey": (0.0, 0.0, 0.0), "flat": (0.0, 0.0, 1.0)}
 
 
 def _surface_normals(rows: int, cols: int, rise: float, bump: float, over: int) -> SimpleNamespace:
-    """Unit normals (y up) of a paraboloid dome with waves on it, and its disc, on an ``over`` times finer grid."""
+    """Unit normals (y up) of a wavy paraboloid dome, and its disc, on a grid ``over`` times finer."""
     y, x = np.mgrid[0 : rows * over, 0 : cols * over]
     x = ((x + 0.5) / over - cols / 2) / (min(rows, cols) / 2)
     y = -((y + 0.5) / over - rows / 2) / (min(rows, cols) / 2)
@@ -35,7 +39,7 @@ def _surface_normals(rows: int, cols: int, rise: float, bump: float, over: int) 
 def dome() -> Callable[..., SimpleNamespace]:
     """``dome(rows=96, cols=96, smooth=False)``: normals (H, W, 3) float64, inside (H, W) bool, cover (H, W) in 0..1.
 
-    The slopes are those of a height field, so that its curl is nil. With ``smooth``, cover is an anti-aliased disc.
+    The slopes belong to a height field, so their curl is zero. With ``smooth``, cover is an anti-aliased disc.
     """
 
     def make(
@@ -53,7 +57,7 @@ def dome() -> Callable[..., SimpleNamespace]:
 
 @pytest.fixture
 def codes() -> Callable[..., np.ndarray]:
-    """``codes(vectors, bits=8)``: rounded integer codes; an anti-aliased backdrop is mixed in with ``over=dome``."""
+    """``codes(vectors, bits=8)``: rounded integer codes; ``cover`` blends an anti-aliased backdrop in."""
 
     def encode(vectors: np.ndarray, bits: int = 8, backdrop: str | None = None, cover: Any = None) -> np.ndarray:
         top = 2**bits - 1
@@ -72,9 +76,9 @@ def _chunk(kind: bytes, body: bytes) -> bytes:
 
 @pytest.fixture
 def png() -> Callable[..., Path]:
-    """``png(path, pixels)`` writes a PNG by hand, so that nothing but the codes is in it.
+    """``png(path, pixels)`` writes a PNG by hand, so it holds nothing but the codes.
 
-    ``chunks`` go before the picture data, ``size`` is what the header claims instead of the truth.
+    ``chunks`` go before the image data; ``size`` replaces the true size in the header.
     """
 
     def write(
@@ -126,7 +130,7 @@ def picture() -> Callable[..., Path]:
 
 @pytest.fixture
 def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., SimpleNamespace]:
-    """``run("inspect", path)`` as the command line does it: code, stdout, stderr, C libraries' words included."""
+    """``run("inspect", path)`` runs the command line: code, stdout and stderr, including output of C libraries."""
     from nmaptool_cli.main import main
 
     def call(*words: object) -> SimpleNamespace:
@@ -140,19 +144,44 @@ def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., SimpleNamespace]:
 
 
 @pytest.fixture
+def wide_help(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Help in lines of 2000 characters, whatever console an earlier test left behind."""
+    from rich.console import Console
+
+    from nmaptool_cli.main import app
+
+    monkeypatch.setattr(app, "_console", Console(width=2000, height=100))
+
+
+@pytest.fixture
 def tree(tmp_path: Path) -> Callable[[], dict[str, bytes | None]]:
     """``tree()``: every file under tmp_path, hidden ones too, with its bytes; folders as None."""
 
     def look() -> dict[str, bytes | None]:
         found = sorted(tmp_path.rglob("*"))
-        return {str(p.relative_to(tmp_path)): p.read_bytes() if p.is_file() else None for p in found}
+        return {p.relative_to(tmp_path).as_posix(): p.read_bytes() if p.is_file() else None for p in found}
 
     return look
 
 
 @pytest.fixture
+def symlink() -> Callable[[Path, Path | str], None]:
+    """``symlink(path, target)`` makes a symbolic link; skips where Windows does not allow it."""
+
+    def make(path: Path, target: Path | str) -> None:
+        try:
+            path.symlink_to(target)
+        except OSError:
+            if sys.platform != "win32":
+                raise
+            pytest.skip("this account may not make symbolic links")
+
+    return make
+
+
+@pytest.fixture
 def clean_map(tmp_path: Path, dome: Any, codes: Any, png: Any) -> Path:
-    """A 16-bit PNG of the dome with straight alpha: nothing is wrong with it."""
+    """A flawless 16-bit PNG of the dome with straight alpha."""
     d = dome()
     alpha = (d.inside * 65535).astype(np.uint16)
     return png(tmp_path / "clean.png", np.dstack([codes(d.normals, 16), alpha]))
@@ -160,10 +189,10 @@ def clean_map(tmp_path: Path, dome: Any, codes: Any, png: Any) -> Path:
 
 @pytest.fixture
 def fails() -> Callable[..., None]:
-    """``fails(result, code, pattern)``: no data, and one line that says what is wrong in words for a designer."""
+    """``fails(result, code, pattern)``: no output, and one error line that a designer understands."""
 
     def check(result: SimpleNamespace, code: int, pattern: str) -> None:
-        assert re.search(pattern, result.err), result.err
+        assert re.search(pattern, result.err.replace(os.sep, "/")), result.err
         assert result.err.startswith("nmap: error: ")
         assert result.err.count("\n") == 1
         assert result.err.endswith("\n")
@@ -177,7 +206,7 @@ def fails() -> Callable[..., None]:
 
 @pytest.fixture
 def refused(run: Any, tree: Any, fails: Any) -> Callable[..., None]:
-    """``refused(code, pattern, *words)``: the command fails so, and every file is as it was."""
+    """``refused(code, pattern, *words)``: the command fails with this code and message, and changes no file."""
 
     def call(code: int, pattern: str, *words: object) -> None:
         before = tree()
@@ -189,7 +218,7 @@ def refused(run: Any, tree: Any, fails: Any) -> Callable[..., None]:
 
 @pytest.fixture
 def maps(tmp_path: Path, dome: Any, codes: Any, png: Any, picture: Any, clean_map: Path) -> dict[str, Path]:
-    """Files that are wrong in one way each, beside a clean map."""
+    """A clean map, and files with one fault each."""
     d = dome()
     code = codes(d.normals)
     bad = d.normals.copy()
@@ -198,7 +227,7 @@ def maps(tmp_path: Path, dome: Any, codes: Any, png: Any, picture: Any, clean_ma
     corner = np.zeros((96, 96), np.uint8)
     corner[:4, :4] = 255
     flat = np.zeros((96, 96, 3), np.uint8) + np.uint8([128, 128, 255])
-    (tmp_path / "text.png").write_text("hello\n")
+    (tmp_path / "text.png").write_text("hello\n", encoding="utf-8")
     (tmp_path / "empty.png").touch()
     (tmp_path / "folder.png").mkdir()
     cut = png(tmp_path / "cut.png", code)

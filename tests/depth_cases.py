@@ -1,4 +1,4 @@
-"""Depth pictures of analytic surfaces."""
+"""Depth images of analytic surfaces."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ def picture(values: Any, bits: int = 32, **more: Any) -> nm.RasterImage:
     kinds = {8: np.uint8, 16: np.uint16, 32: np.float32}
     array = np.asarray(values)
     codes = array.astype(np.float32) if bits == 32 else np.floor(array + 0.5).astype(kinds[bits])
-    facts = depth_facts(more.get("attributes", {}))  # as reading a file does
+    facts = depth_facts(more.get("attributes", {}))  # as when a file is read
     return nm.RasterImage(codes[..., None], ("Y",), bits=bits, depth_facts=facts, **more)
 
 
 def coded(heights: Any, bits: int) -> tuple[nm.RasterImage, str]:
-    """Heights in px from 0 up as codes that use their full range, and the depth scale that gives them back."""
+    """Heights in px (from 0 up) encoded over the full range of codes, and the depth scale that restores them."""
     top = float(np.max(heights))
     if bits == 32:
         return picture(heights), f"{np.ptp(heights) if top > 1 else 1}px"
@@ -29,7 +29,7 @@ def coded(heights: Any, bits: int) -> tuple[nm.RasterImage, str]:
 
 
 def normals_of_slopes(p: Any, q: Any) -> Any:
-    """(..., 3) float64 unit normals of slopes dz/dx and dz/dy, y up."""
+    """(..., 3) float64 unit normals from slopes dz/dx and dz/dy, y up."""
     out = np.stack(np.broadcast_arrays(-np.asarray(p), -np.asarray(q), 1.0), axis=-1)
     return out / np.linalg.norm(out, axis=-1, keepdims=True)
 
@@ -41,14 +41,14 @@ def angles(first: Any, second: Any) -> Any:
 
 
 def grid(rows: int, cols: int) -> tuple[Any, Any]:
-    """x to the right and y up in px from the picture's centre, at pixel centres."""
+    """x (right) and y (up) of the pixel centres, in px from the image centre."""
     y, x = np.mgrid[:rows, :cols]
     return x + 0.5 - cols / 2, rows / 2 - y - 0.5
 
 
 @dataclass(frozen=True)
 class Ball:
-    """A sphere in front of a plane: heights, its share of each pixel, its normals, and its own slopes."""
+    """A sphere in front of a plane: heights, the sphere's share of each pixel, its normals and slopes."""
 
     heights: Any
     cover: Any
@@ -57,12 +57,12 @@ class Ball:
 
     @property
     def inside(self) -> Any:
-        """Pixels that are the sphere's for their larger part."""
+        """Pixels of which the sphere covers more than half."""
         return self.cover >= 0.5
 
 
 def ball(side: int, radius: float, gap: float, over: int = 1) -> Ball:
-    """A sphere whose outline stands ``gap`` px in front of a plane, drawn with over x over samples a pixel."""
+    """A sphere whose outline is ``gap`` px in front of a plane, rendered with over x over samples per pixel."""
     x, y = grid(side * over, side * over)
     x, y = x / over - 0.3, y / over + 0.17
     inside = x * x + y * y < radius**2

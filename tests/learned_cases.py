@@ -1,4 +1,4 @@
-"""Examples to learn from that take seconds."""
+"""Training examples that take only seconds."""
 
 import functools
 
@@ -13,7 +13,7 @@ OPTIONS = nm.TrainOptions(stages=2, clusters=2, hidden=4, steps=15, samples=1200
 
 
 def hilly(seed):
-    """A roof with a soft ridge and bumps of two edges on it."""
+    """A roof with a soft ridge and bumps two edges wide."""
     rng = np.random.default_rng(seed)
     slope, phase = rng.uniform(0.2, 0.8), rng.uniform(0, 6, 2)
 
@@ -32,17 +32,17 @@ def examples(count=2):
 
 @functools.cache
 def small_filter():
-    """A filter of those roofs."""
+    """A filter trained on those roofs."""
     return nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR)
 
 
 def same(one, other):
-    """Whether two filters are alike in every bit."""
+    """Whether two filters are identical, bit for bit."""
     return one.digest == other.digest
 
 
 def network(hidden=3, mixed=5, seed=0, more=4):
-    """A network of random weights."""
+    """A network with random weights."""
     rng = np.random.default_rng(seed)
     shapes = (hidden, 3 * mixed + more), (hidden,), (mixed, hidden), (mixed,)
     return Network(*(rng.normal(size=shape).astype(np.float32) for shape in shapes))

@@ -6,7 +6,7 @@ import nmaptool as nm
 
 
 def sphere(steps, radius=1.0):
-    """An octahedron's faces divided ``steps`` times a side, 8 steps^2 in all, pushed out to a sphere."""
+    """A sphere of 8 steps^2 faces: an octahedron with each edge divided into ``steps``, pushed outwards."""
     corners = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
     i, j = np.meshgrid(np.arange(steps + 1), np.arange(steps + 1), indexing="ij")
     inside = i + j <= steps
@@ -29,7 +29,7 @@ def sphere(steps, radius=1.0):
 
 
 def sheet(height, rows, cols, step=1.0):
-    """A grid of (rows + 1) x (cols + 1) vertices, z = height(x, y), in the middle of the picture, seen from +z."""
+    """A centred grid of (rows + 1) x (cols + 1) vertices with z = height(x, y), to be seen from +z."""
     y, x = np.mgrid[0 : rows + 1, 0 : cols + 1] * step
     x, y = x - cols * step / 2, y - rows * step / 2
     vertices = np.stack([x, y, height(x, y)], axis=-1).reshape(-1, 3).astype(float)
@@ -40,7 +40,7 @@ def sheet(height, rows, cols, step=1.0):
 
 
 def joined(*meshes):
-    """Meshes side by side in one."""
+    """Several meshes as one, with all their vertices and faces."""
     faces, count = [], 0
     for mesh in meshes:
         faces.append(mesh.faces + count)
@@ -49,7 +49,7 @@ def joined(*meshes):
 
 
 def divided(mesh):
-    """Each face in four, at the middles of its edges."""
+    """Divide each face into four at the midpoints of its edges."""
     a, b, c = (mesh.corners[:, k] for k in range(3))
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     corners = np.stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca], axis=1).reshape(-1, 3)
@@ -57,6 +57,6 @@ def divided(mesh):
 
 
 def angles(first, second):
-    """Degrees between unit vectors."""
+    """Angles in degrees between unit vectors."""
     chord = np.linalg.norm(np.asarray(first, float) - second, axis=-1)
     return np.degrees(2 * np.arcsin((chord / 2).clip(0, 1)))

@@ -1,4 +1,4 @@
-"""A small solid in every format that is read, written by hand so that nothing but the test's mistake is in it."""
+"""A small solid in every readable format, written by hand so that a test's own fault is the only one in the file."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from typing import Any
 
 import numpy as np
 
-# a tetrahedron, outside counter-clockwise, its volume 1
+# a tetrahedron of volume 1, counter-clockwise seen from outside
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], np.float32)
 FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], np.int32)
 ENDINGS = ("obj", "ply", "stl", "off", "glb", "gltf")
 
 
 def volume(mesh: Any) -> float:
-    """Signed: negative for a mesh that is inside out."""
+    """Signed volume: negative for a mesh that is inside out."""
     a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
     return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6)
 
 
 def obj(vertices: Any = VERTICES, polygons: Any = FACES) -> bytes:
-    """Positions and polygons only."""
+    """OBJ with positions and polygons only."""
     lines = [f"v {x:g} {y:g} {z:g}" for x, y, z in vertices]
     lines += ["f " + " ".join(str(i + 1) for i in polygon) for polygon in polygons]
     return ("\n".join(lines) + "\n").encode()
 
 
 def off(vertices: Any = VERTICES, polygons: Any = FACES, counts: Any = None) -> bytes:
-    """With ``counts`` in the header instead of the truth."""
+    """OFF; ``counts`` replace the true numbers in the header."""
     n, m = counts or (len(vertices), len(polygons))
     lines = ["OFF", f"{n} {m} 0"]
     lines += [f"{x:g} {y:g} {z:g}" for x, y, z in vertices]
@@ -39,13 +39,13 @@ def off(vertices: Any = VERTICES, polygons: Any = FACES, counts: Any = None) -> 
 
 
 def stl(vertices: Any = VERTICES, faces: Any = FACES, header: bytes = b"", count: int | None = None) -> bytes:
-    """Binary."""
+    """Binary STL."""
     body = b"".join(struct.pack("<12fH", 0, 0, 1, *np.ravel(vertices[face]), 0) for face in faces)
     return header.ljust(80, b"\0") + struct.pack("<I", len(faces) if count is None else count) + body
 
 
 def ascii_stl(vertices: Any = VERTICES, faces: Any = FACES, name: str = "thing") -> bytes:
-    """As most programs write it."""
+    """ASCII STL as most programs write it."""
     text = f"solid {name}\n"
     for face in faces:
         corners = "".join(f"      vertex {x:g} {y:g} {z:g}\n" for x, y, z in vertices[face])
@@ -54,7 +54,7 @@ def ascii_stl(vertices: Any = VERTICES, faces: Any = FACES, name: str = "thing")
 
 
 def ply_header(kind: str, *elements: tuple[str, int, Sequence[str]]) -> bytes:
-    """Header of named elements with a number of rows and their properties."""
+    """Header of named elements, each with its number of rows and its properties."""
     lines = ["ply", f"format {kind} 1.0", "comment made by hand"]
     for name, rows, properties in elements:
         lines += [f"element {name} {rows}", *(f"property {p}" for p in properties)]
@@ -68,7 +68,7 @@ LIST = ("list uchar int vertex_indices",)
 def ply(
     vertices: Any = VERTICES, polygons: Any = FACES, kind: str = "binary_little_endian", counts: Any = None
 ) -> bytes:
-    """Text or binary, of polygons of any size; with ``counts`` in the header instead of the truth."""
+    """PLY as text or binary, with polygons of any size; ``counts`` replace the true numbers in the header."""
     n, m = counts or (len(vertices), len(polygons))
     head = ply_header(kind, ("vertex", n, XYZ), ("face", m, LIST))
     if kind == "ascii":
@@ -81,7 +81,7 @@ def ply(
 
 
 def tree(vertices: Any = VERTICES, faces: Any = FACES, **changes: Any) -> tuple[dict[str, Any], bytes]:
-    """The JSON of a glTF with one mesh at one node, and its binary data; ``changes`` replace parts of the JSON."""
+    """The JSON of a glTF with one mesh on one node, and its binary data; ``changes`` replace parts of the JSON."""
     positions = np.asarray(vertices, "<f4").tobytes()
     indices = np.asarray(faces, "<u2").tobytes()
     made = {
@@ -104,7 +104,7 @@ def tree(vertices: Any = VERTICES, faces: Any = FACES, **changes: Any) -> tuple[
 
 
 def glb(content: tuple[dict[str, Any], bytes] | None = None) -> bytes:
-    """As one binary file."""
+    """GLB: one binary file."""
     json_tree, data = content or tree()
     text = json.dumps(json_tree).encode()
     text += b" " * (-len(text) % 4)
@@ -114,7 +114,7 @@ def glb(content: tuple[dict[str, Any], bytes] | None = None) -> bytes:
 
 
 def gltf(content: tuple[dict[str, Any], bytes] | None = None) -> bytes:
-    """As one text file with the data inside."""
+    """glTF as one text file with embedded data."""
     json_tree, data = content or tree()
     uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
     buffers = [{"uri": uri, **json_tree["buffers"][0]}, *json_tree["buffers"][1:]]

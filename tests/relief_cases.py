@@ -1,4 +1,4 @@
-"""Small normal maps from analytic surfaces, and a relief in one call, for the tests of the relief."""
+"""Small normal maps of analytic surfaces, and a relief in one call."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ def normal_map(p, q, foreground=None, name="map"):
 
 
 def dome(side=96, bumps=0.0, base=1.0, kind="masked"):
-    """A dome with bumps: (O, B, D) maps; the dome's disc is the foreground."""
+    """A dome with bumps: (original, base, detail) maps; its disc is the foreground."""
     y, x = (side - np.mgrid[0 : side + 1, 0 : side + 1][0], np.mgrid[0 : side + 1, 0 : side + 1][1])
     u, v = (x - side / 2) / (0.42 * side), (y - side / 2) / (0.42 * side)
     smooth = base * 0.35 * side * np.exp(-1.5 * (u**2 + v**2))
@@ -36,6 +36,6 @@ def foreground_heights(relief):
 
 
 def rolling(side=96):
-    """Vertex heights of a background that rolls along x."""
+    """Vertex heights of a background that undulates along x."""
     _, x = np.mgrid[0 : side + 1, 0 : side + 1]
     return 6 * np.sin(x / 20.0)

@@ -1,4 +1,4 @@
-"""Small maps and masks to compose, and recipes of them."""
+"""Small maps and masks to compose, and recipes that use them."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from nmaptool.core.vectors import unit
 
 
 def waves(rows, cols, frequency, pitch=None, disc=False, name="map"):
-    """A surface of waves, on all of the picture or on a disc."""
+    """A wavy surface that fills the image, or a disc of it."""
     y, x = (np.mgrid[0:rows, 0:cols] + 0.5) / np.array([rows, cols]).reshape(2, 1, 1) - 0.5
     normals = unit(np.stack([np.sin(frequency * x), 0.5 * np.cos(frequency * y), np.ones_like(x)], axis=-1))
     coverage = np.ones((rows, cols), np.float32)
@@ -18,7 +18,7 @@ def waves(rows, cols, frequency, pitch=None, disc=False, name="map"):
 
 
 def write_maps(folder, png):
-    """``plate.exr`` (80 x 60, 0.5 mm), ``bunny.exr`` (30 x 40, a disc), ``leaf.png`` (24 x 20) and two masks."""
+    """Write ``plate.exr`` (80 x 60, 0.5 mm), ``bunny.exr`` (30 x 40, a disc), ``leaf.png`` (24 x 20) and two masks."""
     nm.write_normal_map(waves(60, 80, 4, 0.5), folder / "plate.exr")
     nm.write_normal_map(waves(40, 30, 9, 0.5, disc=True), folder / "bunny.exr")
     nm.write_normal_map(waves(20, 24, 6, disc=True), folder / "leaf.png")
@@ -31,7 +31,7 @@ def write_maps(folder, png):
     return folder
 
 
-# the beginning of scenes: the plate, and the bunny on it, placed by what follows
+# scenes begin with the plate and the bunny; the keys that follow place the bunny
 BUNNY_ON_PLATE = """
 [canvas]
 width = "40mm"

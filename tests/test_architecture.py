@@ -1,4 +1,4 @@
-"""docs/architecture.md says what the code is: floors of the import contract, files that are there, small functions."""
+"""docs/architecture.md matches the code: its layers are the import contract, its files exist, functions are small."""
 
 import ast
 import re
@@ -16,20 +16,22 @@ ROOMS = sorted(path.parent.name for path in (ROOT / "nmaptool").glob("*/__init__
 
 
 def layers():
-    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
+        "contracts"
+    ]
     (house,) = (contract for contract in contracts if contract.get("containers") == ["nmaptool"])
     assert house["exhaustive"] is True
     return [[room.strip() for room in floor.split("|")] for floor in house["layers"]]
 
 
-def test_the_drawing_is_the_import_contract():
+def test_the_drawing_shows_the_import_contract():
     drawn = re.findall(r"^    (\w+(?: \| \w+)*)  ?", PAGE.split("-----\n")[1].split("\n\n")[0], re.MULTILINE)
     assert [[room.strip() for room in floor.split("|")] for floor in drawn] == layers()
     assert sorted(room for floor in layers() for room in floor) == ROOMS
 
 
 def test_every_package_is_built():
-    built = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    built = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]
     found = [".".join(path.parent.relative_to(ROOT).parts) for path in (ROOT / "nmaptool").rglob("__init__.py")]
     found += [
         ".".join(("nmaptool_cli", *p.parent.relative_to(ROOT / "cli").parts))
@@ -38,12 +40,12 @@ def test_every_package_is_built():
     assert sorted(built) == sorted(found)
 
 
-def test_nothing_lies_between_the_rooms():
+def test_no_module_lies_outside_the_packages():
     loose = sorted(path.name for path in (ROOT / "nmaptool").iterdir() if path.is_file())
     assert loose == ["__init__.py", "__init__.pyi", "_version.py", "py.typed"]
 
 
-def test_the_way_from_a_mesh_to_an_stl_names_files_and_functions_that_are_there():
+def test_the_path_from_a_mesh_to_an_stl_names_existing_files_and_functions():
     steps = re.findall(r"^ {6,}([\w/]+\.py) +([\w., ]+?)? +->|^ {6,}([\w/]+\.py) +([\w.]+)$", PAGE, re.MULTILINE)
     assert len(steps) >= 12
     for file, names, other_file, other in steps:
@@ -57,7 +59,7 @@ MORE = ("relief option", "filter", "command", "figure", "error")
 
 
 @pytest.mark.parametrize("kind", [*KINDS, *MORE])
-def test_the_table_says_which_files_to_touch(kind):
+def test_the_table_names_existing_files_to_change(kind):
     row = re.search(rf"^\| {kind}(?: \(\w+\))? \| ([^|]*) \|", PAGE, re.MULTILINE)
     assert row is not None
     files = [name for name in re.findall(r"`((?:nmaptool|cli)/[\w/.]+|README\.md)`", row[1]) if "NAME" not in name]
@@ -66,14 +68,14 @@ def test_the_table_says_which_files_to_touch(kind):
 
 
 def bodies(path):
-    """Lines of each function's body, its docstring left out."""
+    """The number of lines in each function's body, without its docstring."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.FunctionDef):
             body = node.body[1:] if ast.get_docstring(node) is not None else node.body
             yield body[-1].end_lineno - body[0].lineno + 1 if body else 0
 
 
-def test_files_and_functions_are_small_on_the_whole():
+def test_most_files_and_functions_are_small():
     files = [path for room in ("nmaptool", "cli") for path in (ROOT / room).rglob("*.py")]
     assert statistics.median(len(path.read_text(encoding="utf-8").splitlines()) for path in files) <= 150
     sizes = sorted(size for path in files for size in bodies(path))

@@ -1,4 +1,4 @@
-"""Plain arrays of any type are as good as the package's own values, and what is wrong with them is said in one line."""
+"""Plain arrays of any type are accepted like the package's own types, and their faults are named in one line."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from nmaptool.types.plain_arrays import as_mask
 
 @pytest.fixture
 def dome_array(dome):
-    """Normals (32, 32, 3) float64, and where the dome is; garbage elsewhere."""
+    """Normals (32, 32, 3) float64 and the mask of the dome; garbage outside it."""
     d = dome(32, 32)
     normals = d.normals * 1.7
     normals[~d.inside] = np.nan
@@ -36,11 +36,11 @@ def test_vectors_of_any_float_type_become_unit_length(dtype, scale):
 
 
 @pytest.mark.parametrize("scale", [1e-300, 1e-30, 1e30, 1e300])
-def test_very_long_and_very_short_vectors_have_a_direction(scale):
+def test_very_long_and_very_short_vectors_keep_their_direction(scale):
     np.testing.assert_allclose(nm.NormalMap.from_array(whole() * scale).normals, whole(), atol=1e-7)
 
 
-def test_float32_that_is_unit_length_keeps_its_bits(clean_map):
+def test_float32_normals_of_unit_length_keep_their_bits(clean_map):
     read = nm.read_normal_map(clean_map)
     made = nm.NormalMap.from_array(read.normals, read.coverage)
     assert made.normals.tobytes() == read.normals.tobytes()
@@ -50,7 +50,7 @@ def test_float32_that_is_unit_length_keeps_its_bits(clean_map):
     np.testing.assert_array_equal(given, read.normals)
 
 
-def test_outside_the_mask_normals_are_flat(dome_array):
+def test_normals_outside_the_mask_are_flat(dome_array):
     normals, inside = dome_array
     for mask in (inside, inside.astype(np.float16), inside.astype(int), inside.tolist()):
         made = nm.NormalMap.from_array(normals, mask, pitch_mm=0.5)
@@ -75,15 +75,19 @@ def hollow():
         (
             (hollow(),),
             InputError,
-            r"^normals: 3 of 64 normals have no direction .* first at row 2, column 3; leave them out with a mask$",
+            r"^normals: normals without a direction .*: 3 of 64, .* row 2, column 3; exclude them with a mask$",
         ),
-        ((hollow(), np.arange(64).reshape(8, 8) > 32), InputError, "2 of 31 normals .* first at row 4, column 5"),
+        (
+            (hollow(), np.arange(64).reshape(8, 8) > 32),
+            InputError,
+            "normals without a direction .*: 2 of 31, the first at row 4, column 5",
+        ),
         ((whole()[..., :2],), InputError, r"^normals: found shape \(8, 8, 2\), expected \(H, W, 3\)$"),
         ((np.moveaxis(whole(), -1, 0),), InputError, r"components last, with numpy.moveaxis\(normals, 0, -1\)"),
         (
             (whole().astype(np.uint8),),
             InputError,
-            "normals: found uint8, expected floats from -1 to 1; turn codes",
+            "normals: found uint8, expected floats from -1 to 1; convert codes",
         ),
         ((np.zeros((0, 4, 3)),), InputError, "a picture of 4 x 0 pixels is empty"),
         (
@@ -98,12 +102,12 @@ def hollow():
         ((whole() + 0j,), UsageError, "must be an array of numbers, found ndarray"),
     ],
 )
-def test_arrays_that_are_no_normals(arguments, error, message):
+def test_arrays_that_are_not_normals_are_refused(arguments, error, message):
     with pytest.raises(error, match=message):
         nm.NormalMap.from_array(*arguments)
 
 
-def test_integrate_gives_the_heights_of_the_masked_part(dome_array):
+def test_integrate_returns_the_heights_of_the_masked_part(dome_array):
     normals, inside = dome_array
     heights = nm.integrate(normals, inside)
     assert heights.shape == (33, 33)
@@ -117,10 +121,10 @@ def test_integrate_gives_the_heights_of_the_masked_part(dome_array):
     )
 
 
-def test_integrate_says_what_is_wrong(dome_array):
+def test_integrate_names_what_is_wrong(dome_array):
     normals, inside = dome_array
     whole_map = nm.NormalMap.from_array(normals, inside)
-    with pytest.raises(InputError, match=r"the mask selects nothing of the surface: it must be 0\.5 or more there"):
+    with pytest.raises(InputError, match=r"the mask selects no part of the surface: set it to 0\.5 or more there"):
         nm.integrate(whole_map, ~inside)
     with pytest.raises(InputError, match="normals is 32 x 32 pixels but the mask is 4 x 4"):
         nm.integrate(whole_map, np.ones((4, 4)))
@@ -130,7 +134,7 @@ def test_integrate_says_what_is_wrong(dome_array):
         nm.integrate("map.png")
 
 
-def test_a_relief_of_arrays_is_that_of_maps(dome_array):
+def test_a_relief_of_arrays_equals_that_of_maps(dome_array):
     normals, inside = dome_array
     options = nm.ReliefOptions(background="free")
     original = nm.NormalMap.from_array(normals, inside)
@@ -147,7 +151,7 @@ def test_a_relief_of_arrays_is_that_of_maps(dome_array):
     )
 
 
-def test_a_soft_mask_counts_once():
+def test_a_soft_mask_is_applied_once():
     soft = np.clip(np.hypot(*np.mgrid[-16:16, -16:16]) / -4 + 3, 0, 1)
     original = nm.NormalMap.from_array(whole(32, 32), soft > 0)
     np.testing.assert_array_equal(
@@ -155,7 +159,7 @@ def test_a_soft_mask_counts_once():
     )
 
 
-def test_edits_of_arrays_are_those_of_maps(dome):
+def test_edits_of_arrays_equal_those_of_maps(dome):
     array = dome(32, 32).normals
     own = nm.NormalMap.from_array(array)
     half = np.arange(32 * 32).reshape(32, 32) % 2 == 0
@@ -177,7 +181,7 @@ def test_edits_of_arrays_are_those_of_maps(dome):
     assert isinstance(group.layers[0], nm.Layer)
 
 
-def test_pictures_may_be_arrays(dome, codes, clean_map):
+def test_images_may_be_arrays(dome, codes, clean_map):
     image = nm.read_raster(clean_map)
     seen, expected = nm.inspect_map(image.pixels), nm.inspect_map(image)
     assert (seen.mean_abs_curl, seen.bits, seen.channels) == (expected.mean_abs_curl, 16, expected.channels)
@@ -224,9 +228,9 @@ def test_pictures_may_be_arrays(dome, codes, clean_map):
             UsageError,
             "the mask of layer must be an array",
         ),
-        (lambda: nm.compose(nm.Layer(whole())), UsageError, "the layers must be a list of Layer, found Layer"),
-        (lambda: nm.paste(whole(), 3), UsageError, "the layers must be a list of Layer, found int"),
-        (lambda: nm.relief(whole(), mu_map="a"), UsageError, "`mu_map`: weighs the detail map"),
+        (lambda: nm.compose(nm.Layer(whole())), UsageError, "the layers must be a list of Layer objects, found Layer"),
+        (lambda: nm.paste(whole(), 3), UsageError, "the layers must be a list of Layer objects, found int"),
+        (lambda: nm.relief(whole(), mu_map="a"), UsageError, "`mu_map`: has no effect without a detail map"),
         (
             lambda: nm.relief(whole(), beta_map="a"),
             UsageError,
@@ -241,7 +245,7 @@ def test_pictures_may_be_arrays(dome, codes, clean_map):
         (lambda: nm.unpack("a.psd"), UsageError, "the workspace must be a Workspace, found str; read one with"),
     ],
 )
-def test_wrong_types_are_named_with_the_remedy(call, error, message):
+def test_wrong_types_are_named_with_a_remedy(call, error, message):
     with pytest.raises(error, match=message) as caught:
         call()
     assert "\n" not in str(caught.value)

@@ -1,4 +1,4 @@
-"""What lies around a motif: recognised, reported, overridden, and its anti-aliased rim taken back."""
+"""The background of a motif: recognised, reported, overridden, and removed from the anti-aliased rim."""
 
 import numpy as np
 import pytest
@@ -18,11 +18,11 @@ def rim_of(d):
 
 @pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_backdrop_is_recognised(tmp_path, dome, codes, png, kind, bits):
+def test_a_background_is_recognised(tmp_path, dome, codes, png, kind, bits):
     d = dome()
     back = nm.read_normal_map(png(tmp_path / "map.png", codes(d.normals, bits, kind, d.cover)))
     assert (back.decoding.background, back.decoding.background_from) == (kind, "found")
-    # where the surface itself looks like the backdrop it may be taken for it, nowhere else
+    # only where the surface itself looks like the background could it be mistaken for it
     assert np.array_equal(back.foreground, d.inside)
     assert np.array_equal(back.normals[~d.inside], np.broadcast_to(np.float32([0, 0, 1]), (int((~d.inside).sum()), 3)))
     assert (back.coverage[~d.inside] == (1 if kind == "flat" else 0)).all()
@@ -31,7 +31,7 @@ def test_a_backdrop_is_recognised(tmp_path, dome, codes, png, kind, bits):
 
 @pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize("behind", ["white", "black", "flat"])
-def test_alpha_comes_before_colour(tmp_path, dome, codes, png, bits, behind):
+def test_alpha_takes_precedence_over_colour(tmp_path, dome, codes, png, bits, behind):
     d = dome()
     alpha = (d.inside * (2**bits - 1)).astype(np.uint8 if bits == 8 else np.uint16)
     pixels = np.dstack([codes(d.normals, bits, behind, d.cover), alpha])
@@ -41,7 +41,7 @@ def test_alpha_comes_before_colour(tmp_path, dome, codes, png, bits, behind):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_opaque_alpha_hides_no_backdrop(tmp_path, dome, codes, png, kind):
+def test_an_opaque_alpha_does_not_hide_a_background(tmp_path, dome, codes, png, kind):
     d = dome()
     pixels = np.dstack([codes(d.normals, 8, kind, d.cover), np.full((96, 96), 255, np.uint8)])
     back = nm.read_normal_map(png(tmp_path / "map.png", pixels))
@@ -50,7 +50,7 @@ def test_an_opaque_alpha_hides_no_backdrop(tmp_path, dome, codes, png, kind):
 
 
 @pytest.mark.parametrize("code", [127, 128])
-def test_both_greys_and_both_flats_are_known(tmp_path, dome, codes, png, code):
+def test_both_greys_and_both_flat_colours_are_recognised(tmp_path, dome, codes, png, code):
     d = dome()
     for kind, blue in (("grey", code), ("flat", 255)):
         pixels = codes(d.normals)
@@ -63,7 +63,7 @@ def test_both_greys_and_both_flats_are_known(tmp_path, dome, codes, png, code):
 
 
 @pytest.mark.parametrize(("kind", "stored"), [("white", (1, 1, 1)), ("black", (0, 0, 0)), ("flat", (0, 0, 1))])
-def test_a_backdrop_is_recognised_in_signed_exr(tmp_path, dome, picture, kind, stored):
+def test_a_background_is_recognised_in_signed_exr(tmp_path, dome, picture, kind, stored):
     d = dome()
     path = picture(tmp_path / "map.exr", np.where(d.inside[..., None], d.normals, stored))
     back = nm.read_normal_map(path)
@@ -73,7 +73,7 @@ def test_a_backdrop_is_recognised_in_signed_exr(tmp_path, dome, picture, kind, s
 
 @pytest.mark.parametrize("stored", ["float", "half"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_backdrop_is_recognised_in_floats_that_were_8_bit_codes(tmp_path, dome, codes, picture, kind, stored):
+def test_a_background_is_recognised_in_floats_that_were_8_bit_codes(tmp_path, dome, codes, picture, kind, stored):
     d = dome()
     path = picture(tmp_path / "map.exr", codes(d.normals, 8, kind, d.cover) / 255, stored=stored)
     back = nm.read_normal_map(path)
@@ -82,7 +82,7 @@ def test_a_backdrop_is_recognised_in_floats_that_were_8_bit_codes(tmp_path, dome
 
 
 @pytest.mark.parametrize("kind", ["white", "black"])
-def test_a_backdrop_is_recognised_in_jpeg(tmp_path, dome, codes, picture, kind):
+def test_a_background_is_recognised_in_jpeg(tmp_path, dome, codes, picture, kind):
     d = dome()
     path = picture(tmp_path / "map.jpg", codes(d.normals, 8, kind, d.cover), CompressionQuality=92)
     back = nm.read_normal_map(path)
@@ -92,7 +92,7 @@ def test_a_backdrop_is_recognised_in_jpeg(tmp_path, dome, codes, picture, kind):
     assert np.percentile(angle_deg(back.normals, d.normals)[deep], 90) < 6
 
 
-def test_a_texture_that_is_surface_all_over_has_no_backdrop(tmp_path, codes, png):
+def test_a_texture_that_is_surface_everywhere_has_no_background(tmp_path, codes, png):
     y, x = np.mgrid[0:96, 0:96] * 0.4
     p, q = 0.8 * np.cos(x) * np.cos(y), 0.8 * np.sin(x) * np.sin(y)
     normals = np.dstack([-p, -q, np.ones_like(p)])
@@ -115,7 +115,7 @@ def test_a_flat_plateau_inside_the_motif_is_motif(tmp_path, dome, codes, png):
 
 
 @pytest.mark.parametrize("kind", ["white", "grey", "black"])
-def test_a_flat_plateau_on_another_backdrop_is_motif(tmp_path, dome, codes, png, kind):
+def test_a_flat_plateau_on_white_grey_or_black_is_motif(tmp_path, dome, codes, png, kind):
     d = dome()
     vectors = d.normals.copy()
     vectors[24:72, 24:72] = (0, 0, 1)
@@ -125,7 +125,7 @@ def test_a_flat_plateau_on_another_backdrop_is_motif(tmp_path, dome, codes, png,
 
 
 @pytest.mark.parametrize("kind", ["white", "black"])
-def test_a_hole_inside_the_motif_is_backdrop(tmp_path, dome, codes, png, kind):
+def test_a_hole_inside_the_motif_is_background(tmp_path, dome, codes, png, kind):
     d = dome()
     cover = d.cover.copy()
     cover[40:56, 40:56] = 0
@@ -140,7 +140,7 @@ def test_an_anti_aliased_rim_is_repaired(tmp_path, dome, codes, png, kind, bits)
     back = nm.read_normal_map(png(tmp_path / "map.png", codes(d.normals, bits, kind, d.cover)))
     assert back.decoding.background == kind
     assert back.decoding.rim_pixels > 0
-    # the true normals turn by up to 4 degrees a pixel here, and the rim borrows them from a pixel or two inside
+    # the true normals turn by up to 4 degrees per pixel here, and the rim takes them from one or two pixels inside
     assert angle_deg(back.normals, d.normals)[d.cover >= 0.5].max() < 12
     assert np.abs(back.coverage - d.cover)[rim_of(d)].mean() < 0.05
     assert np.abs(back.coverage - d.cover).max() < 0.25
@@ -181,7 +181,7 @@ def test_alpha_that_is_a_height_is_ignored_with_a_warning(tmp_path, dome, codes,
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_backdrop_can_be_named(tmp_path, dome, codes, png, kind):
+def test_a_background_can_be_named(tmp_path, dome, codes, png, kind):
     d = dome()
     path = png(tmp_path / "map.png", codes(d.normals, 8, kind, d.cover))
     named = nm.read_normal_map(path, nm.ReadOptions(background_color=kind))
@@ -193,7 +193,7 @@ def test_a_backdrop_can_be_named(tmp_path, dome, codes, png, kind):
 
 @pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize("swizzle", [None, "-g,r,b"])
-def test_a_backdrop_can_be_given_by_its_colour(tmp_path, dome, codes, png, bits, swizzle):
+def test_a_background_can_be_given_by_its_colour(tmp_path, dome, codes, png, bits, swizzle):
     d = dome()
     pixels = codes(d.normals, bits)
     pixels[~d.inside] = np.array((0x20, 0xC0, 0x40)) * (1 if bits == 8 else 257)
@@ -206,7 +206,7 @@ def test_a_backdrop_can_be_given_by_its_colour(tmp_path, dome, codes, png, bits,
 
 
 @pytest.mark.parametrize("wanted", ["white", "alpha", "#20c040"])
-def test_a_backdrop_that_is_not_there_is_not_passed_over_in_silence(tmp_path, dome, codes, png, wanted):
+def test_a_given_background_that_is_missing_is_reported(tmp_path, dome, codes, png, wanted):
     d = dome()
     path = png(tmp_path / "map.png", codes(d.normals))
     try:
@@ -217,7 +217,7 @@ def test_a_backdrop_that_is_not_there_is_not_passed_over_in_silence(tmp_path, do
 
 
 @pytest.mark.parametrize("wanted", ["pink", "", "#12345", "#12345g", "White"])
-def test_a_backdrop_that_cannot_be_meant_is_refused(wanted):
+def test_an_invalid_background_colour_is_refused(wanted):
     with pytest.raises(nm.UsageError, match=r"`background_color=.*use one of auto, none, alpha, white.*#7f7fff"):
         nm.ReadOptions(background_color=wanted)
 
@@ -233,7 +233,7 @@ def on_backdrop(vectors, cover, color, bits=8):
     ("color", "kind"), [((254, 254, 254), "white"), ((2, 1, 0), "black"), ((129, 126, 128), "grey")]
 )
 @pytest.mark.parametrize("bits", [8, 16])
-def test_a_backdrop_may_be_a_little_off(tmp_path, dome, png, color, kind, bits):
+def test_a_background_colour_may_be_slightly_off(tmp_path, dome, png, color, kind, bits):
     d = dome(128, 128)
     pixels = on_backdrop(d.normals, d.inside, color, bits).astype(np.uint8 if bits == 8 else np.uint16)
     back = nm.read_normal_map(png(tmp_path / "map.png", pixels))
@@ -243,17 +243,17 @@ def test_a_backdrop_may_be_a_little_off(tmp_path, dome, png, color, kind, bits):
 
 @pytest.mark.parametrize("noise", [1, 2])
 @pytest.mark.parametrize("color", [(128, 128, 254), (253, 253, 253)])
-def test_a_noisy_backdrop_is_recognised(tmp_path, dome, png, color, noise):
+def test_a_noisy_background_is_recognised(tmp_path, dome, png, color, noise):
     d = dome(128, 128)
     pixels = on_backdrop(d.normals, d.inside, color)
     pixels[~d.inside] += np.random.default_rng(0).integers(-noise, noise + 1, (int((~d.inside).sum()), 3))
     back = nm.read_normal_map(png(tmp_path / "map.png", pixels.clip(0, 255).astype(np.uint8)))
     assert back.decoding.background == ("flat" if color[0] == 128 else "white")
-    # a few pixels of the rim may fall to either side
+    # a few pixels of the rim may be assigned to either side
     assert (back.foreground != d.inside).mean() < 0.01
 
 
-def test_a_shallow_surface_is_no_noise(tmp_path, png):
+def test_a_shallow_surface_is_not_taken_for_noise(tmp_path, png):
     y, x = np.mgrid[0:128, 0:128] / 128
     slope = 0.004 * np.cos(5 * x + 3 * y)
     normals = np.dstack([slope, slope, np.sqrt(1 - 2 * slope**2)])
@@ -261,16 +261,16 @@ def test_a_shallow_surface_is_no_noise(tmp_path, png):
     assert nm.read_normal_map(png(tmp_path / "map.png", pixels)).decoding.background == "none"
 
 
-def test_a_colour_that_is_no_normal_is_background_and_one_that_may_be_is_a_doubt(tmp_path, dome, png):
+def test_a_colour_that_is_not_a_normal_is_background_and_one_that_may_be_is_a_warning(tmp_path, dome, png):
     d = dome(128, 128)
     for color, background in (((90, 90, 90), "#5a5a5a"), ((200, 200, 200), "none")):
         pixels = on_backdrop(d.normals, d.inside, color).astype(np.uint8)
         back = nm.read_normal_map(png(tmp_path / f"{color[0]}.png", pixels))
         assert back.decoding.background == background
-    assert "is #c8c8c8; if that is background, say `background_color='#c8c8c8'`" in back.decoding.warnings[0]
+    assert "is #c8c8c8; if that is the background, use `background_color='#c8c8c8'`" in back.decoding.warnings[0]
 
 
-def test_flat_patches_cut_by_the_edge_are_no_backdrop(tmp_path, png):
+def test_flat_patches_cut_by_the_image_edge_are_not_background(tmp_path, png):
     y, x = np.mgrid[0:128, 0:128]
     p = 0.5 * np.sign(x % 32 - 16) * (np.abs(x % 32 - 16) < 3)
     q = 0.5 * np.sign(y % 32 - 16) * (np.abs(y % 32 - 16) < 3)

@@ -20,14 +20,14 @@ def baked(mesh, **changes):
 
 
 @pytest.mark.parametrize("mesh", [plate_mesh(), knob()], ids=["plate", "knob"])
-def test_the_original_geometry_is_drawn_bit_by_bit_as_the_split_says(mesh):
+def test_the_original_geometry_shows_the_split_bit_for_bit(mesh):
     layers = baked(mesh)
     split = nm.decompose_normals(mesh)
     seen = layers.faces >= 0
     face = layers.faces[seen]
     assert layers.report.options["geometry"] == "original"
     for drawn, field in ((layers.original, split.normals), (layers.base, split.base)):
-        # the front view's axes are the mesh's own; what looks away is turned to the viewer
+        # the front view has the mesh's own axes; normals that face away are flipped to the viewer
         towards = np.where(split.normals[face][:, 2:] < 0, -1.0, 1.0)
         expected = unit((field[face].astype(np.float32) * towards).astype(np.float32))
         np.testing.assert_allclose(drawn.normals[seen], expected, atol=1e-6)
@@ -37,7 +37,7 @@ def test_the_original_geometry_is_drawn_bit_by_bit_as_the_split_says(mesh):
     assert np.array_equal(layers.depth_mm, same.depth_mm)
 
 
-def test_the_updated_geometry_is_the_rebuilt_mesh_in_the_same_frame():
+def test_the_updated_geometry_shows_the_rebuilt_mesh_in_the_same_frame():
     mesh = knob()
     original, updated = baked(mesh), baked(mesh, geometry="updated")
     assert updated.report.camera == original.report.camera
@@ -46,15 +46,15 @@ def test_the_updated_geometry_is_the_rebuilt_mesh_in_the_same_frame():
     seen = updated.faces >= 0
     own = rebuilt.geometry.normals[updated.faces[seen]]
     assert angles(updated.base.normals[seen], own).max() < 0.01
-    # the outline of the bumps is gone from it
+    # the bumps no longer show in the outline
     radius = [np.hypot(*(np.argwhere(c.coverage > 0) - [49.5, 59.5]).T).max() for c in (original, updated)]
     assert radius[1] < radius[0] - 0.5
     assert not np.array_equal(original.coverage, updated.coverage)
-    # the base of the updated mesh is a surface, that of the original but a field
+    # the base of the updated mesh belongs to a surface; that of the original is only a field of normals
     assert updated.report.curl["base"] < original.report.curl["base"]
 
 
-def test_smooth_shading_and_several_views():
+def test_the_updated_geometry_takes_smooth_shading_and_several_views():
     options = nm.BakeOptions(
         view="front,left", size="60x50", renderer="numpy", supersample=1, shading="smooth", geometry="updated"
     )

@@ -1,4 +1,4 @@
-"""What the benchmark measures solvers on, and how it checks their answers."""
+"""The systems on which the benchmark measures solvers, and its checks of their results."""
 
 import dataclasses
 
@@ -21,7 +21,7 @@ CASES = (
 
 
 @pytest.mark.parametrize("case", CASES, ids=str)
-def test_the_residual_is_that_of_the_operator(case):
+def test_the_residual_matches_that_of_the_operator(case):
     problem = state(case)
     system = problem.system
     np.testing.assert_array_equal(unknowns(system), system.unknown)
@@ -32,7 +32,7 @@ def test_the_residual_is_that_of_the_operator(case):
 
 
 @pytest.mark.parametrize("name", ["amg", "dct + CG", "aggregation", "superlu", "Jacobi-CG"])
-def test_every_rival_solves_what_the_library_solves(name):
+def test_every_rival_solves_the_systems(name):
     for case in CASES:
         problem = state(case)
         z, iterations = SOLVERS[name](dataclasses.replace(problem.system))(problem.load, 1e-9)
@@ -40,7 +40,7 @@ def test_every_rival_solves_what_the_library_solves(name):
         assert iterations > 0
 
 
-def test_a_job_in_its_own_process_says_what_it_took():
+def test_a_job_in_its_own_process_reports_time_and_memory():
     case = Case(64, 64)
     (outcome,) = measure([Job(case, "amg", (1e-6, 1e-10))], 60, 0)
     assert not outcome.failure
@@ -50,13 +50,13 @@ def test_a_job_in_its_own_process_says_what_it_took():
     assert outcome.answers[1].peak >= outcome.answers[0].peak
 
 
-def test_what_cannot_be_is_said():
+def test_failed_jobs_state_their_reason():
     found = measure([Job(Case(48, 48), "dct", (1e-6,)), Job(Case(48, 48, "full"), "dct", (1e-6,))], 60, 0)
     assert [outcome.failure for outcome in found] == ["cannot", ""]
     assert measure([Job(Case(48, 48), "amg", (1e-6,))], 0.01, 0)[0].failure == "over 0 s"
 
 
-def test_what_would_take_too_long_is_left_out():
+def test_jobs_that_would_take_too_long_are_left_out():
     patience = Patience(limit=10)
     case = Case(100, 100)
     assert not patience.lacks(case, "amg")

@@ -1,4 +1,4 @@
-"""Every way of blending: formulas, identities in every bit, inverses, limits."""
+"""Every blend mode: formulas, bit-exact identities, inverses and limits."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ FORMULAS = {
 }
 
 
-def test_the_table_holds_the_six_modes():
+def test_the_table_lists_the_six_modes():
     assert set(MODES) == set(FORMULAS)
 
 
@@ -51,27 +51,27 @@ def test_modes_follow_their_published_formulas(mode):
 
 @pytest.mark.parametrize("mode", FORMULAS)
 @pytest.mark.parametrize("strength", [0.0, 0.3, 1.0, 2.5])
-def test_every_outcome_has_unit_length(mode, strength):
-    away = -random_normals(seed=3)  # facing away, too
+def test_every_result_has_unit_length(mode, strength):
+    away = -random_normals(seed=3)  # normals that face away, too
     for base, detail in ((A, B), (away, B), (A, away), (away, away)):
         assert np.abs(np.linalg.norm(blend(base, detail, mode, strength), axis=-1) - 1).max() < 1e-6
 
 
 @pytest.mark.parametrize("mode", ["rnm", "pd", "whiteout", "udn"])
 @pytest.mark.parametrize("strength", [1.0, 0.4, 3.0])
-def test_a_flat_detail_changes_no_bit(mode, strength):
+def test_a_flat_detail_changes_nothing(mode, strength):
     for base in (A, -A):
         assert np.array_equal(blend(base, np.broadcast_to(FLAT, base.shape), mode, strength), base)
 
 
 @pytest.mark.parametrize("mode", ["rnm", "pd", "whiteout"])
-def test_on_a_flat_base_the_detail_comes_out_bit_by_bit(mode):
+def test_a_flat_base_gives_the_detail_bit_for_bit(mode):
     for detail in (B, -B):
         assert np.array_equal(blend(np.broadcast_to(FLAT, B.shape), detail, mode), detail)
 
 
 @pytest.mark.parametrize("mode", FORMULAS)
-def test_strength_zero_changes_no_bit(mode):
+def test_strength_zero_changes_nothing(mode):
     assert np.array_equal(blend(A, B, mode, 0), A)
     each = np.zeros(A.shape[:2], np.float32)
     each[3:9, 5:20] = 0.5
@@ -84,7 +84,7 @@ def test_reoriented_blending_undoes_rotation_detail_and_partial_derivatives_undo
     original, base = random_normals(seed=4, lowest=0.3), random_normals(seed=5, lowest=0.3)
     assert angles_deg(blend(base, encode_detail(original, base, "rotation"), "rnm"), original).max() < 1e-4
     assert angles_deg(blend(base, encode_detail(original, base, "slope"), "pd"), original).max() < 1e-3
-    # a base that faces straight away is undone as it was made
+    # also for a base that faces straight away
     away = np.broadcast_to(-FLAT, original.shape)
     assert angles_deg(blend(away, encode_detail(original, away, "rotation"), "rnm"), original).max() < 1e-4
 
@@ -105,17 +105,17 @@ def test_strength_scales_the_slopes_of_the_detail(mode, strength):
         assert np.abs(after - strength * before).max() < 1e-4 * np.abs(before).max()
 
 
-def test_strength_weighs_linear_and_mixes_overlay():
+def test_strength_scales_linear_and_mixes_overlay():
     assert angles_deg(blend(A, B, "linear", 0.5), unit(A + 0.5 * B)).max() < 1e-4
     full = overlay(A.astype(np.float64), B.astype(np.float64))
     assert angles_deg(blend(A, B, "overlay", 0.5), unit(A + 0.5 * (full - A))).max() < 1e-4
 
 
-def test_opposite_normals_leave_the_base():
+def test_opposite_normals_give_the_base():
     assert np.array_equal(blend(A, -A, "linear"), A)
 
 
-def test_shapes_from_one_vector_to_a_picture():
+def test_any_shape_from_one_vector_to_an_image_is_accepted():
     one = blend(A[0, 0], B[0, 0], "rnm")
     assert one.shape == (3,)
     assert np.array_equal(one, blend(A, B, "rnm")[0, 0])
@@ -129,7 +129,7 @@ def test_arguments_are_not_changed_and_bad_ones_are_named():
     assert np.array_equal(A, before[0]) and np.array_equal(B, before[1])
     with pytest.raises(ValueError, match="unknown mode 'screen': use one of rnm, pd"):
         blend(A, B, "screen")
-    with pytest.raises(ValueError, match="must have one shape"):
+    with pytest.raises(ValueError, match="must have the same shape"):
         blend(A, B[:-1], "rnm")
     for strength in (-1.0, np.nan, np.full(A.shape[:2], -0.1)):
         with pytest.raises(ValueError, match="strength must be finite and zero or more"):

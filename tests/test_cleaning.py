@@ -1,4 +1,4 @@
-"""A mesh made fit for use: what is welded, what is dropped, what is said of it, and what is beyond help."""
+"""Mesh cleaning: what is welded, dropped and reported, and which meshes are refused."""
 
 import numpy as np
 import pytest
@@ -17,11 +17,11 @@ def mesh_of(vertices, faces, **more):
 
 
 def soup(vertices=V, faces=FACES):
-    """Every triangle with corners of its own, as an STL has them."""
+    """Give every triangle its own three vertices, as in an STL."""
     return mesh_of(vertices[faces].reshape(-1, 3), np.arange(3 * len(faces)))
 
 
-def test_a_clean_mesh_stays_as_it_is():
+def test_a_clean_mesh_is_not_changed():
     given = Mesh(V, FACES, 25.4, "given", "a.obj")
     mesh, source, findings = clean_mesh(given)
     assert np.array_equal(mesh.vertices, V)
@@ -32,23 +32,23 @@ def test_a_clean_mesh_stays_as_it_is():
     assert (mesh.mm_per_unit, mesh.unit_from, mesh.name) == (25.4, "given", "a.obj")
 
 
-def test_a_soup_is_welded_in_the_order_of_the_file():
+def test_a_triangle_soup_is_welded_in_file_order():
     mesh, source, findings = clean_mesh(soup())
-    assert np.array_equal(mesh.vertices, V[[0, 2, 1, 3]])  # as they first appear
+    assert np.array_equal(mesh.vertices, V[[0, 2, 1, 3]])  # in order of first appearance
     assert np.array_equal(mesh.corners, V[FACES])
     assert np.array_equal(source, np.arange(4))
     assert findings == MeshFindings(vertices=12, faces=4, welded_vertices=8)
     assert volume(mesh) == pytest.approx(1)
 
 
-def test_only_vertices_at_one_and_the_same_position_are_welded():
-    vertices = [*V, (np.nextafter(1.0, 2), 0, 0)]  # beside vertex 1
+def test_only_vertices_at_exactly_the_same_position_are_welded():
+    vertices = [*V, (np.nextafter(1.0, 2), 0, 0)]  # next to vertex 1
     mesh, _, findings = clean_mesh(mesh_of(vertices, [*FACES.tolist(), [4, 2, 3]]))
     assert findings.welded_vertices == 0
     assert len(mesh.vertices) == 5
 
 
-def test_zero_has_no_sign():
+def test_positive_and_negative_zero_are_the_same_position():
     vertices = np.concatenate([V, -V])
     mesh, _, findings = clean_mesh(mesh_of(vertices, [[0, 1, 2], [4, 2, 3]]))
     assert findings.welded_vertices == 1
@@ -73,7 +73,7 @@ def test_a_welded_mesh_of_random_triangles_is_the_same_surface():
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_vertices_that_are_no_numbers_go_with_their_faces(value):
+def test_nonfinite_vertices_are_dropped_with_their_faces(value):
     vertices = np.append(V, [[0, value, 0], [value] * 3], axis=0)
     faces = [[0, 1, 4], *FACES[:2].tolist(), [4, 4, 4], *FACES[2:].tolist()]
     mesh, source, findings = clean_mesh(mesh_of(vertices, faces))
@@ -82,16 +82,16 @@ def test_vertices_that_are_no_numbers_go_with_their_faces(value):
     assert findings == MeshFindings(vertices=6, faces=6, nonfinite_vertices=2, nonfinite_faces=2)
 
 
-def test_vertices_that_only_dropped_faces_use_go_too():
+def test_vertices_used_only_by_dropped_faces_are_dropped_too():
     vertices = np.append(V, [[7, 7, 7], [np.nan] * 3, [8, 8, 8]], axis=0)
     mesh, source, findings = clean_mesh(mesh_of(vertices, [[4, 5, 0], [6, 6, 0], *FACES.tolist()]))
     assert np.array_equal(mesh.vertices, V)
     assert np.array_equal(source, [2, 3, 4, 5])
-    # they are named by a face, if only by one without use
+    # not counted as unreferenced: a face did reference them, if only a useless one
     assert findings == MeshFindings(vertices=7, faces=6, nonfinite_vertices=1, nonfinite_faces=1, degenerate_faces=1)
 
 
-def test_unreferenced_vertices_go_and_have_no_say_in_the_size():
+def test_unreferenced_vertices_are_dropped_and_do_not_affect_the_size():
     vertices = np.concatenate([[[1e200, 0, 0]], V, [[0, 0, 0], [np.nan] * 3]])
     mesh, _, findings = clean_mesh(mesh_of(vertices, FACES + 1))
     assert np.array_equal(mesh.vertices, V)
@@ -111,7 +111,7 @@ def test_unreferenced_vertices_go_and_have_no_say_in_the_size():
         [[3, 3, 3]] * 3,
     ],
 )
-def test_faces_without_area_go_at_every_scale(scale, thin):
+def test_faces_without_area_are_dropped_at_every_scale(scale, thin):
     vertices = np.concatenate([V, thin]) * scale
     mesh, source, findings = clean_mesh(mesh_of(vertices, [*FACES[:3].tolist(), [4, 5, 6], FACES[3].tolist()]))
     assert findings.degenerate_faces == 1
@@ -132,7 +132,7 @@ def test_slivers_and_small_faces_stay_and_have_normals(scale):
     assert 0 < mean_edge_length(mesh) < 4 * scale
 
 
-def test_a_mesh_far_from_the_origin():
+def test_a_mesh_far_from_the_origin_keeps_its_faces():
     mesh, _, findings = clean_mesh(soup(V + 4e6))
     assert findings.welded_vertices == 8
     assert len(mesh.faces) == 4
@@ -145,22 +145,22 @@ def test_a_mesh_far_from_the_origin():
         (np.zeros((0, 3)), [], r"a\.obj: holds 0 points and no faces; a surface is needed$"),
         (V * np.nan, FACES, r"a\.obj: every face has a vertex that is NaN or infinite; export it again$"),
         (np.append(V[:3], [[np.inf] * 3], axis=0), [[0, 1, 3]], r"every face has a vertex that is NaN or infinite"),
-        (V * 0 + 3, FACES, r"a\.obj: all vertices lie in one point; a surface is needed$"),
-        (V, [[1, 1, 1]], r"a\.obj: all vertices lie in one point; a surface is needed$"),
-        (V, [[0, 1, 1], [2, 2, 3]], r"a\.obj: none of its 2 faces has an area; export it again$"),
-        (V * [1, 0, 0], FACES, r"a\.obj: none of its 4 faces has an area; export it again$"),
-        (V * 1e40, FACES, r"a\.obj: is 3e\+40 units large; scale it to a size that can be made$"),
-        (np.where(V > 0, 1e308, -1e308), FACES, r"a\.obj: is inf units large; scale it to a size that can be made$"),
-        (V * 1e-40, FACES, r"a\.obj: is 3e-40 units large; scale it to a size that can be made$"),
-        (V * 1e-320, FACES, r"a\.obj: is .*e-320 units large; scale it to a size that can be made$"),
+        (V * 0 + 3, FACES, r"a\.obj: all vertices are at one point; a surface is needed$"),
+        (V, [[1, 1, 1]], r"a\.obj: all vertices are at one point; a surface is needed$"),
+        (V, [[0, 1, 1], [2, 2, 3]], r"a\.obj: no face has an area \(faces: 2\); export it again$"),
+        (V * [1, 0, 0], FACES, r"a\.obj: no face has an area \(faces: 4\); export it again$"),
+        (V * 1e40, FACES, r"a\.obj: is 3e\+40 units large; scale it to a realistic size$"),
+        (np.where(V > 0, 1e308, -1e308), FACES, r"a\.obj: is inf units large; scale it to a realistic size$"),
+        (V * 1e-40, FACES, r"a\.obj: is 3e-40 units large; scale it to a realistic size$"),
+        (V * 1e-320, FACES, r"a\.obj: is .*e-320 units large; scale it to a realistic size$"),
     ],
 )
-def test_meshes_beyond_help(vertices, faces, message):
+def test_meshes_that_cannot_be_cleaned_are_refused(vertices, faces, message):
     with pytest.raises(InputError, match=message):
         clean_mesh(mesh_of(vertices, faces, name="a.obj"))
 
 
-def test_the_given_mesh_is_left_alone():
+def test_the_given_mesh_is_not_changed():
     given = soup()
     before = given.vertices.copy(), given.faces.copy()
     mesh, _, _ = clean_mesh(given)

@@ -1,6 +1,7 @@
-"""The bake command: what it writes and says, the camera's flags, and that the relief command takes what it wrote."""
+"""The bake command: its files and output, the camera flags, and reliefs made from its maps."""
 
 import json
+import sys
 
 import cv2
 import numpy as np
@@ -22,7 +23,7 @@ def mesh(tmp_path):
 
 @pytest.fixture
 def bake(run, mesh, tmp_path):
-    """``bake(*words, out="m")``: the result of a bake of the plate, which must go well."""
+    """``bake(*words, out="m")`` bakes the plate, which must succeed, and returns the result."""
 
     def call(*words, out="m", given=mesh):
         done = run("bake", given, "-o", tmp_path / out, *quickly(*words))
@@ -41,7 +42,7 @@ def parts_of(path):
 
 
 @pytest.mark.parametrize("kind", ["exr", "png"])
-def test_a_folder_of_files(bake, tree, mesh, tmp_path, kind):
+def test_bake_writes_a_folder_of_files(bake, tree, mesh, tmp_path, kind):
     words = ("--format", kind, "--depth", "--faces", "--plot", tmp_path / "p.png", "--report", tmp_path / "r.json")
     done = bake(*words)
     files = [f"{name}.{kind}" for name in (*MAPS, "depth", "faces")] + ["sheet.png"]
@@ -54,14 +55,14 @@ def test_a_folder_of_files(bake, tree, mesh, tmp_path, kind):
     assert "rendered by numpy" in done.err
 
 
-def test_one_file_of_parts(bake, tree, tmp_path):
+def test_bake_writes_one_file_with_parts(bake, tree, tmp_path):
     bake("--depth", "--faces", out="m.exr")
     assert sorted(tree()) == ["m.exr", "m_sheet.png", "plate.obj"]
     assert parts_of(tmp_path / "m.exr") == [*MAPS, "depth", "faces"]
     assert nm.read_normal_map(f"{tmp_path / 'm.exr'}:detail").frame.pitch_mm == pytest.approx(PITCH)
 
 
-def test_several_views(bake, tree, tmp_path):
+def test_several_views_get_a_folder_each(bake, tree, tmp_path):
     done = bake("--view", "Front, left", "--format", "png")
     wanted = [f"m/{view}/{name}.png" for view in ("front", "left") for name in MAPS]
     assert sorted(tree()) == sorted(["m", "m/front", "m/left", "m/sheet.png", "plate.obj", *wanted])
@@ -76,7 +77,7 @@ def test_several_views(bake, tree, tmp_path):
 
 
 @pytest.mark.parametrize("words", [("--json",), ("--report", "-"), ("--json", "--report", "-")])
-def test_json_on_standard_output(bake, mesh, tmp_path, words):
+def test_bake_writes_json_to_standard_output(bake, mesh, tmp_path, words):
     done = bake(*words, "--view", "front,iso", "-q")
     assert done.err == ""
     found = json.loads(done.out)
@@ -87,9 +88,9 @@ def test_json_on_standard_output(bake, mesh, tmp_path, words):
     assert [layers["view"] for layers in found["layers"]] == ["front", "iso"]
 
 
-def test_the_report_tells_how_layers_were_made(bake, tmp_path):
+def test_the_report_states_how_layers_were_made(bake, tmp_path):
     bake("--report", tmp_path / "r.json", "--fov", "30", "--filter", "grnf", "--sigma-s", "2%")
-    (found,) = json.loads((tmp_path / "r.json").read_text())["layers"]
+    (found,) = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["layers"]
     mixture = found["mixture"]
     bins = mixture["histogram"]["density"]
     assert len(bins) == 100
@@ -108,21 +109,21 @@ def test_the_report_tells_how_layers_were_made(bake, tmp_path):
     assert (found["options"]["sigma_s"], found["options"]["filter"], found["options"]["fov"]) == ("2%", "grnf", 30)
 
 
-def test_what_was_dropped_is_told(run, tmp_path):
+def test_dropped_faces_are_reported(run, tmp_path):
     vertices, faces = plate(4)
     vertices = np.append(vertices, [[np.nan] * 3, [5, 5, 5]], axis=0)
     (tmp_path / "odd.ply").write_bytes(ply(vertices, [*faces, [0, 0, 1], [0, 1, 25]], "ascii"))
     done = run("bake", tmp_path / "odd.ply", "-o", tmp_path / "m", *QUICK)
     assert done.code == 0
-    assert "27 vertices, 34 faces; 1 faces without area, 1 faces with NaN, 1 unused vertices" in done.err
+    assert "27 vertices, 34 faces; 1 face without area, 1 face with NaN, 1 vertex unused" in done.err
     assert "nmap: warning: " in done.err
     assert run("bake", tmp_path / "odd.ply", "-o", tmp_path / "n", *QUICK, "-q").err == ""
 
 
-def test_outputs_that_exist_are_replaced_when_told(bake, tree, tmp_path):
+def test_existing_outputs_are_replaced_only_with_overwrite(bake, tree, tmp_path):
     bake("--depth")
-    (tmp_path / "m" / "mine.txt").write_text("mine")
-    (tmp_path / "m" / "base.exr").write_text("old")
+    (tmp_path / "m" / "mine.txt").write_text("mine", encoding="utf-8")
+    (tmp_path / "m" / "base.exr").write_text("old", encoding="utf-8")
     before = tree()
     bake("--overwrite", "--sigma-s", "5")
     after = tree()
@@ -136,7 +137,7 @@ def extents(path):
 
 
 @pytest.mark.parametrize("form", ["exr", "png", "parts"])
-def test_the_relief_command_takes_what_bake_wrote(bake, run, tmp_path, form):
+def test_the_relief_command_reads_the_baked_maps(bake, run, tmp_path, form):
     if form == "parts":
         bake(out="m.exr")
         original, base, detail = (f"{tmp_path / 'm.exr'}:{name}" for name in MAPS[:3])
@@ -170,7 +171,7 @@ def maps_at(folder):
         (("--unit", "mm"), PITCH, "(as given)"),
     ],
 )
-def test_sizes_change_the_pitch_only(bake, tmp_path, words, pitch, told):
+def test_the_physical_size_changes_only_the_pitch(bake, tmp_path, words, pitch, told):
     bake("--depth", out="a")
     done = bake(*words, "--depth", out="b")
     assert told in done.err
@@ -182,20 +183,20 @@ def test_sizes_change_the_pitch_only(bake, tmp_path, words, pitch, told):
     assert depths[1] / depths[0] == pytest.approx(pitch / (PITCH), rel=1e-5)
 
 
-def test_a_pitch_shows_a_part_at_that_scale(bake, tmp_path):
+def test_a_pitch_renders_a_part_at_that_scale(bake, tmp_path):
     bake("--pitch", "0.1mm", "--target", "0,0,0")
     found = maps_at(tmp_path / "m")[0]
     assert found.frame.pitch_mm == 0.1
     assert found.foreground.all()
 
 
-def test_z_up(bake, run, tmp_path):
+def test_up_z_renders_a_z_up_mesh_like_its_y_up_twin(bake, run, tmp_path):
     vertices, faces = plate()
     turned = vertices @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # (x, y, z) to (x, -z, y)
     (tmp_path / "z.obj").write_bytes(obj(turned, faces))
     bake(out="y")
     bake("--up", "z", out="z", given=tmp_path / "z.obj")
-    # the filter's bins lie along the axes
+    # the filter's bins follow the mesh axes
     for one, other, within in zip(maps_at(tmp_path / "y"), maps_at(tmp_path / "z"), (0, 0.02, 0.02), strict=True):
         assert np.abs(one.normals - other.normals).max() <= within
 
@@ -204,11 +205,11 @@ def test_z_up(bake, run, tmp_path):
     ("size", "told"),
     [("3", "3 edges = "), ("2%", "2% = 0.9 px"), ("1.5mm", "1.5mm = 3.5 px"), ("0.15cm", "0.15cm = 3.5 px")],
 )
-def test_sizes_of_detail(bake, tmp_path, size, told):
+def test_sigma_s_is_reported_in_every_unit(bake, tmp_path, size, told):
     assert told in bake("--sigma-s", size).err
 
 
-def test_negative_values_need_no_equals_sign(bake, tmp_path):
+def test_negative_values_do_not_need_an_equals_sign(bake, tmp_path):
     words = ("--azimuth", "-30", "--elevation", "-10", "--roll", "-5", "--target", "-1,2,3")
     bake(*words, out="a")
     joined = [f"{flag}={value}" for flag, value in zip(words[::2], words[1::2], strict=True)]
@@ -226,7 +227,7 @@ def test_renderers_agree(bake, run, mesh, tmp_path):
     words = ("--view", "iso", "--supersample", "1", "--size", "240x200", "--faces")
     bake(*words, out="a")
     done = run("bake", mesh, "-o", tmp_path / "b", *quickly(*words, "--renderer", "egl"))
-    if done.code == 6:
+    if done.code == 6 and sys.platform != "linux":
         pytest.skip("no EGL on this machine")
     assert "rendered by egl" in done.err
     a, b = (nm.read_raster(tmp_path / name / "faces.exr").pixels[..., 0] for name in "ab")
@@ -237,7 +238,7 @@ def test_renderers_agree(bake, run, mesh, tmp_path):
 
 @pytest.mark.parametrize("words", [("--sigma-r", "0.01"), ("--sigma-r", "0.1"), ("--neighborhood", "ring")])
 @pytest.mark.parametrize("scale", [1e-20, 1.0, 1e20])
-def test_numbers_stay_numbers(run, tmp_path, words, scale):
+def test_results_stay_finite_at_every_scale(run, tmp_path, words, scale):
     box = trimesh.creation.box().subdivide().subdivide().subdivide()
     vertices = box.vertices * (1 + 0.01 * np.sin(50 * box.vertices[:, :1]))
     (tmp_path / "box.ply").write_bytes(ply(vertices * scale, box.faces, "ascii"))
@@ -248,10 +249,10 @@ def test_numbers_stay_numbers(run, tmp_path, words, scale):
         assert 0.2 < found.foreground.mean() < 0.9
     base = maps_at(tmp_path / "m")[1]
     middle = base.normals[25, [20, 40]]
-    assert (middle[0] * middle[1]).sum() < 0.7  # the edge between two sides stays
+    assert (middle[0] * middle[1]).sum() < 0.7  # the edge between two sides is kept
 
 
-def test_a_perspective_camera_does_not_stand_in_a_spike(run, tmp_path):
+def test_a_perspective_camera_stays_outside_a_spike(run, tmp_path):
     spike = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0, 0, 9]])
     (tmp_path / "spike.obj").write_bytes(obj(spike, [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]))
     done = run("bake", tmp_path / "spike.obj", "-o", tmp_path / "m", *QUICK, "--fov", "90", "--depth")
@@ -261,7 +262,7 @@ def test_a_perspective_camera_does_not_stand_in_a_spike(run, tmp_path):
 
 
 @pytest.mark.parametrize("size", ["1x1", "3x1", "1x400", "900x2"])
-def test_odd_sizes(bake, tmp_path, size):
+def test_tiny_and_elongated_images_are_rendered(bake, tmp_path, size):
     bake("--size", size, "--margin", "0.2px", "--supersample", "4", "--depth", "--faces")
     cols, rows = map(int, size.split("x"))
     found = maps_at(tmp_path / "m")[0]

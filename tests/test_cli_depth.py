@@ -1,4 +1,4 @@
-"""nmap compose depth: a picture in, a map, its jumps and an account out."""
+"""``nmap compose depth``: reads a depth image and writes a map, its jumps and a report."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def depth_png(tmp_path: Path, png: Any) -> Path:
     return png(tmp_path / "depth.png", np.floor(scene.heights / 60 * 65535).astype(np.uint16))
 
 
-def test_everything_is_written_and_said(run: Any, tmp_path: Path, depth_png: Path) -> None:
+def test_map_jumps_curl_and_report_are_written(run: Any, tmp_path: Path, depth_png: Path) -> None:
     out, jumps, curl, report = (tmp_path / name for name in ("map.exr", "jumps.png", "curl.png", "report.json"))
     words = ("--jumps-out", jumps, "--curl", curl, "--report", report, "--depth-scale", "60px", "--width", "48mm")
     done = run("compose", "depth", depth_png, "-o", out, *words)
@@ -40,20 +40,20 @@ def test_everything_is_written_and_said(run: Any, tmp_path: Path, depth_png: Pat
     assert picture.attributes["kind"] == "jumps"
     white = float(picture.attributes["white"])
     np.testing.assert_allclose(picture.pixels[..., 0] / 65535 * white, expected.jumps, atol=white / 65535)
-    metadata = json.loads(report.read_text())
+    metadata = json.loads(report.read_text(encoding="utf-8"))
     assert metadata["files"] == {"image": str(depth_png), "mask": None}
     assert metadata["jumps"] == np.count_nonzero(expected.jumps)
     assert metadata["options"]["depth_scale"] == "60px"
     assert json.loads(nm.read_raster(out).attributes["recipe"])["command"] == "depth"
 
 
-def test_an_assumed_depth_is_told(run: Any, tmp_path: Path, depth_png: Path) -> None:
+def test_an_assumed_depth_is_reported(run: Any, tmp_path: Path, depth_png: Path) -> None:
     done = run("compose", "depth", depth_png, "-o", tmp_path / "map.png")
     assert "no depth scale given: white at 10% of the width above black is assumed" in done.err
     assert run("compose", "depth", depth_png, "-o", tmp_path / "map.png", "-q", "--overwrite").err == ""
 
 
-def test_standard_input(run: Any, tmp_path: Path, depth_png: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_depth_reads_standard_input(run: Any, tmp_path: Path, depth_png: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(depth_png.read_bytes())))
     done = run("compose", "depth", "-", "-o", tmp_path / "map.exr", "--jump", "none")
     assert done.code == 0, done.err
@@ -61,7 +61,7 @@ def test_standard_input(run: Any, tmp_path: Path, depth_png: Path, monkeypatch: 
     assert "jumps: not searched for" in done.err
 
 
-def test_words_and_heights(run: Any, tmp_path: Path, depth_png: Path) -> None:
+def test_options_take_effect(run: Any, tmp_path: Path, depth_png: Path) -> None:
     words = ("--jump", "4px", "--smooth", "0.5px", "--background", "flat", "--json")
     done = run("compose", "depth", depth_png, "-o", tmp_path / "map.exr", *words)
     metadata = json.loads(done.out)
@@ -71,7 +71,7 @@ def test_words_and_heights(run: Any, tmp_path: Path, depth_png: Path) -> None:
     assert nm.read_normal_map(tmp_path / "motif.exr").coverage.min() == 0
 
 
-def test_a_mask(run: Any, tmp_path: Path, depth_png: Path, png: Any) -> None:
+def test_a_mask_sets_the_coverage(run: Any, tmp_path: Path, depth_png: Path, png: Any) -> None:
     left = np.zeros((96, 96), np.uint8)
     left[:, :48] = 255
     mask = png(tmp_path / "mask.png", left)
@@ -88,23 +88,25 @@ def test_a_mask(run: Any, tmp_path: Path, depth_png: Path, png: Any) -> None:
         (("-o", "map.exr", "--jumps-out", "j.exr"), 2, "the jumps picture is written as .png"),
         (("-o", "map.exr", "--jump", "x"), 2, "--jump x: use auto, none or a height, such as 2px"),
         (("-o", "map.exr", "--smooth", "-1px"), 2, "--smooth=-1px: use auto, none or a height"),
-        (("-o", "map.exr", "--depth-scale", "5mm"), 2, "does not say how large a pixel is"),
+        (("-o", "map.exr", "--depth-scale", "5mm"), 2, "is unknown; give px or %, or the --width of the picture"),
         (("-o", "map.exr", "--fov", "200"), 2, "--fov 200: must lie between"),
         (("-o", "map.exr", "--mask", "none.png"), 3, "none.png: no such file"),
         (("-o", "map.exr", "--max-megapixels", "0.001"), 4, "megapixels"),
     ],
 )
-def test_refusals(
+def test_wrong_arguments_are_refused(
     refused: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, depth_png: Path, words: Any, code: int, pattern: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
     refused(code, pattern, "compose", "depth", depth_png, *words)
 
 
-def test_inputs_that_are_no_depth(refused: Any, tmp_path: Path, maps: dict[str, Path]) -> None:
+def test_inputs_that_are_not_depth_images_are_refused(refused: Any, tmp_path: Path, maps: dict[str, Path]) -> None:
     out = tmp_path / "out.exr"
-    refused(3, "is a colour picture; a depth or height picture is grey", "compose", "depth", maps["clean"], "-o", out)
+    refused(
+        3, "is a colour picture, but depth and height pictures are grey", "compose", "depth", maps["clean"], "-o", out
+    )
     refused(3, "is not a picture", "compose", "depth", maps["text"], "-o", out)
-    refused(3, "cut short or damaged", "compose", "depth", maps["cut"], "-o", out)
+    refused(3, "truncated or damaged", "compose", "depth", maps["cut"], "-o", out)
     refused(3, "no such file", "compose", "depth", maps["missing"], "-o", out)
     refused(5, "exists", "compose", "depth", maps["one"], "-o", maps["clean"])

@@ -1,4 +1,4 @@
-"""The relief command on inputs that come in sets: layers, detail, curved backgrounds, masks; and what it tells."""
+"""The relief command with layers, detail, curved backgrounds and masks, and what it reports."""
 
 import json
 
@@ -22,7 +22,7 @@ def codes_of(z, green):
 
 
 @pytest.mark.parametrize("green", [1, -1])
-def test_a_curved_background_is_read_like_the_map_that_lies_on_it(run, tmp_path, png, green):
+def test_a_curved_background_is_read_like_the_map_on_it(run, tmp_path, png, green):
     row, col = np.mgrid[0:97, 0:97]
     roll = rolled()
     bumps = 0.4 * np.cos(col / 2 + row / 3) * np.cos(row / 2 - col / 5) * (np.hypot(row - 48, col - 48) < 30)
@@ -38,13 +38,13 @@ def test_a_curved_background_is_read_like_the_map_that_lies_on_it(run, tmp_path,
     outside = np.hypot(*(np.mgrid[0:96, 0:96] - 47.5)) > 34
     off = (z - expected)[outside]
     assert np.ptp(off) < 0.02 * np.ptp(roll)
-    report = json.loads((tmp_path / "r.json").read_text())
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert report["files"] == {"original": str(motif), "mask": str(mask), "surface": str(ground)}
     assert {each["green"] for each in report["inputs"]} == {"up" if green > 0 else "down"}
     assert report["reading"]["max_megapixels"] == 270
 
 
-def test_a_layer_is_that_of_the_map_not_of_its_detail(run, tmp_path, picture, png):
+def test_layer_selects_in_the_map_not_in_its_detail(run, tmp_path, picture, png):
     original = codes_of(rolled(), 1).astype(np.float32) / 65535 * 2 - 1
     layers = np.dstack([original * 0 + np.array([0, 0, 1]), original]).astype(np.float32)
     names = ("base.X", "base.Y", "base.Z", "top.X", "top.Y", "top.Z")
@@ -58,7 +58,7 @@ def test_a_layer_is_that_of_the_map_not_of_its_detail(run, tmp_path, picture, pn
     assert [each["name"][-12:] for each in json.loads(done.out)["inputs"]] == ["maps.exr:top", "aps.exr:base"]
 
 
-def test_what_was_fitted_is_told(run, tmp_path, clean_map):
+def test_the_fitted_value_is_reported(run, tmp_path, clean_map):
     done = run("relief", clean_map, "--height", "15mm", "--fit", "delta", "--json")
     report = json.loads(done.out)
     assert report["height_range_mm"] == pytest.approx(15, abs=1e-6)
@@ -67,7 +67,7 @@ def test_what_was_fitted_is_told(run, tmp_path, clean_map):
     assert f"slopes times {json.loads(done.out)['scale']:.3g}" in done.err
 
 
-def test_the_recipe_travels_in_the_picture(run, tmp_path, clean_map):
+def test_the_image_holds_its_recipe(run, tmp_path, clean_map):
     assert run("relief", clean_map, "-o", tmp_path / "h.exr", "--beta", "0.01", "--swizzle=r,g,b").code == 0
     own = nm.read_raster(tmp_path / "h.exr").attributes
     assert json.loads(own["options"])["beta"] == 0.01
@@ -75,7 +75,7 @@ def test_the_recipe_travels_in_the_picture(run, tmp_path, clean_map):
     assert json.loads(own["files"]) == {"original": str(clean_map)}
 
 
-def test_a_height_png_says_what_its_codes_mean(run, tmp_path, clean_map):
+def test_a_height_png_states_what_its_codes_mean(run, tmp_path, clean_map):
     done = run("relief", clean_map, "-o", tmp_path / "h.png", "--height", "5mm")
     own = nm.read_raster(tmp_path / "h.png").attributes
     low, high = float(own["height_min_mm"]), float(own["height_max_mm"])
@@ -91,16 +91,16 @@ def test_an_output_that_is_an_input_is_refused(run, clean_map):
     assert clean_map.read_bytes() == before
 
 
-def test_streams_are_for_reports_only(run, clean_map):
+def test_only_reports_go_to_standard_output(run, clean_map):
     done = run("relief", clean_map, "-o", "-")
     assert done.code == 2
     assert "a relief or a preview is written to a file" in done.err
 
 
-def test_the_account_tells_the_solve_and_what_it_took(run, tmp_path, clean_map):
+def test_the_report_states_iterations_memory_and_times(run, tmp_path, clean_map):
     done = run("relief", clean_map, "-o", tmp_path / "z.npy", "--report", tmp_path / "r.json", "--json", "-v")
     report = json.loads(done.out)
-    assert report == json.loads((tmp_path / "r.json").read_text())
+    assert report == json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert report["solver"] == "multigrid"
     assert report["planned_bytes"] > 57 * 97 * 97
     assert report["iterations"] == len(report["history"]) > 1
@@ -113,7 +113,7 @@ def test_the_account_tells_the_solve_and_what_it_took(run, tmp_path, clean_map):
         assert words in done.err
 
 
-def test_a_memory_limit_is_kept(run, refused, tmp_path, clean_map):
+def test_a_memory_limit_is_respected(run, refused, tmp_path, clean_map):
     refused(4, r"96 x 96 px: the multigrid solver needs about \d+MB of memory, --memory-limit allows 1MB",
             "relief", clean_map, "-o", tmp_path / "z.npy", "--memory-limit", "1MB")  # fmt: skip
     assert run("relief", clean_map, "-o", tmp_path / "z.npy", "--memory-limit", "1GB").code == 0

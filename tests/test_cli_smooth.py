@@ -1,4 +1,4 @@
-"""The smooth and compare commands: what they write and say, units, and everything that can go wrong."""
+"""The smooth and compare commands: files, output, units and failures."""
 
 import json
 
@@ -18,14 +18,14 @@ QUICK = ("--size", "60x50", "--renderer", "numpy")
 
 @pytest.fixture
 def place(tmp_path, monkeypatch):
-    """A folder with a plate and a file, which is where commands run."""
+    """The working folder of the commands, with a plate and a file."""
     monkeypatch.chdir(tmp_path)
     write_plate(tmp_path / "plate.obj")
-    (tmp_path / "file.stl").write_text("precious")
+    (tmp_path / "file.stl").write_text("precious", encoding="utf-8")
     return tmp_path
 
 
-def test_every_ending_and_the_report(run, place, tree):
+def test_smooth_writes_every_format_and_the_report(run, place, tree):
     done = run(
         "smooth",
         "plate.obj",
@@ -41,7 +41,7 @@ def test_every_ending_and_the_report(run, place, tree):
     assert "mm outwards on average" in done.err
     assert "  wrote m.stl (coordinates as in the input)\n" in done.err
     assert "  wrote m.glb (in metres, input coordinates taken as mm)\n" in done.err
-    found = json.loads((place / "r.json").read_text())
+    found = json.loads((place / "r.json").read_text(encoding="utf-8"))
     assert found["files"] == {"mesh": "plate.obj"}
     assert found["outputs"] == ["m.stl", "m.ply", "m.obj", "m.glb", "r.json"]
     assert (found["mm_per_unit"], found["unit_from"], found["detail_gain"]) == (1, "assumed", 0)
@@ -65,17 +65,17 @@ def test_known_units_become_millimetres(run, place):
     assert trimesh.load(place / "m.ply").extents[0] == pytest.approx(200)
     assert trimesh.load(place / "m.glb", force="mesh").extents[0] == pytest.approx(0.2)
     assert json.loads(done.out)["mm_per_unit"] == 10
-    # and read back they are as large as they were
+    # and read back, they have their original size
     assert np.ptp(nm.read_mesh(place / "m.glb").vertices_mm, axis=0)[0] == pytest.approx(200)
 
 
-def test_a_tiny_mesh_keeps_its_form_as_obj(tmp_path):
+def test_a_tiny_mesh_keeps_its_shape_as_obj(tmp_path):
     tiny = nm.Mesh(VERTICES.astype(float) * 1e-9, FACES)
     nm.write_mesh(tiny, tmp_path / "t.obj")
     np.testing.assert_allclose(nm.read_mesh(tmp_path / "t.obj").vertices, tiny.vertices, rtol=1e-6)
 
 
-def test_a_closed_mesh_tells_its_volume(run, place):
+def test_the_volume_of_a_closed_mesh_is_reported(run, place):
     (place / "solid.obj").write_bytes(obj())
     done = run("smooth", "solid.obj", "-o", "m.stl", "-v", "--steps", "3")
     assert done.code == 0
@@ -84,13 +84,13 @@ def test_a_closed_mesh_tells_its_volume(run, place):
     assert "  seconds clean " in done.err
 
 
-def test_warnings_are_said(run, place):
+def test_warnings_are_printed(run, place):
     (place / "twice.obj").write_bytes(obj(VERTICES, [*FACES, FACES[0]]))
     done = run("smooth", "twice.obj", "-o", "m.stl")
-    assert "nmap: warning: twice.obj: 1 faces without area, with NaN or twice there were dropped\n" in done.err
+    assert "nmap: warning: twice.obj: dropped 1 face (without area, with NaN, or duplicate)\n" in done.err
 
 
-def test_minus_signs_are_values(run, place):
+def test_values_may_begin_with_a_minus_sign(run, place):
     assert run("smooth", "plate.obj", "-o", "m.stl", "--detail-gain", "-0.5", "-q").code == 0
 
 
@@ -115,25 +115,25 @@ BAD_WORDS = [
 
 
 @bad_words(BAD_WORDS)
-def test_words_that_cannot_be_meant(refused, place, words, pattern):
+def test_wrong_arguments_are_refused(refused, place, words, pattern):
     refused(USAGE, pattern, "smooth", "plate.obj", "-o", "n.stl", *words)
 
 
-def test_inputs_and_outputs_that_cannot_be(refused, place):
+def test_impossible_inputs_and_outputs_are_refused(refused, place):
     refused(USAGE, r"no output given: add one, such as -o smooth\.stl", "smooth", "plate.obj")
     refused(USAGE, r"-: a mesh is read from a file", "smooth", "-", "-o", "m.stl")
     refused(INPUT, r"none\.obj: no such file|none\.obj", "smooth", "none.obj", "-o", "m.stl")
     refused(
-        OUTPUT, r"file\.stl: exists already; give another name, or --overwrite", "smooth", "plate.obj", "-o", "file.stl"
+        OUTPUT, r"file\.stl: already exists; give another name, or --overwrite", "smooth", "plate.obj", "-o", "file.stl"
     )
     refused(OUTPUT, r"deep/m\.stl: the folder deep does not exist", "smooth", "plate.obj", "-o", "deep/m.stl")
     (place / "flat.obj").write_bytes(obj(VERTICES, [[0, 0, 1]]))
-    refused(INPUT, r"flat\.obj: none of its 1 faces has an area", "smooth", "flat.obj", "-o", "m.stl")
+    refused(INPUT, r"flat\.obj: no face has an area \(faces: 1\)", "smooth", "flat.obj", "-o", "m.stl")
 
 
 def test_a_full_disk_leaves_nothing(refused, place, monkeypatch):
     def full(mesh, path):
-        path.write_text("half")
+        path.write_text("half", encoding="utf-8")
         raise OutputError(f"{path}: cannot be written (No space left on device)")
 
     monkeypatch.setattr("nmaptool.io.meshes.writer.write_mesh", full)
@@ -150,12 +150,12 @@ def test_ctrl_c_leaves_nothing(refused, place, monkeypatch, where):
     refused(130, "interrupted; nothing was written", "smooth", "plate.obj", "-o", "m.stl", "-q")
 
 
-def test_compare_writes_a_figure_and_says_the_verdict(run, place, tree):
+def test_compare_writes_a_figure_and_prints_the_verdict(run, place, tree):
     done = run("compare", "plate.obj", "-o", "f.png", "--report", "f.json", "-v", *QUICK)
     assert (done.code, done.out) == (0, "")
     assert {"f.png", "f.json"} < set(tree())
     stated = [line for line in done.err.splitlines() if line.startswith("  the paper's claim ")]
-    found = json.loads((place / "f.json").read_text())
+    found = json.loads((place / "f.json").read_text(encoding="utf-8"))
     assert stated == [f"  the paper's claim {verdict['summary']}" for verdict in found["verdicts"]]
     assert len(stated) == 3
     assert "  gsfg-gradient, 20 steps, closeness 0.01: normals " in done.err
@@ -163,7 +163,7 @@ def test_compare_writes_a_figure_and_says_the_verdict(run, place, tree):
     assert found["unit_from"] == "assumed"
 
 
-def test_compare_to_standard_output(run, place):
+def test_compare_writes_json_to_standard_output(run, place):
     done = run("compare", "plate.obj", "--json", "-q", "--scheme", "gsfg", *QUICK)
     assert done.err == ""
     assert json.loads(done.out)["contenders"]["gsfg"]["options"]["scheme"] == "gsfg"
@@ -176,11 +176,11 @@ def test_compare_to_standard_output(run, place):
         ("-o -", r"-: a figure is written to a file, such as -o figure\.png"),
         ("", r"no output given: add one, such as -o figure\.png"),
         ("-o f.png --report r.txt", r"r\.txt: a report is written as \.json"),
-        ("-o f.png --scheme poisson", r"--scheme poisson: is what gSfG is compared with"),
+        ("-o f.png --scheme poisson", r"--scheme poisson: Poisson is always compared; choose"),
         ("-o f.png --view up", r"--view up: use one of front, back"),
         ("-o f.png --size 3", r"--size 3: expected columns x rows"),
     ],
 )
-def test_compare_refuses(refused, place, words, pattern):
+def test_compare_refuses_wrong_arguments(refused, place, words, pattern):
     refused(USAGE, pattern, "compare", "plate.obj", *words.split())
     refused(USAGE, r"-: a mesh is read from a file", "compare", "-", "-o", "f.png")

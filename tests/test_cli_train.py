@@ -1,4 +1,4 @@
-"""The train command, and a filter of one's own in bake, smooth and compare."""
+"""The train command, and trained filters in bake, smooth and compare."""
 
 import json
 
@@ -14,7 +14,7 @@ QUICK = ("--stages", "2", "--clusters", "2", "--hidden", "3", "--steps", "6", "-
 
 @pytest.fixture
 def meshes(tmp_path):
-    """Two roofs."""
+    """Mesh files of two roofs."""
     paths = []
     for seed in (0, 1):
         mesh = hilly(seed)
@@ -25,13 +25,13 @@ def meshes(tmp_path):
 
 @pytest.fixture
 def trained(run, meshes, tmp_path):
-    """A filter of the two roofs."""
+    """A filter trained on the two roofs."""
     done = run("train", *meshes, *QUICK, "-o", tmp_path / "mine.npz")
     assert done.code == 0, done.err
     return tmp_path / "mine.npz"
 
 
-def test_a_filter_is_written_and_told_of(run, meshes, tree, tmp_path):
+def test_a_filter_is_written_and_reported(run, meshes, tree, tmp_path):
     words = ("--sigma-s", "2", "--sigma-s", "4%", "--report", tmp_path / "r.json", "--json")
     done = run("train", *meshes, *QUICK, *words, "-o", tmp_path / "f.npz")
     assert done.code == 0, done.err
@@ -40,7 +40,7 @@ def test_a_filter_is_written_and_told_of(run, meshes, tree, tmp_path):
     assert "mean angle to the targets" in done.err
     assert f"wrote {tmp_path / 'f.npz'}\n" in done.err
     metadata = json.loads(done.out)
-    assert metadata == json.loads((tmp_path / "r.json").read_text())
+    assert metadata == json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert metadata["filter"] == model.digest
     assert [mesh["sigma_s"] for mesh in metadata["meshes"]] == [2.0, "4%"]
     assert metadata["options"]["hidden"] == 3
@@ -48,13 +48,13 @@ def test_a_filter_is_written_and_told_of(run, meshes, tree, tmp_path):
     assert sorted(tree()) == ["f.npz", "r.json", "roof0.obj", "roof1.obj"]
 
 
-def test_the_command_is_the_function(run, meshes, trained):
+def test_the_command_gives_the_filter_of_the_function(run, meshes, trained):
     made = [nm.training_example(nm.read_mesh(path), nm.FilterOptions(filter="grnf")) for path in meshes]
     options = nm.TrainOptions(stages=2, clusters=2, hidden=3, steps=6, samples=800)
     assert nm.train(made, options).digest == nm.read_filter_model(trained).digest
 
 
-def test_an_interrupted_training_goes_on(run, meshes, trained, tree, tmp_path, monkeypatch):
+def test_an_interrupted_training_resumes(run, meshes, trained, tree, tmp_path, monkeypatch):
     from nmaptool.io.output.filter_models import TrainingFile
 
     keep, kept = TrainingFile.keep, []
@@ -79,14 +79,14 @@ def test_an_interrupted_training_goes_on(run, meshes, trained, tree, tmp_path, m
     assert (tmp_path / "f.npz").read_bytes() == trained.read_bytes()
 
 
-def test_a_state_of_other_options_is_refused(run, meshes, refused, tmp_path):
+def test_a_state_with_other_options_is_refused(run, meshes, refused, tmp_path):
     state = tmp_path / "state.npz"
     nm.write_training(nm.TrainingState("another"), state)
     words = ("-o", tmp_path / "f.npz", "--state", state)
-    refused(3, r"state\.npz: is of a training with other meshes or options", "train", *meshes, *QUICK, *words)
+    refused(3, r"state\.npz: belongs to a training with other meshes or options", "train", *meshes, *QUICK, *words)
 
 
-def test_bake_smooth_and_compare_take_a_filter(run, meshes, trained, tmp_path):
+def test_bake_smooth_and_compare_accept_a_trained_filter(run, meshes, trained, tmp_path):
     base = {}
     for name, more in (("own", ("--model", trained)), ("shipped", ())):
         out = tmp_path / name
@@ -108,19 +108,27 @@ def test_bake_smooth_and_compare_take_a_filter(run, meshes, trained, tmp_path):
     assert (tmp_path / "own.ply").read_bytes() != (tmp_path / "shipped.ply").read_bytes()
 
 
-def test_what_train_cannot_do(run, meshes, refused, trained, tmp_path):
+def test_train_refuses_wrong_arguments(run, meshes, refused, trained, tmp_path):
     out = ("-o", tmp_path / "f.npz")
-    (tmp_path / "text.npz").write_text("hello")
+    (tmp_path / "text.npz").write_text("hello", encoding="utf-8")
     refused(2, r"no meshes given: add one or more, such as a\.ply b\.ply", "train", *out)
     refused(2, r"no output given: add one, such as -o filter\.npz", "train", *meshes)
     refused(2, "-: a mesh is read from a file", "train", "-", *out)
     refused(
-        2, r"f\.bin: learned filters are kept in files that end in \.npz", "train", *meshes, "-o", tmp_path / "f.bin"
+        2, r"f\.bin: learned filters and trainings are written as \.npz", "train", *meshes, "-o", tmp_path / "f.bin"
     )
-    refused(2, r"s\.txt: learned filters are kept in files", "train", *meshes, *out, "--state", tmp_path / "s.txt")
+    refused(
+        2,
+        r"s\.txt: learned filters and trainings are written as \.npz",
+        "train",
+        *meshes,
+        *out,
+        "--state",
+        tmp_path / "s.txt",
+    )
     refused(2, r"f\.npz: is named twice as an output", "train", *meshes, *out, "--state", tmp_path / "f.npz")
-    refused(5, r"mine\.npz: exists already; give another name, or --overwrite", "train", *meshes, "-o", trained)
-    refused(3, r"text\.npz: cannot be used as a training that was begun: it is no \.npz file", "train", *meshes, *out,
+    refused(5, r"mine\.npz: already exists; give another name, or --overwrite", "train", *meshes, "-o", trained)
+    refused(3, r"text\.npz: cannot be used as an unfinished training: it is not a \.npz file", "train", *meshes, *out,
             "--state", tmp_path / "text.npz")  # fmt: skip
     three = [word for size in "345" for word in ("--sigma-s", size)]
     refused(
@@ -137,25 +145,25 @@ def test_what_train_cannot_do(run, meshes, refused, trained, tmp_path):
     refused(3, "missing.obj: no such file", "train", tmp_path / "missing.obj", *out)
 
 
-def test_what_a_filter_cannot_do(run, meshes, refused, trained, tmp_path):
+def test_arguments_that_a_learned_filter_cannot_take_are_refused(run, meshes, refused, trained, tmp_path):
     for command, out in (("bake", tmp_path / "m"), ("smooth", tmp_path / "s.stl"), ("compare", tmp_path / "c.png")):
         words = (command, meshes[0], "-o", out)
-        refused(2, "--model: belongs to --filter learned, not to rnf", *words, "--model", trained)
+        refused(2, "--model: only applies to --filter learned, found rnf", *words, "--model", trained)
         refused(2, "--sigma-r 0.3: a learned filter has no parameters; leave it out", *words, "--filter", "learned",
                 "--sigma-r", "0.3")  # fmt: skip
         words = (*words, "--filter", "learned", "--model")
-        refused(3, r"roof0\.obj: cannot be used as a learned filter: it is no \.npz file", *words, meshes[0])
+        refused(3, r"roof0\.obj: cannot be used as a learned filter: it is not a \.npz file", *words, meshes[0])
         missing = tmp_path / "missing.npz"
         refused(3, r"missing\.npz: cannot be used as a learned filter: it cannot be read", *words, missing)
 
 
-def test_too_few_faces(refused, tmp_path):
+def test_too_few_faces_are_refused(refused, tmp_path):
     mesh = examples()[0].mesh
     few = tmp_path / "few.obj"
     few.write_bytes(obj(mesh.vertices, mesh.faces[:300]))
     refused(
         3,
-        "300 faces in all: too few to learn from; give more meshes, or denser ones",
+        "the meshes have only 300 faces in total, but training needs at least 500; give more meshes, or denser ones",
         "train",
         few,
         "-o",

@@ -1,4 +1,4 @@
-"""Codes to normals and back: nothing is lost at the file's edge beyond half a code."""
+"""Codes to normals and back: files lose at most half a code."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def form(request):
 
 
 def random_normals(seed, rows=40, cols=50, lowest=-0.2):
-    """Random unit normals; no two pixels alike, so that nothing looks like a background."""
+    """Random unit normals; no two pixels are alike, so nothing looks like a background."""
     rng = np.random.default_rng(seed)
     vectors = rng.normal(size=(rows, cols, 3))
     vectors[..., 2] = np.abs(vectors[..., 2]) + lowest
@@ -51,7 +51,7 @@ def round_trip(path, normal_map, **how):
     return nm.read_normal_map(path)
 
 
-def test_stored_components_are_within_half_a_code(tmp_path, form):
+def test_stored_components_are_exact_within_half_a_code(tmp_path, form):
     ending, how, step = form
     normals = random_normals(1)
     path = tmp_path / f"map{ending}"
@@ -63,7 +63,7 @@ def test_stored_components_are_within_half_a_code(tmp_path, form):
     assert np.abs(stored - normals).max() <= step * (1 + 1e-6)
 
 
-def test_normals_come_back_within_half_a_code(tmp_path, form):
+def test_normals_read_back_are_exact_within_half_a_code(tmp_path, form):
     ending, how, step = form
     normals = random_normals(2)
     back = round_trip(tmp_path / f"map{ending}", as_map(normals), **how).normals
@@ -110,13 +110,13 @@ def test_partial_coverage_survives(tmp_path, form):
 
 
 @pytest.mark.parametrize("ending", [".png", ".exr"])
-def test_coverage_that_is_soft_everywhere_survives_in_a_file_of_our_own(tmp_path, ending):
+def test_coverage_that_is_soft_everywhere_survives_in_our_own_files(tmp_path, ending):
     coverage = np.linspace(0.1, 0.9, 2000).reshape(40, 50)
     back = round_trip(tmp_path / f"map{ending}", as_map(random_normals(5), coverage))
     assert np.abs(back.coverage - coverage).max() <= 1e-5
 
 
-def test_a_layer_with_partial_alpha_is_not_multiplied_by_it(tmp_path, form):
+def test_a_layer_is_not_multiplied_by_its_partial_alpha(tmp_path, form):
     ending, how, step = form
     coverage = np.ones((40, 50))
     coverage[::7] = 0.25
@@ -128,14 +128,14 @@ def test_a_layer_with_partial_alpha_is_not_multiplied_by_it(tmp_path, form):
     assert np.abs(stored - random_normals(6)).max() <= step * (1 + 1e-6)
 
 
-def test_pitch_and_convention_travel_in_the_file(tmp_path, form):
+def test_the_file_holds_pitch_and_convention(tmp_path, form):
     ending, how, _ = form
     back = round_trip(tmp_path / f"map{ending}", as_map(random_normals(7), pitch_mm=0.1234567), **how)
     assert back.frame.pitch_mm == 0.1234567
     assert (back.decoding.green, back.decoding.green_from) == ("up", "file")
 
 
-def test_written_png_carries_no_colour_management(tmp_path):
+def test_written_png_files_have_no_colour_management(tmp_path):
     nm.write_normal_map(as_map(random_normals(8)), tmp_path / "map.png")
     data = (tmp_path / "map.png").read_bytes()
     assert not [kind for kind in (b"sRGB", b"gAMA", b"cHRM", b"iCCP", b"cICP") if kind in data]
@@ -147,13 +147,13 @@ def test_encoding_rounds_and_clips():
     assert encode_codes(vectors, 16).tolist() == [[[32768, 0, 65535], [65535, 0, 32896]]]
 
 
-def test_bits_that_a_format_has_not_are_refused(tmp_path):
+def test_bit_depths_that_a_format_lacks_are_refused(tmp_path):
     for ending, bits, offered in (
         (".png", "float", "16 or 8"),
         (".exr", "8", "float or half"),
         (".tif", "half", "16 or 8"),
     ):
-        with pytest.raises(nm.UsageError, match=rf"`bits={bits!r}` is not offered for {ending}; use {offered}"):
+        with pytest.raises(nm.UsageError, match=rf"`bits={bits!r}` is not supported for {ending}; use {offered}"):
             nm.write_normal_map(as_map(random_normals(9)), tmp_path / f"map{ending}", nm.WriteOptions(bits=bits))
     with pytest.raises(nm.UsageError, match="`bits='12'`: use one of auto, 8, 16, half, float"):
         nm.WriteOptions(bits="12")
@@ -164,7 +164,7 @@ def test_bits_that_a_format_has_not_are_refused(tmp_path):
 
 @pytest.mark.parametrize("code", [127, 128])
 @pytest.mark.parametrize("bits", [8, 16])
-def test_the_zero_code_is_found_by_the_flat_code(tmp_path, dome, codes, png, code, bits):
+def test_the_zero_code_is_found_from_flat_pixels(tmp_path, dome, codes, png, code, bits):
     d = dome()
     pixels = codes(d.normals, bits)
     flat = (code, code, 255) if bits == 8 else (code + 32640, code + 32640, 65535)
@@ -175,21 +175,21 @@ def test_the_zero_code_is_found_by_the_flat_code(tmp_path, dome, codes, png, cod
 
 
 @pytest.mark.parametrize("bits", [8, 16])
-def test_without_a_flat_code_zero_is_the_middle(tmp_path, codes, png, bits):
+def test_without_flat_pixels_the_zero_code_is_the_middle(tmp_path, codes, png, bits):
     normals = random_normals(10)
     back = nm.read_normal_map(png(tmp_path / "map.png", codes(normals, bits)))
     assert (back.decoding.zero_code, back.decoding.zero_code_from) == ("127.5", "assumed")
     assert np.abs(back.normals - normals).max() <= np.sqrt(3) / (2**bits - 1)
 
 
-def test_a_field_that_passes_through_flat_has_no_zero_code():
+def test_a_surface_that_only_passes_through_flat_has_no_zero_code():
     x = np.linspace(-0.03, 0.03, 200)
     p, q = np.meshgrid(x, x)
     assert detect_zero_code(encode_codes(nm_unit(np.dstack([p, q, np.ones_like(p)])), 8)) is None
 
 
 @pytest.mark.parametrize("given", ["127", "127.5", "128"])
-def test_a_zero_code_that_is_given_is_taken(tmp_path, codes, png, given):
+def test_a_given_zero_code_is_used(tmp_path, codes, png, given):
     pixels = codes(random_normals(11))
     pixels[20, 20] = (128, 200, 200)
     found = nm.read_normal_map(png(tmp_path / "map.png", pixels), nm.ReadOptions(zero_code=given))
@@ -200,10 +200,10 @@ def test_a_zero_code_that_is_given_is_taken(tmp_path, codes, png, given):
     assert y == z
 
 
-def test_a_truncated_map_does_not_tilt_once_its_zero_is_known(tmp_path, dome, png):
+def test_codes_rounded_down_do_not_tilt_once_the_zero_code_is_known(tmp_path, dome, png):
     d = dome(120, 120)
     vectors = np.where(d.inside[..., None], d.normals, (0, 0, 1))
-    pixels = np.floor((vectors + 1) / 2 * 255).astype(np.uint8)  # what careless writers do
+    pixels = np.floor((vectors + 1) / 2 * 255).astype(np.uint8)  # as careless programs write
     assert tuple(pixels[0, 0]) == (127, 127, 255)
     found = nm.read_normal_map(png(tmp_path / "map.png", pixels))
     assert found.decoding.zero_code == "127"
@@ -214,7 +214,7 @@ def test_a_truncated_map_does_not_tilt_once_its_zero_is_known(tmp_path, dome, pn
 
 
 @pytest.mark.parametrize("swizzle", ["-g,r,b", "r,-g,b", "b,r,g", " G , -R , B ", "+r,+g,+b"])
-def test_a_swizzle_brings_the_channels_back(tmp_path, codes, png, swizzle):
+def test_a_swizzle_restores_the_channels(tmp_path, codes, png, swizzle):
     normals = random_normals(12)
     stored = np.empty_like(normals)
     for axis, (channel, sign) in enumerate(parse_swizzle(swizzle)):
@@ -225,20 +225,20 @@ def test_a_swizzle_brings_the_channels_back(tmp_path, codes, png, swizzle):
 
 
 @pytest.mark.parametrize("text", ["r,g", "r,g,g", "x,y,z", "", "r g b", "--r,g,b", "r,g,b,a"])
-def test_a_swizzle_that_cannot_be_meant_is_refused(tmp_path, codes, png, text):
+def test_an_invalid_swizzle_is_refused(tmp_path, codes, png, text):
     path = png(tmp_path / "map.png", codes(random_normals(13)))
     with pytest.raises(nm.UsageError, match=r"`swizzle=.*such as r,g,b or -g,r,b"):
         nm.decode_normal_map(nm.read_raster(path), nm.ReadOptions(swizzle=text))
 
 
 @pytest.mark.parametrize("wrong", [{"green": "sideways"}, {"zero_code": "5"}, {"encoding": "odd"}])
-def test_words_that_reading_does_not_know_are_refused(wrong):
+def test_unknown_reading_options_are_refused(wrong):
     with pytest.raises(nm.UsageError, match=next(iter(wrong.values()))):
         nm.ReadOptions(**wrong)
 
 
 @pytest.mark.parametrize("down", [False, True])
-def test_green_is_found_by_its_curl(tmp_path, dome, codes, png, down):
+def test_the_green_direction_is_found_from_the_curl(tmp_path, dome, codes, png, down):
     d = dome(bump=0.4)
     normals = d.normals * ([1, -1, 1] if down else [1, 1, 1])
     back = nm.read_normal_map(png(tmp_path / "map.png", codes(normals, 16)))
@@ -246,7 +246,7 @@ def test_green_is_found_by_its_curl(tmp_path, dome, codes, png, down):
     assert np.abs(back.normals - d.normals).max() <= np.sqrt(3) / 65535
 
 
-def test_green_that_is_given_wins(tmp_path, dome, codes, png):
+def test_a_given_green_direction_wins(tmp_path, dome, codes, png):
     d = dome(bump=0.4)
     path = png(tmp_path / "map.png", codes(d.normals, 16))
     back = nm.read_normal_map(path, nm.ReadOptions(green="down"))
@@ -254,8 +254,8 @@ def test_green_that_is_given_wins(tmp_path, dome, codes, png):
     assert np.abs(back.normals - d.normals * [1, -1, 1]).max() <= np.sqrt(3) / 65535
 
 
-def test_green_of_a_nearly_flat_map_is_not_guessed(tmp_path, codes, png):
-    # slopes of half a code: whatever curl there is comes from the codes alone
+def test_the_green_direction_of_a_nearly_flat_map_is_not_guessed(tmp_path, codes, png):
+    # slopes of half a code: any curl comes from rounding
     x = np.linspace(0, 4, 64)
     p, q = np.meshgrid(0.004 * np.sin(x), 0.004 * np.cos(x))
     back = nm.read_normal_map(png(tmp_path / "map.png", codes(nm_unit(np.dstack([p, q, np.ones_like(p)])))))
@@ -264,7 +264,7 @@ def test_green_of_a_nearly_flat_map_is_not_guessed(tmp_path, codes, png):
 
 @pytest.mark.parametrize("ending", [".exr", ".tif"])
 @pytest.mark.parametrize("backdrop", [None, "white", "black", "grey", "flat"])
-def test_floats_of_0_to_1_are_recognised(tmp_path, dome, picture, ending, backdrop):
+def test_floats_from_0_to_1_are_recognised(tmp_path, dome, picture, ending, backdrop):
     d = dome()
     vectors = d.normals if backdrop is None else np.where(d.inside[..., None], d.normals, BACKDROPS[backdrop])
     path = picture(tmp_path / f"map{ending}", (vectors + 1) / 2)
@@ -275,7 +275,7 @@ def test_floats_of_0_to_1_are_recognised(tmp_path, dome, picture, ending, backdr
 
 
 @pytest.mark.parametrize("backdrop", ["white", "black", "grey"])
-def test_a_small_motif_does_not_hide_that_floats_are_unsigned(tmp_path, dome, picture, backdrop):
+def test_unsigned_floats_are_recognised_despite_a_small_motif(tmp_path, dome, picture, backdrop):
     d = dome()
     vectors = np.full((240, 240, 3), BACKDROPS[backdrop], float)
     vectors[60:156, 60:156][d.inside] = d.normals[d.inside]
@@ -284,7 +284,7 @@ def test_a_small_motif_does_not_hide_that_floats_are_unsigned(tmp_path, dome, pi
     assert np.abs(back.normals[60:156, 60:156] - d.normals)[d.inside].max() < 1e-6
 
 
-def test_signed_floats_are_recognised_and_an_encoding_that_is_given_wins(tmp_path, dome, picture):
+def test_signed_floats_are_recognised_and_a_given_encoding_wins(tmp_path, dome, picture):
     d = dome()
     path = picture(tmp_path / "map.exr", d.normals)
     assert nm.read_normal_map(path).decoding.encoding == "signed"

@@ -1,4 +1,4 @@
-"""``nmap --install-completion``: what is written where, and what bash, zsh and fish make of it."""
+"""``nmap --install-completion``: the files it writes, and how bash, zsh and fish use them."""
 
 import json
 import os
@@ -36,12 +36,12 @@ def home(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="module")
 def scripts():
-    """The scripts of every shell for every name."""
+    """The completion scripts of every shell for each command name."""
     return {(shell, name): completion_script(shell, name) for shell in SHELLS for name in NAMES}
 
 
 def flags(words):
-    """Every flag of a command, short ones too, with those that the parser adds."""
+    """Every flag of a command, including short ones and those that the parser adds."""
     call = app.parse_commands(list(words))[1][-1].default_command
     found = {"--help", "-h", "--version"}
     for parameter in command_of(call).parameters():
@@ -51,7 +51,7 @@ def flags(words):
 
 
 def completed(folder, script, *lines):
-    """What bash offers for each line, whose last word is yet to be completed."""
+    """The completions that bash offers for the last word of each line."""
     ask = 'ask() { COMP_WORDS=("$@"); COMP_CWORD=$(($#-1)); COMPREPLY=(); "_$1"; echo "${COMPREPLY[*]}"; }'
     asked = "\n".join(f"ask {' '.join(words)} '{last}'" for *words, last in lines)
     (folder / "ask.sh").write_text(f"{script}\n{ask}\n{asked}\n", encoding="utf-8", newline="\n")
@@ -61,7 +61,7 @@ def completed(folder, script, *lines):
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_one_file_for_each_name_is_written_and_the_next_step_is_said(home, run, tree, shell):
+def test_one_file_per_name_is_written_and_the_next_step_is_printed(home, run, tree, shell):
     done = run("--install-completion", "--shell", shell)
     paths = [home / name for name in FILES[shell]]
     assert done.code == 0, done.err
@@ -74,16 +74,18 @@ def test_one_file_for_each_name_is_written_and_the_next_step_is_said(home, run, 
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_a_file_that_exists_is_kept_without_overwrite(home, run, refused, shell):
+def test_an_existing_file_is_kept_without_overwrite(home, run, refused, shell):
     path = home / FILES[shell][1]
     path.parent.mkdir(parents=True)
-    path.write_text("# mine\n")
-    refused(5, rf"{re.escape(str(path))}: exists already; .*--overwrite", "--install-completion", "--shell", shell)
+    path.write_text("# mine\n", encoding="utf-8")
+    refused(
+        5, rf"{re.escape(path.as_posix())}: already exists; .*--overwrite", "--install-completion", "--shell", shell
+    )
     assert run("--install-completion", "--shell", shell, "--overwrite").code == 0
     assert "# mine" not in path.read_text(encoding="utf-8")
 
 
-def test_folders_that_the_environment_names_are_used(home, run, monkeypatch, tree):
+def test_folders_named_by_the_environment_are_used(home, run, monkeypatch, tree):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(home / "config"))
     monkeypatch.setenv("XDG_DATA_HOME", str(home / "data"))
     assert run("--install-completion", "--shell", "fish", "--quiet").err == ""
@@ -98,7 +100,7 @@ def test_folders_that_the_environment_names_are_used(home, run, monkeypatch, tre
 @pytest.mark.parametrize(
     ("found", "pattern"),
     [
-        ("powershell", r"powershell has no completion of nmap; name one of bash, zsh, fish"),
+        ("powershell", r"completion is not available for powershell; name one of bash, zsh, fish"),
         (None, r"cannot tell which"),
     ],
 )
@@ -115,7 +117,7 @@ def test_other_shells_are_refused_in_one_line(home, monkeypatch, refused, found,
     refused(2, r'"ksh" for --shell', "--install-completion", "--shell", "ksh")
 
 
-def test_the_shell_that_calls_is_found(home, run, monkeypatch, tree):
+def test_the_calling_shell_is_found(home, run, monkeypatch, tree):
     for name in ("ZSH_VERSION", "BASH_VERSION"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("FISH_VERSION", "3.6.0")
@@ -135,7 +137,7 @@ def test_bash_completes_every_command_and_flag(tmp_path, scripts, name):
 
 
 @needs_bash
-def test_bash_completes_parts_of_words_and_values(tmp_path, scripts):
+def test_bash_completes_partial_words_and_values(tmp_path, scripts):
     cases = {
         ("nmap", "ba"): {"bake"},
         ("nmap", "--inst"): {"--install-completion"},
@@ -150,8 +152,8 @@ def test_bash_completes_parts_of_words_and_values(tmp_path, scripts):
 
 
 @needs_bash
-def test_bash_completes_file_names_where_any_word_may_stand(tmp_path, scripts):
-    # with these options bash completes file names itself where the function offers nothing
+def test_bash_completes_file_names_where_any_word_is_allowed(tmp_path, scripts):
+    # with these options, bash itself completes file names where the function offers nothing
     script = "".join(scripts["bash", name] for name in NAMES) + "\ncomplete -p nmap nmaptool\n"
     (tmp_path / "ask.sh").write_text(script, encoding="utf-8", newline="\n")
     done = subprocess.run(["bash", "ask.sh"], cwd=tmp_path, capture_output=True, text=True, check=True)
@@ -183,7 +185,7 @@ def test_zsh_has_an_action_for_every_word(scripts):
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_the_shell_itself_finds_no_mistake(tmp_path, scripts, shell):
+def test_the_shell_finds_no_syntax_error(tmp_path, scripts, shell):
     if os.name == "nt" or shutil.which(shell) is None:
         pytest.skip(f"{shell} is not installed")
     for name in NAMES:
@@ -192,12 +194,12 @@ def test_the_shell_itself_finds_no_mistake(tmp_path, scripts, shell):
         assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_tab_starts_no_python(scripts):
+def test_pressing_tab_does_not_start_python(scripts):
     assert not [key for key, script in scripts.items() if "__complete" in script or sys.executable in script]
 
 
 @pytest.mark.parametrize("words", [["--help"], ["inspect", "--help"]])
-def test_other_commands_load_nothing_of_it(words):
+def test_other_commands_do_not_load_completion(words):
     code = f"import sys; from nmaptool_cli.main import main; main({words}); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, encoding="utf-8", check=True)
     loaded = done.stdout.splitlines()[-1].split()

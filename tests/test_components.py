@@ -1,4 +1,4 @@
-"""Maps of two numbers a pixel: x and y alone, octahedral codes, and a blue that is not to be trusted."""
+"""Maps with two components per pixel: x and y, octahedral codes, and an unusable blue channel."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def facing(seed, shape=(40, 50), lowest=0.1):
 
 
 def folded(vectors):
-    """Octahedral codes as the papers give them, for the inverse of what is tested."""
+    """Octahedral codes by the published formula, the inverse of the tested function."""
     u, v, w = np.moveaxis(vectors / np.abs(vectors).sum(axis=-1, keepdims=True), -1, 0)
     signs = np.where(u >= 0, 1, -1), np.where(v >= 0, 1, -1)
     behind = w < 0
@@ -34,7 +34,7 @@ def angle_deg(first, second):
     return np.degrees(2 * np.arcsin(np.linalg.norm(first.astype(float) - second, axis=-1).clip(0, 2) / 2))
 
 
-def test_z_is_made_from_x_and_y():
+def test_z_is_computed_from_x_and_y():
     vectors = facing(1)
     assert np.abs(derive_z(vectors[..., :2]) - vectors).max() < 1e-6
     known = derive_z(np.array([[0, 0], [0.6, 0], [0, -0.8], [1, 0], [0.96, 0.72]]))
@@ -70,7 +70,7 @@ def test_octant_borders_edges_and_corners_of_the_octahedron_are_exact():
     assert np.abs(vectors - np.array(list(known.values()))).max() < 1e-7
     assert not np.signbit(vectors[vectors == 0]).any()
     t = np.linspace(-1, 1, 41)
-    for axis in (0, 1):  # on the axes of the square the other component is nil in front, and the fold is continuous
+    for axis in (0, 1):  # on the axes of the square, the other component is zero in front, and the fold is continuous
         codes = np.zeros((41, 2))
         codes[:, axis] = t
         assert (unfold_octahedral(codes)[:, 1 - axis] == 0).all()
@@ -79,7 +79,7 @@ def test_octant_borders_edges_and_corners_of_the_octahedron_are_exact():
     assert np.abs(unfold_octahedral(rim)[:, 2]).max() < 1e-7
 
 
-def test_octahedral_codes_beyond_the_square_show_by_their_length():
+def test_out_of_range_components_give_vectors_that_are_too_long():
     assert np.allclose(unfold_octahedral(np.array([1.5, 0.0])), (1.5, 0, 0))
     assert np.allclose(derive_z(np.array([0.9, 0.9])), (0.9, 0.9, 0))
 
@@ -104,7 +104,7 @@ def test_two_channels_of_a_tiff_are_x_and_y(tmp_path, codes, picture, bits, wors
     assert angle_deg(back.normals, normals).max() < worst
 
 
-def test_two_channels_with_alpha(tmp_path, dome, picture):
+def test_two_channels_with_alpha_are_read(tmp_path, dome, picture):
     d = dome()
     stored = np.dstack([d.normals[..., :2], d.inside])
     back = nm.read_normal_map(picture(tmp_path / "map.exr", stored, ("N.X", "N.Y", "A")))
@@ -113,7 +113,7 @@ def test_two_channels_with_alpha(tmp_path, dome, picture):
     assert np.abs(back.normals - d.normals)[d.inside].max() < 1e-6
 
 
-def test_a_pair_beside_three_components_is_taken_by_name_only(tmp_path, picture):
+def test_a_pair_beside_three_components_is_read_only_by_name(tmp_path, picture):
     normals = facing(5)
     names = ("R", "G", "B", "N.X", "N.Y")
     path = picture(tmp_path / "map.exr", np.dstack([normals, -normals[..., :2]]), names)
@@ -123,10 +123,10 @@ def test_a_pair_beside_three_components_is_taken_by_name_only(tmp_path, picture)
     assert np.abs(named.normals[..., :2] + normals[..., :2]).max() < 1e-6
 
 
-def test_grey_and_alpha_are_x_and_y_only_where_that_is_said(tmp_path, codes, png):
+def test_grey_and_alpha_are_x_and_y_only_on_request(tmp_path, codes, png):
     normals = facing(6)
     path = png(tmp_path / "map.png", codes(normals, 16)[..., :2])
-    told = r"needs red, green and blue;.*if the two are x and y, say `components='xy'`"
+    told = r"needs red, green and blue;.*if the two are x and y, use `components='xy'`"
     with pytest.raises(nm.InputError, match=told):
         nm.read_normal_map(path)
     back = nm.read_normal_map(path, nm.ReadOptions(components="xy", green="up"))
@@ -159,10 +159,10 @@ def test_a_constant_blue_that_is_z_is_kept(tmp_path, codes, png):
         assert np.ptp(nm.read_raster(path).pixels[..., 2]) == 0
         assert nm.read_normal_map(path).decoding.components == "xyz"
     one = png(tmp_path / "one.png", np.dstack([codes(round_)[..., :1], np.zeros((64, 64, 2), np.uint8)]))
-    assert nm.read_normal_map(one).decoding.components == "xyz"  # red alone is no map
+    assert nm.read_normal_map(one).decoding.components == "xyz"  # red alone is not a map
 
 
-def test_a_blue_that_is_not_to_be_trusted_is_ignored_where_that_is_said(tmp_path, codes, png):
+def test_an_unusable_blue_is_ignored_on_request(tmp_path, codes, png):
     normals = facing(7, lowest=0.5)
     pixels = codes(normals, 16)
     pixels[..., 2] = np.random.default_rng(7).integers(0, 65536, (40, 50))
@@ -173,7 +173,7 @@ def test_a_blue_that_is_not_to_be_trusted_is_ignored_where_that_is_said(tmp_path
 
 @pytest.mark.parametrize("backdrop", ["white", "black", "grey", "flat"])
 @pytest.mark.parametrize("smooth", [False, True])
-def test_backgrounds_without_a_blue_to_be_trusted(tmp_path, dome, codes, png, backdrop, smooth):
+def test_backgrounds_are_recognised_without_blue(tmp_path, dome, codes, png, backdrop, smooth):
     d = dome(128, 128, smooth=smooth)
     pixels = codes(d.normals, 8, backdrop, d.cover)
     back = nm.read_normal_map(png(tmp_path / "map.png", pixels), nm.ReadOptions(components="xy"))
@@ -186,7 +186,7 @@ def test_backgrounds_without_a_blue_to_be_trusted(tmp_path, dome, codes, png, ba
 
 
 @pytest.mark.parametrize("backdrop", ["white", "black", "flat"])
-def test_backgrounds_of_two_channels(tmp_path, dome, codes, picture, backdrop):
+def test_backgrounds_are_recognised_in_two_channels(tmp_path, dome, codes, picture, backdrop):
     d = dome(128, 128)
     path = picture(tmp_path / "map.tif", codes(d.normals, 16, backdrop, d.cover)[..., :2], ("R", "G"))
     back = nm.read_normal_map(path)
@@ -197,7 +197,7 @@ def test_backgrounds_of_two_channels(tmp_path, dome, codes, picture, backdrop):
 
 
 @pytest.mark.parametrize("bits", [8, 16])
-def test_octahedral_maps_are_read_on_both_sides(tmp_path, codes, png, bits):
+def test_octahedral_maps_cover_both_hemispheres(tmp_path, codes, png, bits):
     normals = sphere(8)
     normals[:5, :5] = (0, 0, 1)
     pixels = codes(np.dstack([folded(normals), np.zeros((40, 50))]), bits)
@@ -213,7 +213,7 @@ def test_octahedral_maps_are_read_on_both_sides(tmp_path, codes, png, bits):
 
 
 @pytest.mark.parametrize("backdrop", ["white", "black"])
-def test_an_octahedral_map_on_white_or_black(tmp_path, dome, codes, png, backdrop):
+def test_an_octahedral_map_on_white_or_black_is_read(tmp_path, dome, codes, png, backdrop):
     d = dome(128, 128, smooth=True)
     stored = np.dstack([folded(d.normals), np.zeros((128, 128))])
     pixels = codes(stored, 8, backdrop, d.cover)
@@ -223,13 +223,13 @@ def test_an_octahedral_map_on_white_or_black(tmp_path, dome, codes, png, backdro
     assert np.abs(back.coverage - d.cover).mean() < 0.01
 
 
-def test_a_picture_of_another_kind_is_doubted(tmp_path, png):
+def test_an_image_of_another_kind_gives_a_warning(tmp_path, png):
     pixels = np.random.default_rng(9).choice([0, 40, 215, 255], (64, 64, 3)).astype(np.uint8)
     read = nm.read_normal_map(png(tmp_path / "map.png", pixels), nm.ReadOptions(components="xy"))
     assert "does not look like a normal map" in read.decoding.warnings[0]
 
 
-def test_swizzles_of_two_components(tmp_path, codes, png, picture):
+def test_swizzles_apply_to_two_components(tmp_path, codes, png, picture):
     normals = facing(10)
     two = picture(tmp_path / "two.exr", normals[..., :2], ("R", "G"))
     back = nm.read_normal_map(two, nm.ReadOptions(swizzle="-g,r,b"))
@@ -238,28 +238,30 @@ def test_swizzles_of_two_components(tmp_path, codes, png, picture):
         nm.UsageError, match=r"two.exr: has no blue; take x and y from r and g, such as `swizzle='-g,r,b'`"
     ):
         nm.read_normal_map(two, nm.ReadOptions(swizzle="b,g,r"))
-    with pytest.raises(nm.UsageError, match=r"`swizzle='r,g,-b'`: z is made from x and y and points up; give it no"):
+    with pytest.raises(
+        nm.UsageError, match=r"`swizzle='r,g,-b'`: z is computed from x and y and is never negative; remove its minus"
+    ):
         nm.read_normal_map(two, nm.ReadOptions(swizzle="r,g,-b"))
     shuffled = png(tmp_path / "bgr.png", codes(normals, 16)[..., ::-1].copy())
     back = nm.read_normal_map(shuffled, nm.ReadOptions(components="xy", swizzle="b,g,r"))
     assert angle_deg(back.normals, normals).max() < 0.05
 
 
-def test_errors_of_two_components(tmp_path, codes, png, picture):
+def test_wrong_options_for_two_components_are_refused(tmp_path, codes, png, picture):
     grey = png(tmp_path / "grey.png", codes(facing(11))[..., :1])
-    with pytest.raises(nm.InputError, match=r"grey.png: has 1 channel\(s\) \(Y\); two numbers a pixel need two chan"):
+    with pytest.raises(nm.InputError, match=r"grey.png: has 1 channel \(Y\); a two-component map needs two chan"):
         nm.read_normal_map(grey, nm.ReadOptions(components="xy"))
     bad = facing(11)[..., :2].copy()
     bad[3, 4] = np.nan
     with pytest.raises(
-        nm.InputError, match=r"bad.exr: 1 pixel\(s\) hold NaN or infinite values, the first at x=4, y=3"
+        nm.InputError, match=r"bad.exr: found 1 pixel with NaN or infinite values, the first at x=4, y=3"
     ):
         nm.read_normal_map(picture(tmp_path / "bad.exr", bad, ("X", "Y")))
     with pytest.raises(nm.UsageError, match="`components='uv'`: use one of auto, xyz, xy, octahedral"):
         nm.ReadOptions(components="uv")
 
 
-def test_inspect_and_the_other_commands_say_what_was_found(run, tmp_path, dome, picture):
+def test_inspect_and_the_other_commands_report_what_was_found(run, tmp_path, dome, picture):
     d = dome()
     path = picture(tmp_path / "xy.exr", np.dstack([d.normals[..., :2], d.inside]), ("X", "Y", "A"))
     seen = run("inspect", path)

@@ -1,4 +1,4 @@
-"""Layers on a canvas: order, coverage, modes, groups, places, soft edges."""
+"""Layers on a canvas: order, coverage, modes, groups, positions, soft edges."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def ground():
 
 @pytest.fixture
 def sticker():
-    """A disc of random normals, transparent around."""
+    """A disc of random normals, transparent outside."""
     disc = np.hypot(*(np.mgrid[0:20, 0:30] - np.array([9.5, 14.5])[:, None, None])) < 9
     return as_map(random_normals(20, 30, seed=2), disc, pitch_mm=0.5, name="sticker")
 
@@ -28,7 +28,7 @@ def paste(background, *layers, **how):
     return nm.paste(background, layers, **how)
 
 
-def test_a_layer_covers_what_it_covers_and_nothing_else(ground, sticker):
+def test_a_layer_changes_only_what_it_covers(ground, sticker):
     out = paste(ground, laid(sticker, at="10px,5px", anchor="top-left"))
     window = np.s_[5:25, 10:40]
     on = sticker.coverage == 1
@@ -42,12 +42,12 @@ def test_a_layer_covers_what_it_covers_and_nothing_else(ground, sticker):
 
 
 @pytest.mark.parametrize("mode", ["over", "rnm", "pd", "whiteout", "udn", "linear", "overlay"])
-def test_strength_zero_and_an_uncovered_layer_change_no_bit(ground, sticker, mode):
+def test_strength_zero_and_an_uncovered_layer_change_nothing(ground, sticker, mode):
     assert np.array_equal(paste(ground, laid(sticker, mode=mode, strength=0)).normal_map.normals, ground.normals)
 
 
 @pytest.mark.parametrize("mode", ["rnm", "pd", "whiteout", "udn"])
-def test_pasting_details_is_blending_them(ground, mode):
+def test_pasting_a_detail_equals_blending_it(ground, mode):
     detail = as_map(random_normals(60, 80, seed=3), np.random.default_rng(4).random((60, 80)), name="detail")
     out = paste(ground, laid(detail, mode=mode, strength=0.7))
     expected = blend(ground.normals, detail.normals, mode, detail.coverage * np.float32(0.7))
@@ -57,14 +57,14 @@ def test_pasting_details_is_blending_them(ground, mode):
     assert np.array_equal(blended.normal_map.coverage, ground.coverage)
 
 
-def test_order_matters_for_over_and_the_topmost_wins(ground, sticker):
+def test_with_mode_over_the_topmost_layer_wins(ground, sticker):
     other = as_map(random_normals(20, 30, seed=5), name="other")
     out = paste(ground, laid(sticker), laid(other)).normal_map.normals
     assert np.array_equal(out, paste(ground, laid(other)).normal_map.normals)
     assert not np.array_equal(out, paste(ground, laid(other), laid(sticker)).normal_map.normals)
 
 
-def test_coverage_adds_up_as_of_two_veils():
+def test_coverage_accumulates_as_with_translucent_sheets():
     below, above = (as_map(random_normals(8, 9, seed=s), np.full((8, 9), c)) for s, c in ((6, 0.5), (7, 0.25)))
     out = nm.compose([nm.Layer(below), nm.Layer(above)]).normal_map
     assert np.allclose(out.coverage, 1 - 0.5 * 0.75)
@@ -79,7 +79,7 @@ def test_every_pixel_stays_a_unit_normal_under_soft_edges(ground, sticker):
     assert out.coverage.min() == 1
 
 
-def test_a_feather_rises_from_the_outline_inwards():
+def test_a_feather_fades_in_from_the_outline_inwards():
     plate, square = flat_map(60, 60), as_map(random_normals(40, 40, seed=8))
     soft = paste(plate, laid(square, feather="8px")).placed
     assert (soft[:10] == 0).all()
@@ -87,13 +87,13 @@ def test_a_feather_rises_from_the_outline_inwards():
     assert (np.diff(middle[:8]) > 0).all()
     assert middle[0] < 0.03 and middle[8] == 1
     assert np.allclose(soft, soft[::-1], atol=1e-6) and np.allclose(soft, soft.T, atol=1e-6)
-    # what goes on beyond the canvas has no edge there
+    # a layer cut off by the canvas has no edge there
     beyond = paste(plate, laid(square, feather="8px", at="0,30px")).placed
     assert beyond[30, 0] == 1
     assert np.array_equal(paste(plate, laid(square, feather="0")).placed, paste(plate, laid(square)).placed)
 
 
-def test_a_layer_brings_its_motif_not_its_flat_background(ground):
+def test_a_layer_contributes_its_motif_not_its_flat_background(ground):
     inside = np.zeros((20, 20), bool)
     inside[5:15, 5:15] = True
     normals = np.where(inside[..., None], random_normals(20, 20, seed=9), FLAT)
@@ -102,7 +102,7 @@ def test_a_layer_brings_its_motif_not_its_flat_background(ground):
     assert np.array_equal(out.normal_map.normals[:5], ground.normals[:5])
 
 
-def test_what_is_motif_on_a_plate(sticker):
+def test_the_pasted_layer_is_the_motif_of_a_plate(sticker):
     out = paste(flat_map(60, 80), laid(sticker))
     assert np.array_equal(out.normal_map.foreground, out.placed >= 0.5)
     assert out.normal_map.foreground.sum() == (sticker.coverage == 1).sum()
@@ -115,15 +115,15 @@ def test_what_is_motif_on_a_plate(sticker):
         ("center", None, (25, 20)),
         ("bottom-right", None, (50, 40)),
         ("top", "50%,10px", (25, 10)),
-        ("left", "5mm,50%", (10, 20)),  # 0.5 mm a pixel
+        ("left", "5mm,50%", (10, 20)),  # 0.5 mm per pixel
         ("bottom", "40px,-10%", (25, -26)),
     ],
 )
-def test_anchors_and_units(ground, anchor, at, corner):
+def test_layers_are_placed_by_anchors_and_units(ground, anchor, at, corner):
     square = as_map(random_normals(20, 30, seed=10))
     if corner[1] < 0:
         with pytest.raises(
-            nm.InputError, match="map: lies fully off the canvas of 80 x 60 px: from 25,-26 to 55,-6 px"
+            nm.InputError, match="map: its area from 25,-26 to 55,-6 px is outside the canvas of 80 x 60 px; move"
         ):
             paste(ground, laid(square, anchor=anchor, at=at))
         return
@@ -133,7 +133,7 @@ def test_anchors_and_units(ground, anchor, at, corner):
     assert np.array_equal(out.normal_map.normals[top : top + 20, left : left + 30], square.normals)
 
 
-def test_placing_turns_vectors_as_transforming_does(ground):
+def test_placing_rotates_normals_as_transforming_does(ground):
     bump = bump_map(40, 40)
     how = {"rotate": 25.0, "flip_h": True}
     turned = nm.transform(bump, nm.TransformOptions(**how)).normal_map
@@ -149,7 +149,7 @@ def test_a_width_in_mm_sets_the_scale(ground, sticker):
     bare = as_map(ground.normals)
     with pytest.raises(nm.UsageError, match="`scale='30mm'`: the size of a pixel is not known"):
         paste(bare, laid(sticker, scale="30mm"))
-    with pytest.raises(nm.UsageError, match="sticker: 5mm: the size of a pixel is not known; say `width='100mm'`"):
+    with pytest.raises(nm.UsageError, match="sticker: 5mm: the size of a pixel is not known; give `width='100mm'`"):
         paste(bare, laid(sticker, at="5mm,0"))
     assert paste(bare, laid(sticker, at="5mm,5mm"), width=nm.length("40mm")).normal_map.frame.pitch_mm == 0.5
 
@@ -157,26 +157,28 @@ def test_a_width_in_mm_sets_the_scale(ground, sticker):
 def test_pixels_of_another_size_are_reported(ground, sticker):
     coarse = as_map(sticker.normals, sticker.coverage, pitch_mm=1.0, name="coarse")
     (warning,) = paste(ground, laid(coarse)).report.warnings
-    assert warning == ("coarse: its pixels are 1 mm, the canvas's 0.5 mm; to keep its size in mm, give it the scale 2")
+    assert warning == (
+        "coarse: its pixels are 1 mm, those of the canvas 0.5 mm; to keep its size in mm, set its scale to 2"
+    )
     assert not paste(ground, laid(coarse, scale=2)).report.warnings
 
 
-def test_a_stretched_layer_is_warned_of(ground, sticker):
+def test_a_stretched_layer_gives_a_warning(ground, sticker):
     (warning,) = paste(ground, laid(sticker, scale="0.4,0.5")).report.warnings
     assert warning == (
-        "sticker: is stretched, so its heights stay and its slopes change by 2.5 across and 2 down; the height factor "
-        "0.447 keeps them on the whole"
+        "sticker: is stretched unevenly and keeps its heights, so its slopes are multiplied by 2.5 across and 2 down; "
+        "a height factor of 0.447 keeps them on average"
     )
     assert not paste(ground, laid(sticker, scale="0.4,0.5", height_factor=0.447)).report.warnings
 
 
-def test_masks_hide_and_must_fit(ground, sticker):
+def test_masks_hide_and_must_have_the_right_size(ground, sticker):
     mask = np.zeros((20, 30), np.float32)
     mask[:, :15] = 1
     shown = paste(ground, laid(sticker, mask, at="0,0", anchor="top-left")).placed[:20, :30]
     assert np.array_equal(shown, sticker.coverage * mask)
     for bad, message in (
-        (np.zeros((20, 30), np.float32), "the mask of sticker is empty"),
+        (np.zeros((20, 30), np.float32), "the mask of sticker is entirely black"),
         (np.ones((5, 6), np.float32), "the mask of sticker is 6 x 5, expected 30 x 20"),
         (np.full((20, 30), np.nan, np.float32), "the mask of sticker must lie between 0 and 1"),
     ):
@@ -184,7 +186,7 @@ def test_masks_hide_and_must_fit(ground, sticker):
             laid(sticker, bad)
 
 
-def test_details_are_clipped_to_what_is_below(sticker):
+def test_details_are_clipped_to_the_layers_below(sticker):
     half = as_map(random_normals(20, 30, seed=11), np.arange(30)[None, :].repeat(20, 0) < 15, name="half")
     clipped = nm.compose([nm.Layer(half), laid(sticker, mode="rnm")]).normal_map
     assert np.array_equal(clipped.coverage, half.coverage)
@@ -194,11 +196,11 @@ def test_details_are_clipped_to_what_is_below(sticker):
     assert np.array_equal(free.coverage, np.maximum(half.coverage, sticker.coverage))
     over = nm.compose([nm.Layer(half), laid(sticker, clip="yes")]).normal_map
     assert np.array_equal(over.coverage, half.coverage)
-    with pytest.raises(nm.InputError, match='sticker: lies on nothing: mode "rnm" changes what is below'):
+    with pytest.raises(nm.InputError, match='sticker: mode "rnm" needs a surface below it, found none'):
         nm.compose([laid(sticker, mode="rnm")])
 
 
-def test_a_group_of_one_is_that_layer_and_a_group_fades_as_one(ground, sticker):
+def test_a_group_of_one_equals_its_layer_and_a_group_fades_as_one(ground, sticker):
     alone = paste(ground, laid(sticker))
     grouped = paste(ground, nm.LayerGroup((laid(sticker),)))
     assert np.array_equal(alone.normal_map.normals, grouped.normal_map.normals)
@@ -208,7 +210,7 @@ def test_a_group_of_one_is_that_layer_and_a_group_fades_as_one(ground, sticker):
     assert np.array_equal(paste(ground, details).normal_map.normals, expected)
 
 
-def test_in_a_group_details_change_the_groups_own_layers_alone(ground, sticker):
+def test_details_in_a_group_change_only_its_own_layers(ground, sticker):
     base = as_map(random_normals(20, 30, seed=12), name="base")
     group = nm.LayerGroup((laid(base), laid(sticker, mode="rnm")), nm.GroupOptions(name="pair"))
     out = paste(ground, group)
@@ -225,20 +227,20 @@ def test_in_a_group_details_change_the_groups_own_layers_alone(ground, sticker):
         nm.LayerGroup(())
 
 
-def test_a_canvas_of_its_own(sticker):
+def test_a_canvas_can_be_given_by_size(sticker):
     flat = nm.compose([laid(sticker)], nm.CanvasOptions(size="50x40", ground="flat", width="100mm"))
     assert flat.normal_map.frame == nm.Frame(40, 50, 2.0)
     assert (flat.normal_map.coverage == 1).all()
     clear = nm.compose([laid(sticker)], nm.CanvasOptions(size="50x40"))
     assert clear.normal_map.coverage.sum() == sticker.coverage.sum()
-    assert not clear.placed.any()  # the lowest is the ground of the others
+    assert not clear.placed.any()  # the lowest layer is the ground of the others
     with pytest.raises(nm.InputError, match="nothing to compose: give at least one layer"):
         nm.compose([])
-    with pytest.raises(nm.LimitError, match="a canvas of 90000 x 90000 is 8100 megapixels"):
+    with pytest.raises(nm.LimitError, match="the canvas of 90000 x 90000 has 8100 megapixels"):
         nm.compose([laid(sticker)], nm.CanvasOptions(size="90000x90000"))
 
 
-def test_blend_wants_one_size_or_stretches(ground, sticker):
+def test_blend_needs_equal_sizes_or_fit(ground, sticker):
     with pytest.raises(nm.InputError, match="sticker is 30 x 20, but ground is 80 x 60; stretch it with `fit`"):
         nm.blend(ground, sticker)
     fitted = nm.blend(bump_map(60, 80), bump_map(30, 40), nm.BlendOptions(fit=True)).normal_map

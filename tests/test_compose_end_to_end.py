@@ -1,4 +1,4 @@
-"""From meshes over composed maps to reliefs."""
+"""From meshes through composed maps to reliefs."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ CAMERA = {"size": "240x240", "pitch": nm.length("1mm"), "renderer": "numpy", "sh
 
 
 def bumpy_mesh():
-    """A height field of 400 x 400 mm, larger than the picture, with an edge per 2 px."""
+    """A height field of 400 x 400 mm, larger than the image, with edges 2 px long."""
     x, y = np.meshgrid(np.linspace(-200, 200, 201), np.linspace(-200, 200, 201))
     z = 25 * np.exp(-((x / 60) ** 2) - (y / 40) ** 2) + 4 * np.sin(x / 15) * np.cos(y / 20)
     at = np.arange(201 * 201, dtype=np.int32).reshape(201, 201)
@@ -30,7 +30,7 @@ def baked():
     }
 
 
-def test_baking_then_turning_is_turning_then_baking(baked):
+def test_rotating_a_baked_map_equals_baking_a_rotated_mesh(baked):
     turned = nm.transform(baked[0], nm.TransformOptions(rotate=30, keep_size=True)).normal_map
     seen = turned.coverage == 1
     assert seen.mean() > 0.8
@@ -40,7 +40,7 @@ def test_baking_then_turning_is_turning_then_baking(baked):
 
 
 @pytest.mark.parametrize(("how", "axis"), [({"flip_h": True}, 0), ({"flip_v": True}, 1)])
-def test_baking_then_mirroring_is_mirroring_then_baking(baked, how, axis):
+def test_mirroring_a_baked_map_equals_baking_a_mirrored_mesh(baked, how, axis):
     mesh = bumpy_mesh()
     sign = np.ones(3)
     sign[axis] = -1
@@ -52,14 +52,14 @@ def test_baking_then_mirroring_is_mirroring_then_baking(baked, how, axis):
 
 
 def roof(side=160, rise=0.6):
-    """A ridge along the middle, as between two faces of a dodecahedron."""
+    """A ridge along the middle, like an edge of a dodecahedron."""
     x = np.arange(side) + 0.5 - side / 2
     p = np.broadcast_to(np.where(x < 0, rise, -rise), (side, side))
     return as_map(from_slopes(p, np.zeros_like(p)), pitch_mm=0.1, name="roof")
 
 
 def wavy_disc(side=100):
-    """A motif with fine waves, all of it gentle."""
+    """A gently sloped motif with fine waves."""
     y, x = np.mgrid[0:side, 0:side] + 0.5 - side / 2
     p, q = 0.3 * np.cos(x / 3), 0.3 * np.sin(y / 4)
     return as_map(from_slopes(p, q), np.hypot(x, y) < side * 0.4, name="motif")
@@ -74,20 +74,20 @@ def test_a_motif_on_a_ridge_has_no_step_and_keeps_its_detail():
     inner = np.hypot(*(np.mgrid[0:160, 0:160] + 0.5 - 80)) < 32
     p, _ = height_slopes(z)
     asked = -composed.normal_map.normals[..., 0] / composed.normal_map.normals[..., 2]
-    # the fine waves are those asked for, across the ridge, too, although the form follows the roof
+    # the fine waves keep their shape, across the ridge, too, although the form follows the roof
     made_waves, asked_waves = (a - ndimage.gaussian_filter(a, 6) for a in (p, asked))
     on_ridge = inner & (np.abs(np.arange(160) - 79.5) < 8)
     for where in (inner, on_ridge):
         assert np.corrcoef(made_waves[where], asked_waves[where])[0, 1] > 0.98
         assert np.abs(made_waves[where]).mean() == pytest.approx(np.abs(asked_waves[where]).mean(), rel=0.1)
-    assert np.abs(np.diff(z, axis=1))[50:110, 60:100].max() < 0.6 + 0.3  # roof and waves, no wall
-    # and the ground outside is the ground
+    assert np.abs(np.diff(z, axis=1))[50:110, 60:100].max() < 0.6 + 0.3  # slopes of roof and waves, no wall
+    # and the ground outside is unchanged
     away = np.hypot(*(np.mgrid[0:161, 0:161] - 80.0)) > 42
     own = nm.integrate(ground)
     assert np.abs((z - own)[away] - (z - own)[away].mean()).max() < 1e-3
 
 
-def test_two_models_on_one_plate_are_two_reliefs():
+def test_two_models_on_one_plate_give_their_two_reliefs():
     motif = wavy_disc(60)
     layers = [nm.Layer(motif, nm.LayerOptions(at=at)) for at in ("25%,50%", "75%,50%")]
     both = nm.compose(layers, nm.CanvasOptions(size="200x100", ground="flat", width="100mm"))

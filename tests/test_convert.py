@@ -1,4 +1,4 @@
-"""``nmap compose convert``: codes that are sound come back, the rest is repaired and counted."""
+"""``nmap compose convert``: sound codes are kept; the rest are repaired and counted."""
 
 import io
 import json
@@ -38,7 +38,7 @@ def stored(path):
 
 @pytest.mark.parametrize(("ending", "bits"), OWN_KINDS)
 @pytest.mark.parametrize("covered", [False, True])
-def test_to_its_own_kind_nothing_changes(tmp_path, ending, bits, covered):
+def test_converting_to_the_same_format_changes_nothing(tmp_path, ending, bits, covered):
     normals = facing(1)
     cover = soft_cover(normals.shape[:2]) if covered else None
     source, target = tmp_path / f"a{ending}", tmp_path / f"b{ending}"
@@ -54,13 +54,13 @@ def test_to_its_own_kind_nothing_changes(tmp_path, ending, bits, covered):
 
 @pytest.mark.parametrize("between", [("c.png", "16"), ("c.tif", "16"), ("c.exr", "float")])
 @pytest.mark.parametrize("backdrop", [None, "flat"])
-def test_8_bits_come_back_from_more(tmp_path, dome, codes, png, between, backdrop):
+def test_8_bit_codes_survive_a_deeper_format(tmp_path, dome, codes, png, between, backdrop):
     d = dome()
     name, bits = between
     vectors = facing(2, (400, 500)) if backdrop is None else np.where(d.inside[..., None], d.normals, (0, 0, 1))
     source = png(tmp_path / "a.png", codes(vectors, 8))
     first = nm.convert(source, tmp_path / name, nm.ReadOptions(green="up"), nm.WriteOptions(bits=bits))
-    assert first.report.source["zero_code"] == "127.5"  # whatever the flat code, the lengths tell
+    assert first.report.source["zero_code"] == "127.5"  # the vector lengths reveal it, whatever the flat code
     again = nm.convert(tmp_path / name, tmp_path / "b.png", writing=nm.WriteOptions(bits="8"))
     length = np.linalg.norm(first.normal_map.normals, axis=-1)
     assert np.abs(length - 1).max() < 3e-5
@@ -68,7 +68,7 @@ def test_8_bits_come_back_from_more(tmp_path, dome, codes, png, between, backdro
     assert np.array_equal(stored(tmp_path / "b.png"), stored(source))
 
 
-def test_8_bits_about_128_keep_that_zero(tmp_path, dome, png):
+def test_8_bit_codes_around_128_keep_their_zero_code(tmp_path, dome, png):
     d = dome()
     vectors = np.where(d.inside[..., None], d.normals, (0, 0, 1))
     source = png(tmp_path / "a.png", np.floor(vectors * 127 + 128.5).astype(np.uint8))
@@ -79,7 +79,7 @@ def test_8_bits_about_128_keep_that_zero(tmp_path, dome, png):
     assert np.array_equal(stored(tmp_path / "c.png"), stored(source))
 
 
-def test_16_bits_come_back_from_floats(tmp_path, codes, png):
+def test_16_bit_codes_survive_floats(tmp_path, codes, png):
     source = png(tmp_path / "a.png", codes(facing(3, (400, 500)), 16))
     nm.convert(source, tmp_path / "b.exr", nm.ReadOptions(green="up"))
     nm.convert(tmp_path / "b.exr", tmp_path / "c.png")
@@ -88,13 +88,13 @@ def test_16_bits_come_back_from_floats(tmp_path, codes, png):
 
 @pytest.mark.parametrize("bits", ["8", "16"])
 @pytest.mark.parametrize("zero", ["127.5", "128"])
-def test_green_down_twice_is_nothing(tmp_path, bits, zero):
+def test_flipping_green_twice_restores_the_codes(tmp_path, bits, zero):
     source, down, back = (tmp_path / f"{name}.png" for name in ("up", "down", "back"))
     nm.write_normal_map(as_map(facing(4)), source, nm.WriteOptions(bits=bits, write_zero_code=zero))
     nm.convert(source, down, writing=nm.WriteOptions(bits=bits, write_green="down"))
     turned = nm.convert(down, back, writing=nm.WriteOptions(bits=bits))
     assert turned.report.source["green"] == "down"
-    # of the two codes next to zero one is flat's: its neighbour becomes flat
+    # of the two codes next to zero, one encodes flat; pixels with the other become flat
     other = (stored(back) != stored(source)).any(axis=-1)
     assert (zero, bits) == ("127.5", "8") or not other.any()
     assert (stored(source)[other] == (128, 127, 255)).all()
@@ -106,7 +106,7 @@ def test_green_down_twice_is_nothing(tmp_path, bits, zero):
     assert ((up + low)[..., 1] == codes_of_zero)[~other].all()
 
 
-def test_the_zero_code_is_the_files_own_unless_it_is_given(tmp_path):
+def test_the_file_determines_the_zero_code_unless_it_is_given(tmp_path):
     flat = np.zeros((20, 30, 3), np.float32) + np.float32([0, 0, 1])
     nm.write_normal_map(as_map(flat), tmp_path / "a.png", nm.WriteOptions(bits="8", write_zero_code="128"))
     for given, expected in (("auto", "128"), ("127", "127"), ("127.5", "127.5")):
@@ -122,7 +122,7 @@ def test_a_background_becomes_alpha(run, tmp_path, dome, codes, png, backdrop):
     done = run("compose", "convert", source, tmp_path / "b.png", "--bits", 8)
     assert (done.code, done.out) == (0, "")
     assert f"background {backdrop}: coverage is stored in alpha" in done.err
-    assert "anti-aliased pixels took the normals next to them inside the motif" in done.err
+    assert "anti-aliased pixels took their normals from inside the motif" in done.err
     back = nm.read_normal_map(tmp_path / "b.png")
     assert back.decoding.background == "alpha"
     assert np.abs(back.coverage - d.cover).mean() < 0.01
@@ -132,7 +132,7 @@ def test_a_background_becomes_alpha(run, tmp_path, dome, codes, png, backdrop):
     inner = d.cover == 1
     inner[:, :] &= ~np.asarray(stored(source) == 0).all(axis=-1)
     same = (stored(tmp_path / "b.png")[..., :3] == stored(source)).all(axis=-1)
-    assert same[inner].mean() > 0.97  # the rim's inner side may be mixed, too
+    assert same[inner].mean() > 0.97  # the inner side of the rim may be blended, too
 
 
 def test_vectors_off_unit_length_are_normalised_once(tmp_path, run, codes, png):
@@ -158,7 +158,7 @@ def test_vectors_off_unit_length_are_normalised_once(tmp_path, run, codes, png):
 def test_two_components_become_three(run, tmp_path, dome, picture, components):
     d = dome()
     pair = d.normals[..., :2]
-    if components == "octahedral":  # all of it faces the viewer
+    if components == "octahedral":  # every normal faces the viewer
         pair = pair / np.abs(d.normals).sum(axis=-1, keepdims=True)
     source = picture(tmp_path / "a.exr", np.dstack([pair, d.inside]), ("R", "G", "A"))
     done = run("compose", "convert", source, tmp_path / "b.exr", "--components", components)
@@ -181,7 +181,7 @@ def test_noise_in_a_flat_background_is_counted(tmp_path, dome, codes, png):
 
 
 @pytest.mark.parametrize("ending", [".png", ".tif", ".exr"])
-def test_what_the_file_says_of_itself_is_kept_and_the_conversion_noted(tmp_path, ending):
+def test_metadata_are_kept_and_the_conversion_is_recorded(tmp_path, ending):
     recipe = {"command": "blend", "options": {"mode": "rnm"}}
     own = {"recipe": json.dumps(recipe), "layer": "detail", "view": "front"}
     nm.write_normal_map(as_map(facing(7), pitch_mm=0.125), tmp_path / "a.exr", attributes=own)
@@ -198,7 +198,7 @@ def test_what_the_file_says_of_itself_is_kept_and_the_conversion_noted(tmp_path,
     assert told["options"]["write_green"] == "down"
 
 
-def test_a_layers_name_and_a_recipe_that_is_no_json_are_kept(tmp_path, picture):
+def test_a_layer_name_and_a_recipe_that_is_not_json_are_kept(tmp_path, picture):
     names = ("detail.X", "detail.Y", "detail.Z", "base.X", "base.Y", "base.Z")
     both = np.dstack([facing(8), facing(9)])
     source = picture(tmp_path / "a.exr", both, names, nmaptool__recipe="by hand")
@@ -215,7 +215,7 @@ def test_a_recipe_that_cannot_be_read_is_kept_as_text(tmp_path, recipe):
     assert json.loads(nm.read_raster(tmp_path / "b.png").attributes["recipe"])["before"] == recipe
 
 
-def test_what_lies_under_alpha_0_becomes_flat_and_the_rest_stays(tmp_path, codes, png):
+def test_normals_under_alpha_0_become_flat_and_the_rest_is_kept(tmp_path, codes, png):
     normals = facing(11)
     alpha = np.full(normals.shape[:2], 65535, np.uint16)
     alpha[:, :40] = 0
@@ -226,14 +226,14 @@ def test_what_lies_under_alpha_0_becomes_flat_and_the_rest_stays(tmp_path, codes
     assert (back[:, :40] == (32768, 32768, 65535, 0)).all()
 
 
-def test_the_command_reports(run, tmp_path, clean_map):
+def test_the_command_reports_the_conversion(run, tmp_path, clean_map):
     words = ("compose", "convert", clean_map, "-o", tmp_path / "b.exr", "--bits", "half", "--write-green", "down")
     done = run(*words, "--curl", tmp_path / "curl.png", "--report", tmp_path / "r.json")
     assert (done.code, done.out) == (0, "")
     assert "was: 16 bit, zero at 127.5, green up; now: half, green down" in done.err
     assert "all vectors have unit length within rounding" in done.err
     assert "mean |curl|" in done.err
-    report = json.loads((tmp_path / "r.json").read_text())
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert report["source"]["bits"] == "16"
     assert report["target"] == {"bits": "half", "green": "down", "zero_code": "0", "alpha": True}
     assert report["curl_before"] == pytest.approx(report["curl_after"], abs=0.005)
@@ -244,20 +244,20 @@ def test_the_command_reports(run, tmp_path, clean_map):
     assert (again.code, again.err, json.loads(again.out)["command"]) == (0, "", "convert")
 
 
-def test_from_standard_input(run, tmp_path, clean_map, monkeypatch):
+def test_convert_reads_standard_input(run, tmp_path, clean_map, monkeypatch):
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(clean_map.read_bytes())))
     done = run("compose", "convert", "-", tmp_path / "b.png")
     assert (done.code, done.err.startswith("standard input: 96 x 96")) == (0, True)
     assert np.array_equal(stored(tmp_path / "b.png")[24:72, 24:72], stored(clean_map)[24:72, 24:72])
 
 
-def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
+def test_wrong_arguments_are_refused(refused, maps, tmp_path):
     clean, out = maps["clean"], tmp_path / "out.png"
     cases = (
         (2, r"no output given: add one", clean),
         (2, r"out.png: -o .*b.png also names the output; give only one of them", clean, out, "-o", tmp_path / "b.png"),
         (2, r"out.gif: ends in .gif; normal maps are written as", clean, tmp_path / "out.gif"),
-        (2, r"out.png: --bits half is not offered for .png; use 16 or 8", clean, out, "--bits", "half"),
+        (2, r"out.png: --bits half is not supported for .png; use 16 or 8", clean, out, "--bits", "half"),
         (2, r"clean.png: is also an input", clean, clean, "--overwrite"),
         (
             2,
@@ -269,20 +269,20 @@ def test_what_cannot_be_meant_is_refused(refused, maps, tmp_path):
         ),
         (3, r"missing.png: ", maps["missing"], out),
         (3, r"one.png: has 1 channel", maps["one"], out),
-        (3, r"nan.exr: 1 pixel\(s\) hold NaN", maps["nan"], out),
-        (5, r"small.png: exists already; give another name, or --overwrite", clean, maps["small"]),
+        (3, r"nan.exr: found 1 pixel with NaN", maps["nan"], out),
+        (5, r"small.png: already exists; give another name, or --overwrite", clean, maps["small"]),
         (5, r"the folder .* does not exist", clean, tmp_path / "no" / "out.png"),
     )
     for code, pattern, *words in cases:
         refused(code, pattern, "compose", "convert", *words)
 
 
-def test_the_function_refuses_like_the_command(maps, tmp_path):
+def test_the_function_refuses_what_the_command_refuses(maps, tmp_path):
     with pytest.raises(nm.UsageError, match=r"clean.png: is also an output; give another name for the output"):
         nm.convert(maps["clean"], maps["clean"], overwrite=True)
-    with pytest.raises(nm.OutputError, match=r"small.png: exists already"):
+    with pytest.raises(nm.OutputError, match=r"small.png: already exists"):
         nm.convert(maps["clean"], maps["small"])
-    with pytest.raises(nm.UsageError, match=r"b.exr: `bits='8'` is not offered for .exr; use float or half"):
+    with pytest.raises(nm.UsageError, match=r"b.exr: `bits='8'` is not supported for .exr; use float or half"):
         nm.convert(maps["clean"], tmp_path / "b.exr", writing=nm.WriteOptions(bits="8"))
     with pytest.raises(nm.InputError, match=r"one.png: has 1 channel"):
         nm.convert(maps["one"], tmp_path / "b.png")

@@ -1,4 +1,4 @@
-"""What reading gives besides the map: the vectors as stored; codes and signs in one place."""
+"""The vectors as stored, which reading returns besides the map; codes and signs."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def hemisphere():
 
 
 def raster(normals, length=1.0, signs=(1, 1, 1), order=(0, 1, 2), alpha=None):
-    """A float picture of normals that are ``length`` long, with channels and signs as a file might have them."""
+    """A float image of normals of ``length``, with channels and signs as in some files."""
     stored = np.empty_like(normals)
     stored[..., list(order)] = normals * np.float32(length) * np.array(signs, np.float32)
     channels = ("R", "G", "B") if alpha is None else ("R", "G", "B", "A")
@@ -40,7 +40,7 @@ def test_stored_vectors_are_in_eye_space_and_keep_their_lengths():
         assert np.abs(decoded.normal_map.normals - normals).max() < 1e-6
 
 
-def test_stored_vectors_do_not_know_of_the_background():
+def test_stored_vectors_ignore_the_background():
     alpha = np.ones(SHAPE, np.float32)
     alpha[:, :9] = 0
     image = raster(hemisphere(), alpha=alpha)
@@ -52,7 +52,7 @@ def test_stored_vectors_do_not_know_of_the_background():
 
 
 @pytest.mark.parametrize("components", ["xyz", "xy", "octahedral"])
-def test_decoding_an_image_gives_the_map_that_reading_gives(components):
+def test_decoding_an_image_gives_the_same_map_as_reading_it(components):
     codes = codec.encode_map(hemisphere(), None, 8, green="down", zero_code="128")
     image = nm.RasterImage(codes, ("R", "G", "B"))
     options = nm.ReadOptions(components=components, green="down")
@@ -64,7 +64,7 @@ def test_decoding_an_image_gives_the_map_that_reading_gives(components):
 
 
 @pytest.mark.parametrize("verb", [nm.inspect_map, lambda image: convert_image(image, "16")])
-def test_a_picture_is_decoded_once(monkeypatch, verb):
+def test_an_image_is_decoded_once(monkeypatch, verb):
     decoded = []
     original = decoding.decode_map
     monkeypatch.setattr(decoding, "decode_map", lambda *args: decoded.append(1) or original(*args))
@@ -74,7 +74,7 @@ def test_a_picture_is_decoded_once(monkeypatch, verb):
 
 @pytest.mark.parametrize("bits", [8, 16, 32])
 @pytest.mark.parametrize("green", ["up", "down"])
-def test_what_is_encoded_decodes_to_itself(bits, green):
+def test_encoding_then_decoding_gives_the_same_normals(bits, green):
     normals, coverage = hemisphere(), np.ones(SHAPE, np.float32)
     pixels = codec.encode_map(normals, coverage, bits, green=green)
     assert pixels.shape == (*SHAPE, 4)
@@ -91,12 +91,12 @@ def test_signs_never_make_a_negative_zero():
     turned = codec.apply_signs(flat, (1, -1, -1))
     assert turned.tolist() == [[0, 0, -1]]
     assert not np.signbit(turned[0, :2]).any()
-    assert np.signbit(flat[0, 1])  # the argument is as it was
+    assert np.signbit(flat[0, 1])  # the argument is unchanged
     assert codec.apply_signs(flat, (-1, 1, 1), out=flat) is flat
     assert not np.signbit(flat).any()
 
 
-def test_one_colour_decodes_like_a_picture_of_it():
+def test_one_colour_decodes_like_an_image_of_it():
     for coding, color in (
         (codec.Coding(255, "128"), (3, 200, 255)),
         (codec.Coding(65535, "127"), (3, 20000, 65000)),

@@ -1,4 +1,4 @@
-"""Rolling guidance on faces, against sums written out in full, and on surfaces whose base is known."""
+"""Rolling guidance on faces, compared with sums written out in full and on surfaces whose base is known."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def uneven(steps=16):
 
 
 def weighted(geometry, one, others, guide, sigma_s, sigma_r):
-    """Eq. 1 written out for one face."""
+    """Eq. 1 of the paper written out for one face."""
     step = geometry.centroids[others] - geometry.centroids[one]
     weight = geometry.areas[others] * np.exp(-(step**2).sum(axis=1) / (2 * sigma_s**2))
     if guide is not None:
@@ -33,7 +33,7 @@ def weighted(geometry, one, others, guide, sigma_s, sigma_r):
     return weight @ geometry.normals[others]
 
 
-def test_ring_is_the_papers_sum():
+def test_ring_equals_the_sum_of_the_paper():
     mesh = uneven(7)
     geometry = face_geometry(mesh)
     sigma_s, sigma_r = 2.5 * mean_edge_length(mesh), 0.4
@@ -53,7 +53,7 @@ def test_ring_is_the_papers_sum():
 
 
 def reached(mesh, centroids, one, radius):
-    """Faces that are reached over edges without leaving the ball around a face's centroid."""
+    """Faces that can be reached across edges without leaving the ball around a face's centroid."""
     first, second = face_neighbors(mesh.faces)
     near = {}
     for a, b in zip(np.r_[first, second], np.r_[second, first], strict=True):
@@ -70,7 +70,7 @@ def reached(mesh, centroids, one, radius):
 
 @pytest.mark.parametrize(("mesh", "sigma"), [(uneven(16), 2.0), (uneven(24), 4.0), (uneven(24), 6.0)])
 def test_surface_is_close_to_the_exact_sum(mesh, sigma):
-    """The stated error of the approximation: 0.6 degrees on average, 1.5 for 95 of 100 faces, after every pass."""
+    """The documented error after every pass: 0.6 degrees on average, at most 1.5 for 95 of 100 faces."""
     geometry = face_geometry(mesh)
     sigma_s, sigma_r = sigma * mean_edge_length(mesh), 0.5
     gather = gather_surface(mesh, sigma_s, sigma_r)
@@ -84,10 +84,10 @@ def test_surface_is_close_to_the_exact_sum(mesh, sigma):
         assert error.mean() < 0.6
         assert np.percentile(error, 95) < 1.5
         guide = sums
-    assert angles(guide, geometry.normals).mean() > 3  # the filter does something
+    assert angles(guide, geometry.normals).mean() > 3  # the filter has an effect
 
 
-def test_every_bit_of_the_original_is_in_base_and_residual():
+def test_base_and_residual_give_the_original_bit_for_bit():
     for kind in ("rnf", "grnf"):
         found = nm.decompose_normals(uneven(20), nm.FilterOptions(filter=kind))
         assert np.array_equal(found.base + found.residual, found.normals)
@@ -109,7 +109,7 @@ def test_a_plane_has_no_detail(neighborhood):
 
 
 def test_thin_parts_do_not_leak():
-    """Two sides of a sheet a tenth of sigma_s thick: a ball holds both, the surface only one."""
+    """A sheet only sigma_s/10 thick: a ball contains both sides, the surface neighbourhood only one."""
     side = sheet(lambda x, y: 0 * x + 0.4, 24, 24)
     other = sheet(lambda x, y: 0.02 * np.cos(x), 24, 24)
     flipped = nm.Mesh(other.vertices, np.ascontiguousarray(other.faces[:, ::-1]))
@@ -119,7 +119,7 @@ def test_thin_parts_do_not_leak():
     assert angles(both.filtered[len(side.faces) :], [0, 0, -1.0]).max() < 2
 
 
-def test_turning_the_mesh_turns_the_base():
+def test_rotating_the_mesh_rotates_the_base():
     mesh = uneven(24)
     turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
     turn *= np.sign(np.linalg.det(turn))
@@ -135,7 +135,7 @@ def test_turning_the_mesh_turns_the_base():
 
 
 def bumpy_roof(side=48, bump=1.0, size=1.6, apart=8):
-    """Two planes that meet in a sharp right angle, with round bumps of ``size`` edges on them."""
+    """Two planes that meet at a sharp right angle, with round bumps of ``size`` edges on them."""
 
     def height(x, y):
         on = np.exp(
@@ -160,16 +160,16 @@ def test_small_bumps_go_into_detail_and_a_crease_stays_sharp():
     error = angles(found.base, true)
     bumps, crease = inside & (before > 8), inside & (np.abs(x) < 3)
     assert before[bumps].mean() > 12
-    assert error[bumps].mean() < 2.5  # the angle error of the base where bumps were
+    assert error[bumps].mean() < 2.5  # the angular error of the base where the bumps were
     assert error[inside].mean() < 1.5
-    assert error[crease].max() < 5  # neither side leans over to the other
+    assert error[crease].max() < 5  # neither side tilts towards the other
     assert found.is_detail[bumps].mean() > 0.9
     ring = nm.decompose_normals(mesh, nm.FilterOptions(neighborhood="ring", sigma_s=8.0, sigma_r=0.35))
     assert angles(ring.base, true)[bumps].mean() > 2 * error[bumps].mean()
 
 
-def test_keeping_what_is_under_the_threshold_leaves_bumps_in_the_base():
-    """Why rnf is the default: grnf keeps the slopes of bumps up to theta, with a jump of theta at its end."""
+def test_keeping_normals_under_the_threshold_leaves_bumps_in_the_base():
+    """Why rnf is the default: grnf keeps the slopes of bumps up to theta and jumps by theta beyond."""
     mesh = bumpy_roof(apart=5, size=1.8)
     _, true = true_roof(mesh)
     inside = (np.abs(mesh.corners.mean(axis=1)[:, :2]) < 20).all(axis=1)
@@ -199,14 +199,14 @@ def test_refining_the_mesh_changes_surface_little_and_ring_much():
     assert moved["ring"] > 3 * moved["surface"]
 
 
-def test_sigma_s_in_edges_in_mm_and_in_percent():
+def test_sigma_s_may_be_in_edges_mm_or_percent():
     mesh = nm.Mesh(uneven(12).vertices, uneven(12).faces, mm_per_unit=10.0)
     edge, longest = mean_edge_length(mesh), float(np.ptp(mesh.vertices, axis=0).max())
     sizes = (2.0, nm.length(f"{2 * edge * 10:.12f}mm"), nm.length(f"{200 * edge / longest:.12f}%"))
     bases = [nm.decompose_normals(mesh, nm.FilterOptions(sigma_s=size)).base for size in sizes]
     assert angles(bases[0], bases[1]).mean() < 1e-3
     assert angles(bases[0], bases[2]).mean() < 1e-3
-    with pytest.raises(nm.UsageError, match=r"`sigma_s='3px'`: a mesh has no pixels; give edges, mm or %"):
+    with pytest.raises(nm.UsageError, match=r"`sigma_s='3px'`: a mesh has no pixels; give edge lengths, mm or %"):
         nm.FilterOptions(sigma_s=nm.length("3px"))
 
 
@@ -234,7 +234,7 @@ BOX_FACES += [[1, 5, 7], [1, 7, 3]]
 @pytest.mark.parametrize("neighborhood", ["ring", "surface"])
 @pytest.mark.parametrize("sigma", [1.0, 3.0, 8.0])
 def test_a_box_smaller_than_the_neighborhood_keeps_its_sides(neighborhood, sigma):
-    """Its normals cancel out: what is left of their sum is rounding, and no direction."""
+    """Its normals cancel; only rounding is left of their sum, which is not a direction."""
     box = nm.Mesh(BOX, np.array(BOX_FACES, np.int32))
     found = nm.decompose_normals(box, nm.FilterOptions(neighborhood=neighborhood, sigma_s=sigma))
     assert angles(found.base, found.normals).max() < 5

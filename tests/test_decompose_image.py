@@ -1,4 +1,4 @@
-"""The base layer by rolling guidance in the picture: exact sums, what stays, what goes, and what does not count."""
+"""The base layer by rolling guidance in the image: exact sums, what is kept, removed and ignored."""
 
 import threading
 
@@ -15,7 +15,7 @@ FLAT = np.float32([0, 0, 1])
 
 
 def exact(normals, coverage, sigma_s, sigma_r, iterations, reach=np.inf):
-    """Every pair of pixels, in float64; after the first pass those further than ``reach`` sigmas do not count."""
+    """The filter over all pairs of pixels, in float64; later passes skip those farther than ``reach`` sigmas."""
     y, x = np.indices(coverage.shape).reshape(2, -1)
     apart2 = (y[:, None] - y) ** 2 + (x[:, None] - x) ** 2
     weight = np.exp(-apart2 / (2 * sigma_s**2)) * coverage.ravel()
@@ -39,7 +39,7 @@ def from_slopes(p, q):
 
 
 def rough(rows=44, cols=37, seed=0):
-    """A crease, waves and noise, covered by a disc with a soft edge."""
+    """A crease with waves and noise, covered in a disc with a soft edge."""
     y, x = np.indices((rows, cols)) / 10
     noise = np.random.default_rng(seed).normal(size=(2, rows, cols)) * 0.15
     normals = from_slopes(np.where(x > 1.7, 0.7, -0.5) + noise[0], 0.4 * np.sin(3 * y) + noise[1])
@@ -53,7 +53,7 @@ def rolling_guidance(normals, coverage, sigma_s=4.0, sigma_r=0.4, iterations=4):
 
 @pytest.mark.parametrize("sigma_s", [0.7, 2.0, 3.5])
 @pytest.mark.parametrize("sigma_r", [0.15, 0.5])
-def test_narrow_filters_are_the_definition_within_three_sigmas(sigma_s, sigma_r):
+def test_narrow_filters_equal_the_definition_within_three_sigmas(sigma_s, sigma_r):
     normals, cover = rough()
     error = angle_deg(
         rolling_guidance(normals, cover, sigma_s, sigma_r), exact(normals, cover, sigma_s, sigma_r, 4, reach=3)
@@ -73,7 +73,7 @@ def test_every_filter_is_close_to_the_definition(sigma_s, sigma_r):
 
 
 @pytest.mark.parametrize("sigma_s", [0.01, 1.0, 6.0, 100.0])
-def test_one_pass_is_a_gaussian(sigma_s):
+def test_one_pass_equals_a_gaussian(sigma_s):
     normals, cover = rough()
     assert (
         angle_deg(rolling_guidance(normals, cover, sigma_s, 0.3, 1), exact(normals, cover, sigma_s, 0.3, 1)).max()
@@ -82,7 +82,7 @@ def test_one_pass_is_a_gaussian(sigma_s):
 
 
 @pytest.mark.parametrize("sigma_s", [3.0, 9.0, 40.0])
-def test_a_constant_map_stays(sigma_s):
+def test_a_constant_map_is_unchanged(sigma_s):
     normals = np.broadcast_to(np.float32([0.48, -0.6, 0.64]), (40, 50, 3)).copy()
     cover = rough(40, 50)[1]
     expected = np.where(cover[..., None] > 0, normals, FLAT)
@@ -90,7 +90,7 @@ def test_a_constant_map_stays(sigma_s):
 
 
 @pytest.mark.parametrize("sigma_s", [4.0, 8.0])
-def test_bumps_go_and_the_crease_stays_sharp(sigma_s):
+def test_bumps_are_removed_and_the_crease_stays_sharp(sigma_s):
     y, x = np.indices((96, 96))
     planes = from_slopes(np.where(x < 48, 0.7, -0.7), np.zeros((96, 96)))
     p = np.where(x < 48, 0.7, -0.7) + 0.25 * np.sin(x * 1.6) * np.cos(y * 1.3)
@@ -105,7 +105,7 @@ def test_bumps_go_and_the_crease_stays_sharp(sigma_s):
 
 
 @pytest.mark.parametrize("sigma_s", [3.0, 7.0, 20.0])
-def test_nothing_outside_counts(sigma_s):
+def test_pixels_outside_the_coverage_are_ignored(sigma_s):
     normals, cover = rough(seed=1)
     outside = cover == 0
     expected = rolling_guidance(np.where(outside[..., None], FLAT, normals), cover, sigma_s)
@@ -137,7 +137,7 @@ TURNS = {
 
 @pytest.mark.parametrize("turn", TURNS)
 @pytest.mark.parametrize("sigma_s", [3.0, 7.0, 18.0])
-def test_turning_the_map_turns_the_result(turn, sigma_s):
+def test_rotating_the_map_rotates_the_result(turn, sigma_s):
     move, turned = TURNS[turn]
     normals, cover = rough(61, 48)
     expected = turned(move(rolling_guidance(normals, cover, sigma_s)))
@@ -147,7 +147,7 @@ def test_turning_the_map_turns_the_result(turn, sigma_s):
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 23), (31, 1), (2, 3), (5, 70)])
 @pytest.mark.parametrize("sigma_s", [0.5, 6.0, 500.0, 1e300])
-def test_pictures_of_any_size(shape, sigma_s):
+def test_images_of_any_size_are_filtered(shape, sigma_s):
     normals = rough(*shape)[0]
     cover = np.ones(shape, np.float32)
     error = angle_deg(rolling_guidance(normals, cover, sigma_s), exact(normals, cover, min(sigma_s, 1e6), 0.4, 4))
@@ -155,7 +155,7 @@ def test_pictures_of_any_size(shape, sigma_s):
     assert np.abs(np.linalg.norm(rolling_guidance(normals, cover, sigma_s), axis=-1) - 1).max() < 1e-6
 
 
-def test_extreme_range_sigmas():
+def test_extreme_range_sigmas_blur_or_keep_everything():
     normals, cover = rough()
     covered = cover > 0
     assert (
@@ -165,17 +165,17 @@ def test_extreme_range_sigmas():
     assert angle_deg(rolling_guidance(normals, cover, 3.0, 1e-300), normals)[covered].max() < 0.1
 
 
-def test_opposite_normals_that_cancel_out_stay():
+def test_opposite_normals_that_cancel_are_unchanged():
     normals = np.float32([[[1, 0, 0], [-1, 0, 0]]])
     assert np.array_equal(rolling_guidance(normals, np.ones((1, 2), np.float32), 1e9, 0.5, 1), normals)
 
 
-def test_an_uncovered_picture_is_flat():
+def test_an_uncovered_image_is_flat():
     normals = rough()[0]
     assert (rolling_guidance(normals, np.zeros(normals.shape[:2], np.float32)) == FLAT).all()
 
 
-def test_what_is_given_stays_and_runs_agree():
+def test_arguments_are_not_changed_and_runs_agree():
     normals, cover = rough()
     kept = normals.copy(), cover.copy()
     first = rolling_guidance(nm.NormalMap(normals, cover, nm.Frame(*cover.shape)).normals, cover, 7.0)
@@ -183,7 +183,7 @@ def test_what_is_given_stays_and_runs_agree():
     assert np.array_equal(first, rolling_guidance(normals, cover, 7.0))
     assert np.array_equal(normals, kept[0])
     assert np.array_equal(cover, kept[1])
-    # memory in another order is the same map
+    # the memory layout does not matter
     assert np.array_equal(first, rolling_guidance(np.asfortranarray(normals), np.asfortranarray(cover), 7.0))
 
 
@@ -201,7 +201,7 @@ def test_progress_ends_at_one(iterations):
 
 
 @pytest.mark.parametrize("cores", [1, 3])
-def test_only_the_projects_own_threads_filter(cores, monkeypatch):
+def test_only_threads_of_the_project_filter(cores, monkeypatch):
     normals, cover = rough()
     expected = rolling_guidance(normals, cover, 7.0)
     monkeypatch.setattr(parallel, "cores", lambda: cores)
@@ -220,7 +220,7 @@ def test_only_the_projects_own_threads_filter(cores, monkeypatch):
     assert all(thread.name.startswith("nmaptool") for thread in others)
 
 
-def test_progress_is_told_by_the_thread_that_filters(monkeypatch):
+def test_the_filtering_thread_reports_progress(monkeypatch):
     monkeypatch.setattr(parallel, "cores", lambda: 3)
     monkeypatch.setattr(image, "_BATCH", 256)
     told_by = []
@@ -236,39 +236,39 @@ def test_progress_is_told_by_the_thread_that_filters(monkeypatch):
 
 @pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
 @pytest.mark.parametrize("name", ["sigma_s_px", "sigma_r"])
-def test_sigmas_that_cannot_be_meant(name, value):
-    with pytest.raises(nm.UsageError, match=f"{name} {value:g}: must be greater than zero"):
+def test_invalid_sigmas_are_refused(name, value):
+    with pytest.raises(nm.UsageError, match=f"`{name}={value:g}`: must be finite and greater than zero"):
         rolling_guidance_image(*rough(), **{"sigma_s_px": 3.0, "sigma_r": 0.5, "iterations": 3, name: value})
 
 
-def test_iterations_that_cannot_be_meant():
-    with pytest.raises(nm.UsageError, match="iterations 0: must be at least 1"):
+def test_invalid_iterations_are_refused():
+    with pytest.raises(nm.UsageError, match="`iterations=0`: must be at least 1"):
         rolling_guidance(*rough(), iterations=0)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 3e38, 0.9])
-def test_vectors_that_are_no_normals_are_refused(bad):
+def test_vectors_that_are_not_normals_are_refused(bad):
     normals, cover = rough()
     normals[0, 0] = (0, 0, bad)
-    with pytest.raises(nm.InputError, match="normals must be finite and of unit length"):
+    with pytest.raises(nm.InputError, match="the normals must be finite and of unit length"):
         rolling_guidance(normals, cover)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -0.1, 1.1])
-def test_coverage_that_is_none_is_refused(bad):
+def test_invalid_coverage_is_refused(bad):
     normals, cover = rough()
     cover[3, 4] = bad
-    with pytest.raises(nm.InputError, match=r"coverage must lie in \[0, 1\]"):
+    with pytest.raises(nm.InputError, match=r"the coverage must be in \[0, 1\]"):
         rolling_guidance(normals, cover)
 
 
-def test_arrays_that_do_not_fit_are_refused():
+def test_arrays_of_wrong_shapes_are_refused():
     normals, cover = rough()
-    with pytest.raises(nm.InputError, match=r"normals are float64 \(44, 37, 3\), expected float32 \(H, W, 3\)"):
+    with pytest.raises(nm.InputError, match=r"the normals must be float32 \(H, W, 3\); found float64 \(44, 37, 3\)"):
         rolling_guidance(normals.astype(float), cover)
-    with pytest.raises(nm.InputError, match=r"normals are float32 \(44, 37, 2\), expected"):
+    with pytest.raises(nm.InputError, match=r"the normals must be float32 \(H, W, 3\); found float32 \(44, 37, 2\)"):
         rolling_guidance(normals[..., :2], cover)
-    with pytest.raises(nm.InputError, match=r"coverage is float32 \(37, 44\), expected float32 \(44, 37\)"):
+    with pytest.raises(nm.InputError, match=r"the coverage must be float32 \(44, 37\); found float32 \(37, 44\)"):
         rolling_guidance(normals, cover.T)
-    with pytest.raises(nm.InputError, match="without pixels"):
+    with pytest.raises(nm.InputError, match="the normal map has no pixels"):
         rolling_guidance(normals[:0], cover[:0])

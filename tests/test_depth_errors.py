@@ -1,4 +1,4 @@
-"""What depth_to_normals and its options refuse, each in one clear line."""
+"""Errors of depth_to_normals and its options, each in one clear line."""
 
 from __future__ import annotations
 
@@ -32,76 +32,82 @@ def colored(apart: float) -> nm.RasterImage:
         ({"depth_scale": "0px"}, r"`depth_scale='0px'`: must be greater than zero"),
     ],
 )
-def test_options(given: dict[str, Any], pattern: str) -> None:
+def test_invalid_options_are_refused(given: dict[str, Any], pattern: str) -> None:
     with pytest.raises(nm.UsageError, match=pattern):
         nm.DepthOptions(**given)
 
 
 @pytest.mark.parametrize("flag", ["depth_scale", "jump", "smooth"])
-def test_mm_need_the_size_of_a_pixel(flag: str) -> None:
-    pattern = rf"`{flag}='2mm'`: image does not say how large a pixel is; give px or %"
+def test_mm_need_a_pitch(flag: str) -> None:
+    pattern = rf"`{flag}='2mm'`: the pitch of image is unknown; give px or %, or the `width` of the picture"
     with pytest.raises(nm.UsageError, match=pattern):
         nm.depth_to_normals(picture(RAMP, 8), nm.DepthOptions(**{flag: "2mm"}))
 
 
-def test_colour() -> None:
-    with pytest.raises(nm.InputError, match=r"photo\.jpg: is a colour picture; a depth or height picture is grey"):
+def test_a_colour_image_is_refused_and_a_nearly_grey_one_is_accepted() -> None:
+    with pytest.raises(nm.InputError, match=r"photo\.jpg: is a colour picture, but depth and height pictures are grey"):
         nm.depth_to_normals(colored(30))
     noisy = nm.depth_to_normals(colored(3))
-    assert "its colours differ a little" in noisy.report.warnings[0]
+    assert "the colour channels differ slightly" in noisy.report.warnings[0]
     exact = nm.depth_to_normals(colored(0))
     assert exact.report.warnings == ()
     grey = nm.depth_to_normals(nm.RasterImage(RAMP.astype(np.uint8)[..., None], ("Y",), lossy=True))
     np.testing.assert_array_equal(exact.normal_map.normals, grey.normal_map.normals)
 
 
-def test_channels() -> None:
+def test_wrong_channels_are_refused() -> None:
     odd = nm.RasterImage(np.zeros((4, 4, 2), np.float32), ("Z", "ZBack"), name="deep.exr", bits=32)
-    with pytest.raises(nm.InputError, match=r"deep\.exr: has channels Z, ZBack; a depth picture has one grey channel"):
+    with pytest.raises(
+        nm.InputError, match=r"deep\.exr: has the channels Z, ZBack, but a depth picture has one grey channel"
+    ):
         nm.depth_to_normals(odd)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_nothing_there(value: float) -> None:
-    with pytest.raises(nm.InputError, match="no pixel has a depth; all are transparent, NaN or infinite"):
+def test_an_image_without_any_depth_is_refused(value: float) -> None:
+    with pytest.raises(nm.InputError, match="no pixel has a depth: all are transparent, NaN or infinite"):
         nm.depth_to_normals(picture(np.full((8, 8), value)))
     with pytest.raises(nm.InputError, match="no pixel has a depth greater than 0"):
         nm.depth_to_normals(picture(np.zeros((8, 8))), nm.DepthOptions(invert=True))
 
 
-def test_what_the_file_says_is_not_contradicted() -> None:
+def test_options_that_contradict_the_file_are_refused() -> None:
     height = picture(RAMP, name="h.exr", attributes={"kind": "height", "pitch_mm": "0.5"})
-    with pytest.raises(nm.UsageError, match=r"`invert`: h\.exr says itself that it holds height; leave it out"):
+    with pytest.raises(
+        nm.UsageError, match=r"`invert`: h\.exr declares that it holds height, which fixes the direction; omit it"
+    ):
         nm.depth_to_normals(height, nm.DepthOptions(invert=True))
-    with pytest.raises(nm.UsageError, match=r"`fov`: h\.exr holds heights, which no camera sees in perspective"):
+    with pytest.raises(nm.UsageError, match=r"`fov`: h\.exr holds heights, which have no perspective; omit `fov`"):
         nm.depth_to_normals(height, nm.DepthOptions(fov=40))
     unknown = picture(RAMP, name="h.exr", attributes={"kind": "height"})
-    with pytest.raises(nm.UsageError, match=r"h\.exr: holds height in mm but does not say how large a pixel is"):
+    with pytest.raises(nm.UsageError, match=r"h\.exr: holds height in mm, but its pitch is unknown; give the `width`"):
         nm.depth_to_normals(unknown)
     for ends in ({}, {"near_mm": "1", "far_mm": "far"}, {"near_mm": "nan", "far_mm": "2"}):
         damaged = picture(RAMP, 8, name="d.png", attributes={"kind": "depth", "pitch_mm": "1", **ends})
-        with pytest.raises(nm.InputError, match=r"d\.png: says that it holds depth but not from where to where"):
+        with pytest.raises(nm.InputError, match=r"d\.png: declares that it holds depth, but not its range"):
             nm.depth_to_normals(damaged)
 
 
-def test_cameras() -> None:
-    with pytest.raises(nm.UsageError, match="`depth_scale`: white would stand 100 px in front of black, behind a cam"):
+def test_impossible_cameras_are_refused() -> None:
+    with pytest.raises(nm.UsageError, match="`depth_scale`: white is 100 px in front of black, but with `fov="):
         nm.depth_to_normals(picture(RAMP, 8), nm.DepthOptions(depth_scale="100px", fov=90))
     depth = picture(RAMP - 10, name="d.exr", attributes={"kind": "depth", "pitch_mm": "1"})
-    with pytest.raises(nm.InputError, match=r"d\.exr: holds a depth of -10, which a camera with `fov` cannot see"):
+    with pytest.raises(
+        nm.InputError, match=r"d\.exr: has a depth of -10; with `fov`, depths are distances from the eye"
+    ):
         nm.depth_to_normals(depth, nm.DepthOptions(fov=40, background="none"))
 
 
-def test_masks() -> None:
+def test_wrong_masks_are_refused() -> None:
     image = picture(RAMP, 8)
     with pytest.raises(nm.InputError, match="image is 40 x 30 pixels but the mask is 4 x 3; make them the same size"):
         nm.depth_to_normals(image, mask=np.ones((3, 4), np.float32))
-    with pytest.raises(nm.InputError, match="the mask selects nothing of the picture"):
+    with pytest.raises(nm.InputError, match="the mask selects no part of the picture"):
         nm.depth_to_normals(image, mask=np.zeros((30, 40), np.float32))
     with pytest.raises(nm.InputError, match="the mask must hold values from 0 to 1"):
         nm.depth_to_normals(image, mask=np.full((30, 40), 255, np.float32))
 
 
-def test_a_path_is_no_picture() -> None:
+def test_a_path_instead_of_an_image_is_refused() -> None:
     with pytest.raises(nm.UsageError, match="must be a RasterImage, found str; read one with read_raster"):
         nm.depth_to_normals("depth.png")  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""What a depth file says of itself is read once, into values; nothing else looks at its metadata."""
+"""The metadata of a depth file are read once, into values that everything else uses."""
 
 import json
 
@@ -16,7 +16,7 @@ def bowl():
     return (100 + (x * x + y * y) / 90).astype(np.float32)[..., None]
 
 
-def test_a_json_text_does_not_steer_the_depths():
+def test_json_text_alone_does_not_affect_the_depths():
     text = {"kind": "depth", "pitch_mm": "0.5", "recipe": json.dumps({"fov": 50.0})}
     plain = nm.RasterImage(bowl(), ("Y",), bits=32, attributes={"pitch_mm": "0.5"})
     result = nm.depth_to_normals(nm.RasterImage(bowl(), ("Y",), bits=32, attributes=text))
@@ -24,7 +24,7 @@ def test_a_json_text_does_not_steer_the_depths():
     assert (result.report.kind, result.report.fov, result.report.fov_from) == ("grey", 0, "assumed")
 
 
-def test_facts_steer_the_depths():
+def test_the_facts_set_the_depths():
     attributes, facts = {"pitch_mm": "0.5"}, nm.DepthFacts("depth", fov_deg=50.0)
     image = nm.RasterImage(bowl(), ("Y",), bits=32, attributes=attributes, depth_facts=facts)
     report = nm.depth_to_normals(image).report

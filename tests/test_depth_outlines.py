@@ -1,4 +1,4 @@
-"""A sphere in front of a plane: the outline tilts neither of them."""
+"""A sphere in front of a plane: neither is tilted along the outline."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from depth_cases import Ball, angles, ball, coded, grid, normals_of_slopes
 
 import nmaptool as nm
 
-# A smoothed pixel that both share almost evenly may fall to either, but to one of them it does.
+# A smoothed pixel that both cover almost equally may be assigned to either, but always to one of them.
 UNDECIDED = (0.4, 0.6)
 SMOOTHED = pytest.mark.parametrize("over", [1, 8], ids=["crisp", "smoothed"])
 UP = (0.0, 0.0, 1.0)
@@ -20,7 +20,7 @@ def from_picture(scene: Ball, bits: int) -> nm.DepthResult:
 
 
 def errors(scene: Ball, result: nm.DepthResult) -> np.ndarray:
-    """Angle in degrees of every pixel to the normal of its own surface, sphere or plane."""
+    """Angle in degrees between each pixel's normal and that of its own surface, sphere or plane."""
     normals = result.normal_map.normals
     sphere, plane = angles(normals, scene.normals), angles(normals, UP)
     either = (scene.cover > UNDECIDED[0]) & (scene.cover < UNDECIDED[1])
@@ -39,8 +39,8 @@ def test_no_pixel_of_an_outline_is_tilted(bits: int, over: int, radius: float) -
 
 @SMOOTHED
 @pytest.mark.parametrize(("radius", "most"), [(30.0, 7.5), (60.0, 5.0), (100.0, 5.0)])
-def test_nor_is_it_in_8_bits(radius: float, most: float, over: int) -> None:
-    # a step of the codes is 0.24 to 0.78 px high
+def test_no_pixel_of_an_outline_is_tilted_in_8_bits(radius: float, most: float, over: int) -> None:
+    # one code is 0.24 to 0.78 px high
     scene = ball(int(2 * radius) + 40, radius, radius, over)
     off = errors(scene, from_picture(scene, 8))
     assert off.max() < most
@@ -49,7 +49,7 @@ def test_nor_is_it_in_8_bits(radius: float, most: float, over: int) -> None:
 
 @SMOOTHED
 @pytest.mark.parametrize("bits", [8, 16, 32])
-def test_the_plane_stays_a_plane(bits: int, over: int) -> None:
+def test_the_plane_stays_flat(bits: int, over: int) -> None:
     scene = ball(192, 60.0, 60.0, over)
     plane = scene.cover < UNDECIDED[0]
     assert angles(from_picture(scene, bits).normal_map.normals, UP)[plane].max() < 1
@@ -72,7 +72,7 @@ def test_a_narrow_chamfer_at_an_outline_is_not_flattened() -> None:
     image, scale = coded(heights, 32)
     result = nm.depth_to_normals(image, nm.DepthOptions(depth_scale=scale, background="none"))
     p = np.where(inside & (20 - np.abs(x) < chamfer - 1), -np.sign(x), 0.0)
-    known = (np.abs(x) > 18) | (np.abs(x) < 15)  # the crease itself lies between its two sides
+    known = (np.abs(x) > 18) | (np.abs(x) < 15)  # excludes the crease itself, where both sides meet
     assert angles(result.normal_map.normals, normals_of_slopes(p, 0 * p))[known].max() < 8
 
 
@@ -91,7 +91,7 @@ def test_a_thin_round_stem_is_round(width: int) -> None:
     assert angles(normals, true)[stem].mean() < 20
 
 
-def test_jumps_are_beside_the_outline_only_and_have_its_height() -> None:
+def test_jumps_lie_only_along_the_outline_and_have_its_height() -> None:
     scene = ball(192, 60.0, 60.0)
     image, scale = coded(scene.heights, 16)
     jumps = nm.depth_to_normals(image, nm.DepthOptions(depth_scale=scale)).jumps
@@ -103,7 +103,7 @@ def test_jumps_are_beside_the_outline_only_and_have_its_height() -> None:
     assert jumps[beside].min() >= 60
 
 
-def test_without_jumps_the_plane_is_torn_up() -> None:
+def test_without_jumps_the_plane_is_distorted() -> None:
     scene = ball(192, 60.0, 60.0)
     image, scale = coded(scene.heights, 16)
     result = nm.depth_to_normals(image, nm.DepthOptions(depth_scale=scale, jump="none", background="none"))
@@ -113,7 +113,7 @@ def test_without_jumps_the_plane_is_torn_up() -> None:
     assert not result.jumps.any()
 
 
-def test_a_jump_by_hand_is_a_height() -> None:
+def test_a_given_jump_is_a_height() -> None:
     x = np.arange(64) - 32.0
     steps = np.where(x < -10, 0.0, np.where(x < 10, 3.0, 8.0))
     heights = np.tile(steps, (64, 1))
@@ -125,7 +125,7 @@ def test_a_jump_by_hand_is_a_height() -> None:
     assert angles(both.normal_map.normals, (0.0, 0.0, 1.0)).max() == 0
 
 
-def test_a_motif_of_one_pixel_has_a_jump_all_around() -> None:
+def test_a_motif_of_one_pixel_has_jumps_all_around_or_none() -> None:
     heights = np.zeros((32, 32))
     heights[10, 12] = 20
     image, scale = coded(heights, 32)
@@ -137,7 +137,7 @@ def test_a_motif_of_one_pixel_has_a_jump_all_around() -> None:
 @pytest.mark.parametrize("width", [5.0, 8.0, 20.0])
 @pytest.mark.parametrize("height", [10.0, 40.0])
 @pytest.mark.parametrize("angle", [0.0, 27.0, 45.0])
-def test_steep_but_continuous_cliffs_are_no_jumps(width: float, height: float, angle: float) -> None:
+def test_steep_but_continuous_cliffs_are_not_jumps(width: float, height: float, angle: float) -> None:
     y, x = np.mgrid[:96, :96] - 48.0
     along = x * np.cos(np.radians(angle)) + y * np.sin(np.radians(angle))
     ramp = height * np.clip(along / width + 0.5, 0, 1)
@@ -146,13 +146,13 @@ def test_steep_but_continuous_cliffs_are_no_jumps(width: float, height: float, a
         image, scale = coded(heights, 32)
         result = nm.depth_to_normals(image, nm.DepthOptions(depth_scale=scale, background="none"))
         assert result.report.jumps == 0
-        # the cliff's whole height is in the slopes, rows across it
+        # summed across the cliff, the slopes give its full height
         p = -result.normal_map.normals[..., 0] / result.normal_map.normals[..., 2]
         if angle == 0:
             np.testing.assert_allclose(p.sum(axis=1), heights[:, -1] - heights[:, 0], rtol=0.02, atol=0.05)
 
 
-def test_a_crease_is_no_jump() -> None:
+def test_a_crease_is_not_a_jump() -> None:
     y, x = np.mgrid[:64, :64] - 32.0
     for heights in (3 * np.abs(x + 0.3 * y), 5 * np.maximum(x, 0), np.minimum(2 * np.abs(x), np.abs(y))):
         image, scale = coded(heights, 32)

@@ -1,4 +1,4 @@
-"""How high, which way, how the camera saw it: options, metadata, files of this project, backgrounds."""
+"""Height, direction and camera of a depth image: options, metadata, own files, backgrounds."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def ramp16(**more: Any) -> nm.RasterImage:
     ("given", "width", "scale_px"),
     [("20px", None, 20.0), ("30%", None, 30.3), ("5mm", "202mm", 2.5), (None, None, 10.1), ("1in", "202mm", 12.7)],
 )
-def test_the_scale_is_in_px_mm_or_a_share_of_the_width(given: Any, width: Any, scale_px: float) -> None:
+def test_the_scale_may_be_in_px_mm_or_percent_of_the_width(given: Any, width: Any, scale_px: float) -> None:
     result = nm.depth_to_normals(ramp16(), nm.DepthOptions(depth_scale=given, width=width, background="none"))
     assert result.report.scale_px == pytest.approx(scale_px)
     assert result.report.scale_from == ("given" if given else "assumed")
@@ -38,12 +38,12 @@ def test_the_scale_is_in_px_mm_or_a_share_of_the_width(given: Any, width: Any, s
         assert result.normal_map.frame.pitch_mm == pytest.approx(2.0)
 
 
-def test_a_share_is_of_the_width_even_where_the_picture_is_tall() -> None:
+def test_a_percentage_refers_to_the_width_even_in_tall_images() -> None:
     tall = picture(np.tile(np.linspace(0, 65535, 200)[:, None], (1, 50)), 16)
     assert nm.depth_to_normals(tall, nm.DepthOptions(depth_scale="20%")).report.scale_px == pytest.approx(10)
 
 
-def test_invert_turns_every_slope() -> None:
+def test_invert_negates_every_slope() -> None:
     plain, turned = (nm.depth_to_normals(ramp16(), nm.DepthOptions(invert=i, background="none")) for i in (0, 1))
     np.testing.assert_allclose(slopes(turned)[0], -slopes(plain)[0], atol=1e-4)
     assert (turned.report.inverted, turned.report.inverted_from) == (True, "given")
@@ -61,7 +61,7 @@ def relief_of_dome(tmp_path: Path, name: str) -> tuple[Path, nm.Relief]:
 
 
 @pytest.mark.parametrize("ending", ["exr", "tif", "png"])
-def test_heights_of_a_relief_come_back_in_exact_mm(tmp_path: Path, ending: str) -> None:
+def test_heights_of_a_relief_are_read_back_in_exact_mm(tmp_path: Path, ending: str) -> None:
     path, relief = relief_of_dome(tmp_path, f"height.{ending}")
     result = nm.depth_to_normals(nm.read_raster(path), nm.DepthOptions(background="none"))
     assert (result.report.kind, result.report.scale_from, result.report.inverted) == ("height", "file", False)
@@ -88,7 +88,7 @@ def test_depth_of_a_baked_mesh_gives_the_baked_normals(tmp_path: Path, format: s
     inside = original.coverage == 1
     inside[1:-1, 1:-1] &= inside[:-2, 1:-1] & inside[2:, 1:-1] & inside[1:-1, :-2] & inside[1:-1, 2:]
     off = angles(result.normal_map.normals, original.normals)[inside]
-    # flat faces of some 12 px: differences across their edges lie between two faces
+    # flat faces some 12 px wide: differences across their edges lie between two faces
     assert np.median(off) < 0.6
     assert np.mean(off) < 2
     np.testing.assert_array_equal(result.normal_map.coverage > 0, original.coverage > 0)
@@ -97,7 +97,7 @@ def test_depth_of_a_baked_mesh_gives_the_baked_normals(tmp_path: Path, format: s
 
 
 @pytest.mark.parametrize("metre", [1.0, 0.001])
-def test_a_plane_and_a_sphere_in_perspective(metre: float) -> None:
+def test_a_plane_and_a_sphere_in_perspective_are_recovered(metre: float) -> None:
     x, y = grid(120, 160)
     fov = 60.0
     focal = 160 / (2 * np.tan(np.radians(fov / 2)))
@@ -125,7 +125,7 @@ def test_a_plane_and_a_sphere_in_perspective(metre: float) -> None:
     np.testing.assert_array_equal(result.normal_map.coverage > 0, inside)
 
 
-def test_grey_in_perspective_is_life_size_at_black() -> None:
+def test_grey_in_perspective_is_true_to_scale_at_black() -> None:
     x, _ = grid(60, 101)
     image = picture(np.tile(np.linspace(0, 65535, 101), (60, 1)), 16)
     result = nm.depth_to_normals(image, nm.DepthOptions(depth_scale="30px", fov=40, background="none"))
@@ -152,7 +152,7 @@ def test_the_lowest_flat_patch_is_the_background() -> None:
     assert whole.report.background == "none"
 
 
-def test_alpha_nan_and_a_mask_are_no_surface() -> None:
+def test_transparent_nan_and_masked_pixels_are_not_surface() -> None:
     x, y = grid(64, 64)
     z = (0.3 * x + 0.1 * y + 20).astype(np.float32)
     hole = np.hypot(x, y) < 12
@@ -171,7 +171,7 @@ def test_alpha_nan_and_a_mask_are_no_surface() -> None:
         assert result.report.jumps == 0
 
 
-def test_the_report_is_plain() -> None:
+def test_the_report_is_plain_json() -> None:
     result = nm.depth_to_normals(ramp16(), nm.DepthOptions(jump="3px"))
     values = json.loads(json.dumps(result.report.to_dict()))
     assert values["options"]["jump"] == "3px"

@@ -1,4 +1,4 @@
-"""Slopes of continuous surfaces: ramps, bowls, detail; stepped, noisy and clean."""
+"""Slopes of continuous surfaces: ramps, bowls and detail, from stepped, noisy and clean codes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STEP = 0.2
 
 
 def fitted(codes: np.ndarray, step: float = STEP, **more: object) -> nm.DepthResult:
-    """8-bit codes of which each is ``step`` px high."""
+    """Normals fitted to 8-bit codes that are ``step`` px high each."""
     options = nm.DepthOptions(depth_scale=f"{255 * step}px", background="none", **more)
     return nm.depth_to_normals(picture(codes, 8), options)
 
@@ -30,7 +30,7 @@ def test_stepped_ramps_give_the_normal_of_the_ramp(slope: float, angle: int) -> 
 
 
 @pytest.mark.parametrize("slope", [1.5, 2.3, 4.0])
-def test_stepped_ramps_of_several_codes_a_pixel(slope: float) -> None:
+def test_stepped_ramps_of_several_codes_per_pixel_give_the_normal(slope: float) -> None:
     x, y = grid(48, 48)
     p, q = slope * np.cos(0.4), slope * np.sin(0.4)
     result = fitted(127.5 + p * x + q * y)
@@ -38,19 +38,19 @@ def test_stepped_ramps_of_several_codes_a_pixel(slope: float) -> None:
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.05, 0.3, 0.8])
-def test_noisy_ramps(slope: float) -> None:
+def test_noisy_ramps_are_smoothed(slope: float) -> None:
     x, y = grid(SIDE, SIDE)
     noise = np.random.default_rng(4).normal(0, 1.2, x.shape)
     result = fitted(127.5 + slope * (0.8 * x + 0.6 * y) + noise)
     off = angles(result.normal_map.normals, normals_of_slopes(0.8 * slope * STEP, 0.6 * slope * STEP))
-    assert np.mean(off) < 1.5  # differences would be off by 9 degrees
+    assert np.mean(off) < 1.5  # plain differences would be off by 9 degrees
     assert result.report.noise_px == pytest.approx(1.2 * STEP, rel=0.15)
     assert result.report.jumps == 0
 
 
 @pytest.mark.parametrize("quality", [75, 90])
 @pytest.mark.parametrize("slope", [0.05, 0.3, 0.8])
-def test_compressed_ramps(slope: float, quality: int) -> None:
+def test_compressed_ramps_are_smoothed(slope: float, quality: int) -> None:
     import cv2
 
     x, y = grid(SIDE, SIDE)
@@ -72,7 +72,7 @@ QUADRATICS = {
 
 
 @pytest.mark.parametrize("name", QUADRATICS)
-def test_stepped_quadratics(name: str) -> None:
+def test_stepped_quadratics_give_the_slopes_of_the_surface(name: str) -> None:
     x, y = grid(SIDE, SIDE)
     height, slope = QUADRATICS[name]
     z = height(x, y)
@@ -140,7 +140,7 @@ TURNS = {
 
 @pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize("turn", TURNS)
-def test_turning_the_picture_turns_the_map(turn: str, bits: int) -> None:
+def test_rotating_the_image_rotates_the_map(turn: str, bits: int) -> None:
     x, y = grid(80, 80)
     disc = np.hypot(x - 5, y + 3) < 25
     z = 10 + 3 * np.sin(x / 9) * np.cos(y / 7) + np.where(disc, 25 + 0.2 * x, 0)
@@ -164,7 +164,7 @@ def test_a_constant_changes_nothing_and_the_scale_multiplies_slopes() -> None:
     np.testing.assert_allclose(m[..., :2] / m[..., 2:], 2 * n[..., :2] / n[..., 2:], atol=1e-4)
 
 
-def test_a_given_tolerance_smooths_and_none_believes_every_code() -> None:
+def test_a_given_tolerance_smooths_and_none_follows_every_code() -> None:
     x, _ = grid(96, 96)
     codes = np.floor(100 + 0.1 * x + 40 * np.random.default_rng(1).random(x.shape))
     rough, smooth = (fitted(codes, smooth=word) for word in ("none", "6px"))
@@ -174,7 +174,7 @@ def test_a_given_tolerance_smooths_and_none_believes_every_code() -> None:
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 9), (2, 2), (3, 7), (13, 5)])
-def test_tiny_pictures(shape: tuple[int, int]) -> None:
+def test_tiny_images_are_converted(shape: tuple[int, int]) -> None:
     for bits in (8, 16, 32):
         values = np.arange(shape[0] * shape[1]).reshape(shape) % 200
         result = nm.depth_to_normals(picture(values, bits), nm.DepthOptions(depth_scale="3px"))

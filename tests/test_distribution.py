@@ -1,4 +1,4 @@
-"""What is published: an sdist, the wheel built from it, and that wheel in an environment that holds nothing else."""
+"""The distribution: an sdist, the wheel built from it, and the wheel in an otherwise empty environment."""
 
 import os
 import re
@@ -19,19 +19,19 @@ from nmaptool._version import __version__
 
 ROOT = Path(__file__).parents[1]
 INFO = f"nmaptool_relief-{__version__}.dist-info"
-# pip's words where an index does not answer; a package that the index does not have is a failure
+# pip's output if the index does not respond; a package missing from the index counts as a failure
 UNREACHABLE = r"connection broken by|Temporary failure in name resolution|Network is unreachable|ConnectTimeout"
 
 
 def run(*words, folder):
-    """Run a program outside the checkout, without the variables that would lead it back there."""
+    """Run a program outside the checkout, without environment variables that point into it."""
     env = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
     how = {"capture_output": True, "text": True, "encoding": "utf-8", "errors": "replace"}
     return subprocess.run([*map(str, words)], check=False, cwd=folder, env=env, **how)
 
 
 def needs_index(done):
-    """Skip where no package index answers; fail where the program fails otherwise."""
+    """Skip the test if no package index responds; fail it if the program fails otherwise."""
     said = done.stdout + done.stderr
     if done.returncode != 0 and re.search(UNREACHABLE, said):
         pytest.skip("no package index can be reached")
@@ -51,7 +51,7 @@ def built(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def installed(built, tmp_path_factory):
-    """The folder of commands of a new environment with the wheel and what it depends on, and a folder to work in."""
+    """A new environment with the wheel and its dependencies: its folder of commands, and a working folder."""
     folder = tmp_path_factory.mktemp("installed")
     run(sys.executable, "-m", "venv", "--without-pip", folder / "venv", folder=folder)
     scripts = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
@@ -70,7 +70,7 @@ def installed(built, tmp_path_factory):
 
 
 def package_files():
-    """Every file of the two packages, under the names they are imported by."""
+    """Every file of the two packages, under its import path."""
     for folder, package in (("nmaptool", "nmaptool"), ("cli", "nmaptool_cli")):
         for path in (ROOT / folder).rglob("*"):
             if path.is_file() and "__pycache__" not in path.parts:
@@ -86,7 +86,7 @@ def test_the_wheel_holds_the_packages_with_their_data_and_nothing_else(built):
     assert {"nmaptool/py.typed", "nmaptool/__init__.pyi", "nmaptool/filters/learned/filter.npz"} < data
 
 
-def test_the_metadata_say_name_licence_and_commands(built):
+def test_the_metadata_state_name_licence_and_commands(built):
     with zipfile.ZipFile(built.wheel) as archive:
         metadata = Parser().parsestr(archive.read(f"{INFO}/METADATA").decode())
         licence = archive.read(f"{INFO}/licenses/LICENSE")
@@ -102,7 +102,7 @@ def test_the_metadata_say_name_licence_and_commands(built):
     assert [line for line in commands if line] == ["[console_scripts]", f"nmap = {start}", f"nmaptool = {start}"]
 
 
-def test_the_sdist_holds_what_is_built_and_no_tests(built):
+def test_the_sdist_holds_the_sources_and_no_tests(built):
     with tarfile.open(built.sdist) as archive:
         names = {name.partition("/")[2] for name in archive.getnames()}
     sources = {re.sub("^nmaptool_cli/", "cli/", name) for name in package_files()}
@@ -122,7 +122,7 @@ def test_the_wheel_alone_runs_the_commands(installed):
     assert stages.stdout.strip() == "3", stages.stderr
 
 
-def test_the_wheel_alone_bakes_and_carves(installed):
+def test_the_wheel_alone_bakes_and_makes_reliefs(installed):
     vase = ROOT / "samples" / "vase.ply"
     done = installed.nmap("bake", vase, "-o", "maps", "--size", "160x160")
     if done.returncode == 6:  # no OpenGL on this machine

@@ -1,4 +1,4 @@
-"""Options of layers and transforms that cannot be meant."""
+"""Invalid options of layers and transforms."""
 
 import pytest
 
@@ -12,15 +12,15 @@ LAYER, TRANSFORM = nm.LayerOptions, nm.TransformOptions
     [
         (LAYER, {"mode": "screen"}, "`mode='screen'`: use one of over, rnm, pd"),
         (LAYER, {"anchor": "middle"}, "`anchor='middle'`: use one of center, top-left"),
-        (LAYER, {"at": "5px"}, "`at='5px'`: expected 2 distances with commas, such as 30%,12mm"),
+        (LAYER, {"at": "5px"}, "`at='5px'`: expected 2 distances separated by commas, such as 30%,12mm"),
         (LAYER, {"at": "5,6"}, "`at=.*: distance '5': expected a number with a unit"),
-        (LAYER, {"strength": 1.5}, '`strength=1.5`: must lie between 0 and 1 where the mode is "over"'),
+        (LAYER, {"strength": 1.5}, '`strength=1.5`: must lie between 0 and 1 for the mode "over"'),
         (LAYER, {"strength": -1}, "`strength=-1`: must be zero or more"),
         (LAYER, {"feather": "x"}, "`feather='x'`: expected a number with a unit"),
         (
             nm.LayerOptions,
             {"scale": "big"},
-            "`scale='big'`: expected a factor, two with a comma, or a width such as 30mm",
+            "`scale='big'`: expected one factor, two separated by a comma, or a width such as 30mm",
         ),
         (LAYER, {"feather": "-2px"}, "`feather='-2px'`: must be zero or more, such as 6px"),
         (LAYER, {"scale": 0}, "`scale='0'`: expected one or two factors"),
@@ -30,7 +30,7 @@ LAYER, TRANSFORM = nm.LayerOptions, nm.TransformOptions
         (
             nm.TransformOptions,
             {"crop": "1,2"},
-            "`crop='1,2'`: expected 4 distances with commas, such as 10%,10%,80%,50%",
+            "`crop='1,2'`: expected 4 distances separated by commas, such as 10%,10%,80%,50%",
         ),
         (TRANSFORM, {"crop": "a,0,1px,1px"}, "`crop=.*: distance 'a': expected a number with a unit"),
         (TRANSFORM, {"crop": "0,0,0,5px"}, "`crop='0,0,0,5px'`: width and height must be greater than zero"),
@@ -42,16 +42,16 @@ LAYER, TRANSFORM = nm.LayerOptions, nm.TransformOptions
         (TRANSFORM, {"affine": "nan,0,0,1"}, "must be numbers of at most 1e\\+06"),
         (TRANSFORM, {"scale": "0"}, "`scale='0'`: expected one or two factors between 0.001 and 1000"),
         (TRANSFORM, {"scale": "1,2,3"}, "`scale='1,2,3'`: expected one or two factors"),
-        (TRANSFORM, {"scale": "x,2"}, "`scale='x,2'`: expected a factor, two with a comma, or a width"),
+        (TRANSFORM, {"scale": "x,2"}, "`scale='x,2'`: expected one factor, two separated by a comma, or a width"),
         (TRANSFORM, {"resize": "10"}, "`resize='10'`: expected columns x rows"),
-        (TRANSFORM, {"resize": "9x9", "scale": 2}, "`resize` and `scale` both say how large"),
+        (TRANSFORM, {"resize": "9x9", "scale": 2}, "`resize` and `scale` both set the size of the result"),
         (TRANSFORM, {"rotate": float("nan")}, "`rotate=nan`: must lie between"),
         (TRANSFORM, {"ground": "stone"}, "`ground='stone'`: use one of auto, clear, flat"),
-        (TRANSFORM, {"vectors_only": True, "pad": "1px"}, "`vectors_only` leaves the pixels where they are"),
+        (TRANSFORM, {"vectors_only": True, "pad": "1px"}, "`vectors_only` does not move pixels"),
         (TRANSFORM, {"width": "3px"}, "`width='3px'`: .* give it in mm"),
         (TRANSFORM, {"height_factor": 1e9}, "`height_factor=1e\\+09`: must lie between"),
     ],
 )
-def test_options_that_cannot_be_meant(options, how, message):
+def test_invalid_options_are_refused(options, how, message):
     with pytest.raises(nm.UsageError, match=message):
         options(**how)

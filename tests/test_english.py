@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 LIST = Path(__file__).with_name("forbidden_phrases.txt")
-# of Python files only docstrings, strings and comments are checked; add "nmaptool/**/*.py" and the like here
+# of Python files, only docstrings, strings and comments are checked
 GLOBS = (
     "README.md",
     "CHANGELOG.md",
@@ -24,16 +24,17 @@ GLOBS = (
     "cli/**/*.py",
     "nmaptool/**/*.py",
     "nmaptool/**/*.pyi",
+    "tests/**/*.py",
 )
 FILES = sorted({path for pattern in GLOBS for path in ROOT.glob(pattern)})
 PROSE = {
     getattr(tokenize, name, -1) for name in ("COMMENT", "STRING", "FSTRING_START", "FSTRING_MIDDLE", "FSTRING_END")
 }
-GAP = r"""(?:\s|\\n|\#|f?["'])+"""  # between two words: also from one comment or string literal to the next
+GAP = r"""(?:\s|\\n|\#|f?["'])+"""  # a gap between words may span two comment lines or adjacent string literals
 
 
 def phrases(text):
-    """(compiled pattern, better wording) of each line."""
+    """Return (compiled pattern, better wording) for each line."""
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
     pairs = [line.partition("  # ") for line in lines]
     assert [line for line, (_, _, better) in zip(lines, pairs, strict=True) if not better] == []
@@ -41,7 +42,7 @@ def phrases(text):
 
 
 def prose(source):
-    """A Python source with everything but comments and strings blanked; lines and columns stay."""
+    """Blank everything but comments and strings in a Python source; lines and columns are kept."""
     lines = source.splitlines(keepends=True)
     kept = [[" " if char != "\n" else char for char in line] for line in lines]
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
@@ -56,7 +57,7 @@ def prose(source):
 
 
 def hits(text, forbidden):
-    """(line, phrase as written, better wording) of each hit."""
+    """Return (line, phrase as written, better wording) for each hit."""
     found = []
     for pattern, better in forbidden:
         for match in pattern.finditer(text):

@@ -1,4 +1,4 @@
-"""Files of learned filters: the same bytes for the same filter, nothing executed, damage told in one line."""
+"""Files of learned filters: equal filters give equal bytes, no code is executed, damage is reported in one line."""
 
 import io
 import pickle
@@ -20,7 +20,7 @@ def file(tmp_path):
     return path
 
 
-def test_a_filter_comes_back_as_it_was(file, tmp_path):
+def test_a_filter_is_read_back_unchanged(file, tmp_path):
     read = nm.read_filter_model(file)
     assert same(read, small_filter())
     assert read.descriptor == DESCRIPTOR
@@ -29,7 +29,7 @@ def test_a_filter_comes_back_as_it_was(file, tmp_path):
     assert (tmp_path / "again.npz").read_bytes() == file.read_bytes()
 
 
-def test_the_digest_tells_filters_apart():
+def test_the_digest_distinguishes_filters():
     stage = Stage(np.zeros((1, 19), np.float32), (network(),))
     other = Stage(np.zeros((1, 19), np.float32), (network(seed=1),))
     one = FilterModel(DESCRIPTOR, (stage,), {"name": "a"})
@@ -39,11 +39,11 @@ def test_the_digest_tells_filters_apart():
     assert len(one.digest) == 12
 
 
-def test_nothing_that_exists_is_overwritten(file):
-    with pytest.raises(nm.OutputError, match=r"f\.npz: exists already; give another name, or `overwrite`"):
+def test_existing_files_are_not_overwritten(file):
+    with pytest.raises(nm.OutputError, match=r"f\.npz: already exists; give another name, or `overwrite`"):
         nm.write_filter_model(small_filter(), file)
     nm.write_filter_model(small_filter(), file, overwrite=True)
-    with pytest.raises(nm.UsageError, match=r"f\.bin: learned filters are kept in files that end in \.npz"):
+    with pytest.raises(nm.UsageError, match=r"f\.bin: learned filters and trainings are written as \.npz"):
         nm.write_filter_model(small_filter(), file.with_suffix(".bin"))
 
 
@@ -77,30 +77,37 @@ def deflated_zeros(path):
         archive.writestr("header.npy", held.getvalue())
 
 
+def many_arrays(path):
+    with zipfile.ZipFile(path, "w") as archive:
+        for number in range(4001):
+            archive.writestr(f"{number}.npy", b"")
+
+
 @pytest.mark.parametrize(
     ("write", "message"),
     [
         (lambda p: None, r"it cannot be read \(No such file or directory\)"),
-        (lambda p: p.write_bytes(b"hello"), "it is no .npz file, or damaged"),
-        (lambda p: p.write_bytes(b""), "it is no .npz file, or damaged"),
+        (lambda p: p.write_bytes(b"hello"), "it is not a .npz file, or it is damaged"),
+        (lambda p: p.write_bytes(b""), "it is not a .npz file, or it is damaged"),
+        (many_arrays, "it has 4001 arrays, more than the limit of 4000$"),
         (deflated_zeros, "it unpacks to more than the limit of 64000000 bytes"),
-        (lambda p: npz(p, {"a": np.zeros(3)}), "it is not a filter of nmaptool: it has no header"),
-        (lambda p: npz(p, header(b"[1]")), "it is not a filter of nmaptool: it has no header"),
-        (lambda p: npz(p, header(b'{"kind": "cake"}')), "it is 'cake', expected 'nmaptool filter 1'"),
-        (lambda p: npz(p, header(b'{"kind": "nmaptool filter 1"}')), "its header is damaged"),
+        (lambda p: npz(p, {"a": np.zeros(3)}), r"it is not a filter of nmaptool \(its header is missing or damaged\)"),
+        (lambda p: npz(p, header(b"[1]")), r"it is not a filter of nmaptool \(its header is missing or damaged\)"),
+        (lambda p: npz(p, header(b'{"kind": "cake"}')), "its header says 'cake', expected 'nmaptool filter 1'"),
+        (lambda p: npz(p, header(b'{"kind": "nmaptool filter 1"}')), "its header lacks a value or has an invalid one"),
         (
             lambda p: npz(p, header(b'{"kind": "nmaptool filter 1", "descriptor": {"sigma_s": [0]}}')),
-            "its header is damaged",
+            "its header lacks a value or has an invalid one",
         ),
-        (lambda p: npz(p, without("stage1_centers")), "it has no array 'stage1_centers'"),
-        (lambda p: npz(p, without("stage0_network1_w2")), "it has no array 'stage0_network1_w2'"),
+        (lambda p: npz(p, without("stage1_centers")), "it lacks the array 'stage1_centers'"),
+        (lambda p: npz(p, without("stage0_network1_w2")), "it lacks the array 'stage0_network1_w2'"),
         (
             lambda p: npz(p, without("stage0_centers") | {"stage0_centers": np.zeros((2, 20), np.float32)}),
-            "a network takes 19 inputs, but kinds are told by 20",
+            "a network has 19 inputs, but the cluster centres have 20",
         ),
     ],
 )
-def test_files_that_are_no_filter(tmp_path, write, message):
+def test_files_that_are_not_filters_are_refused(tmp_path, write, message):
     path = tmp_path / "f.npz"
     write(path)
     with pytest.raises(nm.InputError, match=rf"f\.npz: cannot be used as a learned filter: {message}"):
@@ -113,13 +120,13 @@ def test_pickled_objects_are_refused_and_not_run(tmp_path):
     (tmp_path / "g.npz").write_bytes(pickle.dumps(Touch(tmp_path / "run")))
     mark.unlink(missing_ok=True)
     for name in ("f.npz", "g.npz"):
-        with pytest.raises(nm.InputError, match=r"it is no \.npz file, or damaged"):
+        with pytest.raises(nm.InputError, match=r"it is not a \.npz file, or it is damaged"):
             nm.read_filter_model(tmp_path / name)
     assert not mark.exists()
 
 
-def test_damaged_files_give_one_kind_of_error(file):
-    """Cut and flipped anywhere: an InputError, or a filter that is sound."""
+def test_damaged_files_give_an_input_error_or_a_sound_filter(file):
+    """Files cut or with bits flipped anywhere give an InputError or a sound filter."""
     data = file.read_bytes()
     rng = np.random.default_rng(0)
     damaged = file.with_name("damaged.npz")
@@ -136,16 +143,20 @@ def test_damaged_files_give_one_kind_of_error(file):
     assert outcomes["refused"] > 100
 
 
-def test_a_training_is_no_filter_and_a_filter_no_training(file, tmp_path):
-    with pytest.raises(nm.InputError, match="begun: it is 'nmaptool filter 1', expected 'nmaptool training 1'"):
+def test_training_states_and_filters_are_not_confused(file, tmp_path):
+    with pytest.raises(
+        nm.InputError, match="unfinished training: its header says 'nmaptool filter 1', expected 'nmaptool training 1'"
+    ):
         nm.read_training(file)
     nm.write_training(nm.TrainingState("abc"), tmp_path / "t.npz")
     assert nm.read_training(tmp_path / "t.npz").fingerprint == "abc"
-    with pytest.raises(nm.InputError, match="filter: it is 'nmaptool training 1', expected 'nmaptool filter 1'"):
+    with pytest.raises(
+        nm.InputError, match="filter: its header says 'nmaptool training 1', expected 'nmaptool filter 1'"
+    ):
         nm.read_filter_model(tmp_path / "t.npz")
 
 
-def test_the_shipped_filter_is_small_and_says_how_it_was_made():
+def test_the_shipped_filter_is_small_and_states_how_it_was_made():
     from importlib.resources import files
 
     data = files("nmaptool.filters.learned").joinpath("filter.npz").read_bytes()

@@ -1,4 +1,4 @@
-"""A flat background is a value of the map; how its file was read has no say in what is computed."""
+"""A flat background is an attribute of the map; how its file was read does not affect results."""
 
 import dataclasses
 
@@ -13,7 +13,7 @@ SIDE = 96
 
 
 def letter():
-    """A ring on a plate: (map, its motif)."""
+    """The map of a ring on a plate, with the ring as motif."""
     row, col = np.mgrid[0 : SIDE + 1, 0 : SIDE + 1]
     r = np.hypot(row - SIDE / 2, col - SIDE / 2)
     ring = normal_map(*height_slopes(4 * np.clip(np.minimum(r - 14, 34 - r) / 4, 0, 1)))
@@ -28,7 +28,7 @@ def letter():
         nm.Decoding(green="down", swizzle="-g,r,b", zero_code="128", encoding="signed", components="xy"),
     ],
 )
-def test_how_a_map_was_read_does_not_change_its_relief(record):
+def test_reading_details_do_not_change_the_relief(record):
     plain = letter()
     read = dataclasses.replace(plain, decoding=record)
     assert np.array_equal(solve(read, delta=20.0).z_mm, solve(plain, delta=20.0).z_mm)
@@ -45,7 +45,7 @@ def test_a_flat_background_changes_the_relief():
     assert difference > 0.05 * np.ptp(solve(plain, delta=20.0).z_mm)
 
 
-def test_files_say_whether_their_background_is_flat(tmp_path):
+def test_files_keep_whether_their_background_is_flat(tmp_path):
     plate, disc = letter(), letter()
     disc = dataclasses.replace(disc, coverage=disc.foreground.astype(np.float32))
     for source, expected in ((plate, True), (disc, False)):
@@ -58,7 +58,7 @@ def test_files_say_whether_their_background_is_flat(tmp_path):
         assert not everything.flat_background
 
 
-def test_a_flat_background_stays_through_edits():
+def test_a_flat_background_is_kept_by_edits():
     on_plate = dataclasses.replace(letter(), flat_background=True)
     small = dataclasses.replace(letter(), coverage=letter().foreground.astype(np.float32))
     layer = nm.Layer(small, nm.LayerOptions(scale="0.3"))
@@ -76,7 +76,7 @@ def test_a_flat_background_stays_through_edits():
     assert layers.detail.flat_background
 
 
-def test_a_depth_picture_on_its_plate_has_a_flat_background():
+def test_a_depth_image_on_a_plate_has_a_flat_background():
     row, col = np.mgrid[0:SIDE, 0:SIDE]
     r = np.hypot(row - SIDE / 2, col - SIDE / 2)
     image = nm.RasterImage(np.clip(40 - r, 0, 20).astype(np.float32)[..., None], ("Y",), bits=32)

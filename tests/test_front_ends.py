@@ -1,4 +1,4 @@
-"""The same wrong option, told in the language of Python, of the command line and of a recipe."""
+"""The same wrong option, reported in terms of Python, of the command line and of a recipe."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import math
 import pathlib
 import re
 import shlex
+import tomllib
 from collections.abc import Iterator
 from typing import Any
 
@@ -24,16 +25,17 @@ from nmaptool_cli.mentions import flag_of, in_flags
 
 CLASSES = [v for name in nm.__all__ if isinstance(v := getattr(nm, name), type) and issubclass(v, Options)]
 ROOT = pathlib.Path(nm.__file__).parent
+# what holds options in a recipe, with a key of theirs in its 5th line
 RECIPES = {
-    nm.LayerOptions: lambda key, value: {"layer": [{"file": "a.png", key: value}]},
-    nm.GroupOptions: lambda key, value: {"layer": [{"layer": [{"file": "a.png"}], key: value}]},
-    nm.CanvasOptions: lambda key, value: {"canvas": {key: value}, "layer": [{"file": "a.png"}]},
-    nm.ReadOptions: lambda key, value: {"layer": [{"file": "a.png", "read": {key: value}}]},
+    nm.LayerOptions: '[[layer]]\nfile = "a.png"\n\n# a comment\n{}\nmask = "m.png"\n',
+    nm.GroupOptions: '[[layer]]\nfile = "a.png"\n\n[[layer]]\n{}\n  [[layer.layer]]\n  file = "a.png"\n',
+    nm.CanvasOptions: '[[layer]]\nfile = "a.png"\n\n[canvas]\n{}\n',
+    nm.ReadOptions: '[[layer]]\nfile = "a.png"\n\n[layer.read]\n{}\n',
 }
 
 
 def wrong_value(field: dataclasses.Field[Any]) -> Any:
-    """A value of the right type that the field refuses; None where it takes whatever there is."""
+    """A value of the right type that the field refuses; None if it accepts any value."""
     match kind_of(field):
         case Choice():
             return "rubbish"
@@ -65,13 +67,13 @@ IN_RECIPES = [
     for case in REFUSED
     if case.values[0] in RECIPES and (case.values[0] is not nm.ReadOptions or case.values[1] in READ_KEYS)
 ]
-# parameters of public functions that messages name, beside the fields of options
+# parameters of public functions that messages name, besides the fields of options
 PARAMETERS = {"overwrite", "max_faces", "unit", "model", "mu_map", "surface", "state"}
 PARAMETERS |= {"detail", "depth", "faces", "format"}
 
 
 def strings() -> Iterator[tuple[str, str]]:
-    """Every string of the library but docstrings, with its place."""
+    """Every string of the library except docstrings, with its location."""
     for path in sorted(ROOT.rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         docs = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
@@ -80,7 +82,7 @@ def strings() -> Iterator[tuple[str, str]]:
                 yield f"{path.relative_to(ROOT)}:{node.lineno}", node.value
 
 
-def test_every_class_has_options_that_can_be_wrong() -> None:
+def test_every_options_class_is_tested_with_a_wrong_value() -> None:
     assert {case.values[0] for case in REFUSED} >= set(CLASSES) - {nm.WriteOptions}
     assert set(RECIPES) == {case.values[0] for case in IN_RECIPES}
 
@@ -106,11 +108,20 @@ def test_the_command_line_names_the_flag(options: type[Options], name: str, valu
     assert "`" not in line
 
 
+@pytest.mark.parametrize("written", ["_", "-"])
 @pytest.mark.parametrize(("options", "name", "value"), IN_RECIPES)
-def test_a_recipe_names_the_key(options: type[Options], name: str, value: Any) -> None:
-    with pytest.raises(nm.InputError, match=r"^scene\.toml: ") as told:
-        nm.parse_recipe(RECIPES[options](name, value), name="scene.toml")
+def test_a_recipe_names_the_line_and_the_key(
+    options: type[Options], name: str, value: Any, written: str, tmp_path: pathlib.Path
+) -> None:
     word = f'"{value}"' if isinstance(value, str) else f"{value:g}"
+    text = RECIPES[options].format(f"{name.replace('_', written)} = {word}")
+    place = "canvas: " if options is nm.CanvasOptions else "layer "
+    with pytest.raises(nm.InputError, match=rf"^scene\.toml: {place}") as told:
+        nm.parse_recipe(tomllib.loads(text), name="scene.toml")
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(nm.InputError, match=rf"^scene\.toml, line 5: {place}") as located:
+        nm.read_recipe(tmp_path / "scene.toml", name="scene.toml")
+    assert str(located.value).replace(", line 5", "") == str(told.value)
     assert f": {name} = {word}: " in str(told.value)
     assert "--" not in str(told.value)
     assert "`" not in str(told.value)
@@ -121,14 +132,14 @@ def test_the_library_names_no_flag() -> None:
 
 
 def test_options_that_are_mentioned_exist() -> None:
-    """What messages name in backticks are fields of options, or parameters of functions."""
+    """Every name in backticks in a message is a field of options or a parameter of a function."""
     known = PARAMETERS | {field.name for options in CLASSES for field in dataclasses.fields(options)}
     named = {(place, name) for place, text in strings() for name in options_in(text)}
     assert {(place, name) for place, name in named if name not in known} == set()
     assert len(named) > 60
 
 
-def test_values_are_told_as_a_shell_takes_them() -> None:
+def test_values_are_shown_in_shell_syntax() -> None:
     assert in_flags("`scale='a b'` and `swizzle='-g,r,b'`") == "--scale 'a b' and --swizzle=-g,r,b"
     assert in_flags("`overwrite=True`, `beta=0.25`") == "--overwrite, --beta 0.25"
     assert in_flags("`max_faces=20000000`") == "--max-faces 20000000"

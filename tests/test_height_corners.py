@@ -1,4 +1,4 @@
-"""Heights at the corners of the pixels: what is written comes back exactly, heights and surface."""
+"""Heights at the pixel corners: files restore heights and surface exactly."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def everywhere():
 
 
 def with_holes():
-    """Pixels that share corners: a hole of one, a slit, a checkerboard, and the picture's own edge."""
+    """A domain with a one-pixel hole, a slit and a checkerboard, reaching the image edge."""
     domain = everywhere()
     domain[5, 7] = False
     domain[10, 3:20] = False
@@ -36,7 +36,7 @@ def rough(domain):
 
 @pytest.mark.parametrize("ending", EXACT)
 @pytest.mark.parametrize("domain", [everywhere(), with_holes()])
-def test_corner_heights_come_back_exactly(tmp_path, ending, domain):
+def test_corner_heights_are_read_back_exactly(tmp_path, ending, domain):
     height, path = rough(domain), tmp_path / f"h{ending}"
     write_height(height, path, {}, at="corners")
     back = nm.read_height(path, pitch_mm=0.4)
@@ -44,13 +44,13 @@ def test_corner_heights_come_back_exactly(tmp_path, ending, domain):
     assert np.array_equal(back.z_mm.astype(kind), height.z_mm.astype(kind))
     assert np.array_equal(back.domain, domain)
     assert back.frame == height.frame
-    write_height(back, path, {}, at="corners")  # and again
+    write_height(back, path, {}, at="corners")  # and written once more
     assert np.array_equal(nm.read_height(path, pitch_mm=0.4).z_mm, back.z_mm)
 
 
 @pytest.mark.parametrize("ending", EXACT)
 @pytest.mark.parametrize("background", ["plane", "cut"])
-def test_a_relief_comes_back_exactly(tmp_path, ending, background):
+def test_a_relief_is_read_back_exactly(tmp_path, ending, background):
     relief, path = solve(dome(bumps=1)[0], background=background, height=nm.length("4mm")), tmp_path / f"h{ending}"
     nm.write_relief(relief, path, at="corners")
     back = nm.read_height(path, pitch_mm=relief.pitch_mm)
@@ -60,7 +60,7 @@ def test_a_relief_comes_back_exactly(tmp_path, ending, background):
 
 
 @pytest.mark.parametrize("domain", [everywhere(), with_holes()])
-def test_corner_heights_of_a_png_are_off_by_half_a_code(tmp_path, domain):
+def test_corner_heights_in_a_png_are_exact_within_half_a_code(tmp_path, domain):
     height, path = rough(domain), tmp_path / "h.png"
     write_height(height, path, {}, at="corners")
     back = nm.read_height(path)
@@ -71,7 +71,7 @@ def test_corner_heights_of_a_png_are_off_by_half_a_code(tmp_path, domain):
 
 
 @pytest.mark.parametrize("ending", EXACT)
-def test_heights_at_centres_stay_the_default_and_are_not_exact(tmp_path, ending):
+def test_heights_at_centres_are_the_default_and_not_exact(tmp_path, ending):
     height, path = rough(everywhere()), tmp_path / f"h{ending}"
     write_height(height, path, {})
     back = nm.read_height(path, pitch_mm=0.4)
@@ -80,7 +80,7 @@ def test_heights_at_centres_stay_the_default_and_are_not_exact(tmp_path, ending)
     assert np.abs(back.z_mm - height.z_mm).max() > 0.1
 
 
-def test_other_programs_see_corners_where_there_are_heights(tmp_path):
+def test_files_mark_the_corners_that_have_heights(tmp_path):
     height = rough(with_holes())
     write_height(height, tmp_path / "h.exr", {}, at="corners")
     image = nm.read_raster(tmp_path / "h.exr")
@@ -94,7 +94,7 @@ def test_other_programs_see_corners_where_there_are_heights(tmp_path):
     assert np.array_equal(records["inside"][:-1, :-1], height.domain)
 
 
-def test_corner_heights_are_an_exact_curved_background(tmp_path):
+def test_corner_heights_give_an_exact_curved_background(tmp_path):
     normals = np.zeros((ROWS, COLS, 3), np.float32)
     normals[..., 2] = 1
     motif = nm.NormalMap(normals, np.ones((ROWS, COLS), np.float32), nm.Frame(ROWS, COLS, 0.4))
@@ -110,7 +110,7 @@ def test_corner_heights_are_an_exact_curved_background(tmp_path):
         nm.relief(motif, surface=ground, options=nm.ReliefOptions(background="surface"))
 
 
-def test_wrong_words_and_damaged_files_are_named(tmp_path):
+def test_wrong_options_and_damaged_files_are_named(tmp_path):
     height = rough(everywhere())
     with pytest.raises(nm.UsageError, match="`at='middle'`: use one of centers, corners"):
         write_height(height, tmp_path / "h.exr", {}, at="middle")
@@ -125,17 +125,17 @@ def test_wrong_words_and_damaged_files_are_named(tmp_path):
     np.save(tmp_path / "other.npy", np.zeros((3, 4), [("z", "f8"), ("inside", "?")]))
     np.save(tmp_path / "text.npy", np.zeros((3, 4), [("z_mm", "S3"), ("inside", "?")]))
     for name, message in {
-        "edges.exr": r"edges\.exr: says that its heights are at 'edges'; accepted are centers and corners",
-        "row.exr": r"row\.exr: holds heights at corners, but only 4 x 1 of them; a pixel has 2 x 2",
+        "edges.exr": r"edges\.exr: declares heights at 'edges'; accepted values are centers and corners",
+        "row.exr": r"row\.exr: holds heights at 4 x 1 corners; at least 2 x 2 are needed",
         "nan.exr": r"nan\.exr: holds NaN or infinite heights",
-        "other.npy": r"other\.npy: must hold one \(rows, columns\) array of numbers",
-        "text.npy": r"text\.npy: must hold one \(rows, columns\) array of numbers",
+        "other.npy": r"other\.npy: must hold one \(rows, columns\) array of heights in mm",
+        "text.npy": r"text\.npy: must hold one \(rows, columns\) array of heights in mm",
     }.items():
         with pytest.raises(nm.InputError, match=message):
             nm.read_height(tmp_path / name, pitch_mm=1.0)
 
 
-def test_the_flag_at_corners(run, refused, tmp_path, clean_map):
+def test_the_flag_at_corners_writes_corner_heights(run, refused, tmp_path, clean_map):
     same = ("relief", clean_map, "--width", "40mm", "--height", "4mm")
     files = [tmp_path / f"z{ending}" for ending in (*EXACT, ".png")]
     outputs = [word for path in (*files, tmp_path / "m.ply") for word in ("-o", path)]

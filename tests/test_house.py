@@ -1,4 +1,4 @@
-"""The rules of the house: small files, light imports, one set of defaults, samples that can be made again."""
+"""House rules: small files, light imports, one set of defaults, reproducible samples."""
 
 import ast
 import dataclasses
@@ -10,12 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 import nmaptool as nm
 from nmaptool.core.errors import UsageError
 from nmaptool_cli.compose.paste import PLACING
-from nmaptool_cli.main import app, main
+from nmaptool_cli.main import main
 
 ROOT = Path(__file__).parents[1]
 SOURCES = [p for d in ("nmaptool", "cli", "bench", "samples", "tests") for p in sorted((ROOT / d).rglob("*.py"))]
@@ -37,8 +36,8 @@ HEAVY = {
 
 
 def too_large(path):
-    """A file's lines if more than 300, its functions of more than 60 lines; each as one line of text."""
-    text, name = path.read_text(), path.relative_to(ROOT)
+    """One line of text if the file has more than 300 lines, and one for each function of more than 60."""
+    text, name = path.read_text(encoding="utf-8"), path.relative_to(ROOT)
     found = [f"{name} has {len(text.splitlines())} lines"] if len(text.splitlines()) > 300 else []
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.FunctionDef):
@@ -64,7 +63,7 @@ def test_importing_the_package_loads_nothing_heavy():
     assert not loaded_by("import nmaptool; nmaptool.ReliefOptions(); nmaptool.length('3mm')") & HEAVY
 
 
-def test_the_command_line_leaves_the_options_classes_as_they_are():
+def test_the_command_line_does_not_change_the_options_classes():
     code = """
 import dataclasses, importlib, pkgutil
 import nmaptool.options as options
@@ -94,14 +93,8 @@ def test_help_loads_nothing_heavy(arguments):
     assert not loaded_by(f"from nmaptool_cli.main import main\nassert main({arguments.split()!r}) == 0") & HEAVY
 
 
-@pytest.fixture
-def wide_help(monkeypatch):
-    """Help in lines of 600 characters, whatever console an earlier test left behind."""
-    monkeypatch.setattr(app, "_console", Console(width=600, height=100))
-
-
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c != "compose"])
-def test_a_commands_own_help_has_its_example_and_lists_have_one_line(command, run, wide_help):
+def test_help_of_a_command_has_an_example_and_lists_have_one_line(command, run, wide_help):
     assert f"Example: nmap {command} " in run(*command.split(), "--help").out
     for words in (["--help"], [*command.split()[:-1], "--help"]):
         shown = run(*words).out
@@ -118,7 +111,7 @@ def test_every_public_name_loads_and_has_a_docstring():
         if name != "__version__":
             assert inspect.getdoc(value), name
     assert set(nm.__all__) - {"__version__"} == set(nm.__all__) - {"__version__"}
-    # a module of the same name would take the name's place once it is imported
+    # once imported, a module of the same name would replace the public name
     assert not set(nm.__all__) & {path.stem for path in (ROOT / "nmaptool").iterdir()}
     with pytest.raises(AttributeError, match="No nmaptool attribute carve"):
         _ = nm.carve
@@ -154,20 +147,20 @@ def test_every_option_is_a_documented_flag_with_the_librarys_default(command, op
     for field in dataclasses.fields(options):
         flag = "--" + field.name.replace("_", "-")
         line = next(line for line in shown.splitlines() if line.startswith(f"│ {flag} "))
-        assert f"\n{field.name}:" in inspect.getdoc(options)  # 3.13 strips the indent itself
+        assert f"\n{field.name}:" in inspect.getdoc(options)  # Python 3.13 strips the indent itself
         if field.default is not None and field.type != "bool":
             assert f"[default: {field.default}]" in line
 
 
-def test_every_option_of_a_layer_is_a_flag_of_paste_with_its_default(capsys, wide_help):
+def test_every_layer_option_is_a_flag_of_paste_with_its_default(capsys, wide_help):
     main(["compose", "paste", "--help"])
     shown = capsys.readouterr().out.splitlines()
     defaults = {field.name: field.default for field in dataclasses.fields(nm.LayerOptions)}
-    # a pasted layer is called by its file
+    # a pasted layer is named after its file
     assert set(PLACING.names) == set(defaults) - {"name"}
     for name in set(defaults) - {"name"}:
         (line,) = (line for line in shown if line.startswith(f"│ --{name.replace('_', '-')} "))
-        if defaults[name]:  # else the help need not speak of it
+        if defaults[name]:  # otherwise help need not show it
             assert f"[default: {defaults[name]}]" in line
     words = {name: False if isinstance(defaults[name], bool) else () for name in PLACING.names}
     assert PLACING.spread(words, 2) == [nm.LayerOptions()] * 2
@@ -189,12 +182,12 @@ def test_every_option_of_a_layer_is_a_flag_of_paste_with_its_default(capsys, wid
         ({"solver": "lu"}, "`solver='lu'`: use one of auto, dct, multigrid, amg"),
     ],
 )
-def test_relief_options_that_cannot_be_meant(changes, message):
+def test_invalid_relief_options_are_refused(changes, message):
     with pytest.raises(UsageError, match=message):
         nm.ReliefOptions(**changes)
 
 
-def test_read_options_that_cannot_be_meant():
+def test_invalid_read_options_are_refused():
     for color in ("pink", "#12345", "#gggggg"):
         with pytest.raises(UsageError, match=r"`background_color=.*`: use one of auto, none, alpha"):
             nm.ReadOptions(background_color=color)
@@ -203,12 +196,12 @@ def test_read_options_that_cannot_be_meant():
 
 
 @pytest.mark.parametrize("text", ["", "3", "mm", "-3mm", "0mm", "3 m", "nan mm", "1e400mm", "3mm4"])
-def test_lengths_that_are_none(text):
+def test_invalid_lengths_are_refused(text):
     with pytest.raises(UsageError, match=r"expected a number with a unit|must be greater than zero"):
         nm.length(text)
 
 
-def test_lengths_in_every_unit():
+def test_lengths_are_read_in_every_unit():
     in_mm = {"12mm": 12, "1.2cm": 12, "0.5 in": 12.7, "4px": 2, "3%": 15, "1e1MM": 10}
     for text, expected in in_mm.items():
         assert nm.length(text).to_mm(pitch_mm=0.5, longer_side_px=1000) == pytest.approx(expected)
@@ -226,7 +219,7 @@ def test_samples_are_small_and_made_by_their_script(tmp_path, monkeypatch, capsy
         assert abs(made.astype(int) - kept.astype(int)).max() <= 1, name
 
 
-def test_sample_layers_belong_together():
+def test_sample_layers_belong_to_one_original():
     options = nm.ReadOptions()
     original, base, detail = (
         nm.read_normal_map(ROOT / "samples" / f"medal_{layer}.png", options) for layer in ("original", "base", "detail")
@@ -235,4 +228,4 @@ def test_sample_layers_belong_together():
     u = detail.normals * (-1, -1, 1)
     blended = t * (t * u).sum(axis=-1, keepdims=True) / t[..., 2:] - u
     angle = (blended * original.normals).sum(axis=-1).clip(-1, 1)
-    assert angle[original.foreground].min() > 0.99999  # reoriented blending of base and detail gives the original
+    assert angle[original.foreground].min() > 0.99999  # reoriented blending of base and detail reproduces the original

@@ -1,9 +1,12 @@
-"""``nmap inspect``: what it measures, each finding on a map made for it, and remedies that really help."""
+"""``nmap inspect``: its measurements, every finding on a map made for it, and remedies that work."""
 
 import dataclasses
 import itertools
 import json
+import os
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -25,7 +28,7 @@ def on_flat(d):
 
 @pytest.fixture
 def faulty(tmp_path, dome, codes, png):
-    """``faulty(code)``: a map made to give that finding, and the options to read it with."""
+    """``faulty(code)``: a map made to give that finding, and the options for reading it."""
 
     def opaque_alpha(d, value=65535):
         return np.where(d.inside, value, 0).astype(np.uint16)
@@ -74,14 +77,14 @@ def faulty(tmp_path, dome, codes, png):
         elif code == "background-missing":
             pixels, options = with_alpha(vectors, d)[..., :3], {"background_color": "white"}
         else:
-            raise AssertionError(f"no map is made for the finding {code}")
+            raise AssertionError(f"no map for the finding {code}")
         return png(tmp_path / f"{code}.png", pixels, chunks), options
 
     return make
 
 
 @pytest.mark.parametrize("code", RULES)
-def test_each_finding_is_made_by_a_map_made_for_it_and_tells_what_to_do(faulty, run, code):
+def test_each_finding_appears_for_its_map_and_gives_a_remedy(faulty, run, code):
     path, options = faulty(code)
     flags = [f"--{name}={value}" for name, value in options.items()]
     told = run("inspect", path, *flags)
@@ -94,16 +97,16 @@ def test_each_finding_is_made_by_a_map_made_for_it_and_tells_what_to_do(faulty, 
     assert len(finding["remedy"]) > 10
 
 
-ALONE = sorted(set(RULES) - {"not-normals"})  # random colours face away, too
+ALONE = sorted(set(RULES) - {"not-normals"})  # normals of random colours also face away
 
 
 @pytest.mark.parametrize("code", ALONE)
-def test_a_finding_comes_alone_where_nothing_else_is_wrong(faulty, code):
+def test_each_finding_appears_alone_if_nothing_else_is_wrong(faulty, code):
     path, options = faulty(code)
     assert found(path, **options) == {code}
 
 
-def test_a_clean_map_has_no_finding_and_leaves_with_0(run, clean_map):
+def test_a_clean_map_has_no_finding_and_exit_code_0(run, clean_map):
     result = run("inspect", clean_map)
     assert (result.code, result.err) == (0, "")
     assert "clean: no findings" in result.out
@@ -114,12 +117,12 @@ def test_a_clean_map_has_no_finding_and_leaves_with_0(run, clean_map):
 @pytest.mark.parametrize("kind", ["white", "grey", "black", "flat"])
 @pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize("smooth", [False, True])
-def test_no_backdrop_is_a_fault(tmp_path, dome, codes, png, kind, bits, smooth):
+def test_backgrounds_give_no_finding(tmp_path, dome, codes, png, kind, bits, smooth):
     d = dome(128, 128, smooth=smooth)
     assert found(png(tmp_path / "map.png", codes(d.normals, bits, kind, d.cover))) == set()
 
 
-def test_no_format_is_a_fault(tmp_path, dome, codes, picture):
+def test_formats_give_no_finding(tmp_path, dome, codes, picture):
     d = dome(128, 128)
     names = ("R", "G", "B", "A")
     black = np.where(d.inside[..., None], d.normals, 0)
@@ -131,7 +134,7 @@ def test_no_format_is_a_fault(tmp_path, dome, codes, picture):
     assert found(picture(tmp_path / "f.jpg", codes(d.normals, 8, "white", d.cover), CompressionQuality=97)) == set()
 
 
-def test_what_is_written_is_clean(tmp_path, clean_map):
+def test_written_maps_are_clean(tmp_path, clean_map):
     for name, how in (("a.png", {}), ("b.png", {"bits": "8"}), ("c.exr", {}), ("d.tif", {"bits": "float"})):
         nm.write_normal_map(nm.read_normal_map(clean_map), tmp_path / name, nm.WriteOptions(**how))
         assert found(tmp_path / name) == set()
@@ -141,14 +144,14 @@ WAYS = [(order, signs) for order in ((0, 1), (1, 0)) for signs in itertools.prod
 
 
 @pytest.mark.parametrize(("order", "signs"), WAYS)
-def test_a_remedy_gives_the_true_normals_back(tmp_path, dome, codes, png, run, order, signs):
-    """Every way to turn, mirror or invert a raised motif; reading it by the remedy sets it right."""
+def test_remedies_restore_the_true_normals(tmp_path, dome, codes, png, run, order, signs):
+    """For every rotation, mirroring and inversion of a raised motif, reading with the remedy corrects it."""
     d = dome(128, 128)
     stored = np.dstack([signs[0] * d.normals[..., order[0]], signs[1] * d.normals[..., order[1]], d.normals[..., 2]])
     path = png(tmp_path / "map.png", np.dstack([codes(stored, 16), (d.inside * 65535).astype(np.uint16)]))
     seen = nm.inspect_map(nm.read_raster(path))
     swizzles = [m.group(1) for f in seen.findings if (m := re.search(r"`swizzle='(\S+)'`", f.remedy))]
-    if order == (0, 1) and signs[0] == 1:  # as it should be, or with green down, which reading sees to
+    if order == (0, 1) and signs[0] == 1:  # correct, or with green down, which reading corrects
         assert swizzles == []
         options = {}
     else:
@@ -161,21 +164,21 @@ def test_a_remedy_gives_the_true_normals_back(tmp_path, dome, codes, png, run, o
 
 
 @pytest.mark.parametrize("swizzle", ["R, G, B", "+r,+g,+b"])
-def test_a_remedy_can_be_said_whatever_the_swizzle_was_spelled_like(faulty, swizzle):
+def test_remedies_are_valid_for_any_spelling_of_the_swizzle(faulty, swizzle):
     path, _ = faulty("inverted")
     seen = nm.inspect_map(nm.read_raster(path), nm.ReadOptions(swizzle=swizzle))
     (remedy,) = [f.remedy for f in seen.findings if f.code == "inverted"]
     nm.inspect_map(nm.read_raster(path), nm.ReadOptions(swizzle=remedy.partition("`swizzle='")[2].rstrip("'`")))
 
 
-def test_green_given_wrong_is_set_right_by_its_remedy(faulty):
+def test_the_remedy_corrects_a_wrong_green(faulty):
     path, options = faulty("green-wrong")
     (finding,) = nm.inspect_map(nm.read_raster(path), nm.ReadOptions(**options)).findings
     assert "`green='up'`" in finding.remedy
     assert found(path, green="up") == set()
 
 
-def test_the_measurements_are_those_of_the_map(tmp_path, dome, codes, png):
+def test_the_measurements_match_the_map(tmp_path, dome, codes, png):
     d = dome()
     rng = np.random.default_rng(32)
     shorter, behind = rng.uniform(size=(96, 96)) < 0.2, rng.uniform(size=(96, 96)) < 0.1
@@ -200,7 +203,7 @@ def test_the_foreground_and_the_outline_are_measured(clean_map, dome):
 
 
 @pytest.mark.parametrize(("code", "bias"), [(127, -0.5), (128, 0.5)])
-def test_the_neutral_bias_is_the_tilt_across_the_map(tmp_path, dome, codes, png, code, bias):
+def test_the_neutral_bias_is_the_height_error_across_the_map(tmp_path, dome, codes, png, code, bias):
     pixels = codes(on_flat(dome(80, 120)))
     pixels[(pixels == (128, 128, 255)).all(axis=-1)] = (code, code, 255)
     seen = nm.inspect_map(nm.read_raster(png(tmp_path / "map.png", pixels)))
@@ -209,7 +212,7 @@ def test_the_neutral_bias_is_the_tilt_across_the_map(tmp_path, dome, codes, png,
 
 def test_json_is_complete_and_strict(run, clean_map, tmp_path, dome, picture):
     def refuse(word):
-        raise AssertionError(f"{word} is no JSON")
+        raise AssertionError(f"{word} is not JSON")
 
     huge = dome().normals.copy()
     huge[10, 10] *= 1e30
@@ -220,7 +223,7 @@ def test_json_is_complete_and_strict(run, clean_map, tmp_path, dome, picture):
         assert seen["name"] == str(path)
 
 
-def test_a_mask_says_where_to_look(tmp_path, faulty, png):
+def test_a_mask_restricts_the_measurements(tmp_path, faulty, png):
     path, _ = faulty("off-length")
     mask = np.zeros((96, 96), np.float32)
     mask[40:56, 40:56] = 1
@@ -228,7 +231,7 @@ def test_a_mask_says_where_to_look(tmp_path, faulty, png):
     assert seen.foreground_share == pytest.approx(256 / 9216)
 
 
-def test_quiet_says_nothing_but_leaves_with_the_same_code(run, faulty, clean_map):
+def test_quiet_prints_nothing_and_keeps_the_exit_code(run, faulty, clean_map):
     path, _ = faulty("turned")
     for file, code in ((path, 1), (clean_map, 0)):
         result = run("inspect", file, "--quiet")
@@ -237,7 +240,7 @@ def test_quiet_says_nothing_but_leaves_with_the_same_code(run, faulty, clean_map
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 60), (60, 1), (2, 2), (3, 70)])
 @pytest.mark.parametrize("half_clear", [False, True])
-def test_the_smallest_maps_are_looked_over(run, tmp_path, dome, codes, png, shape, half_clear):
+def test_the_smallest_maps_are_inspected(run, tmp_path, dome, codes, png, shape, half_clear):
     pixels = codes(dome().normals, 16)[20 : 20 + shape[0], 10 : 10 + shape[1]]
     if half_clear:
         alpha = np.full(shape, 65535, np.uint16)
@@ -246,3 +249,14 @@ def test_the_smallest_maps_are_looked_over(run, tmp_path, dome, codes, png, shap
     result = run("inspect", png(tmp_path / "map.png", pixels))
     assert (result.code in (0, 1), result.err) == (True, "")
     assert f"{shape[1]} x {shape[0]}" in result.out
+
+
+def test_a_name_that_standard_output_has_no_letters_for(clean_map):
+    path = clean_map.rename(clean_map.with_name("größe 頭.png"))
+    script = "import sys; sys.argv[0] = 'nmap'; from nmaptool_cli.start import run; run()"
+    for encoding, shown in (("cp1252", "größe \\u982d.png: 96 x 96"), ("utf-8", "größe 頭.png: 96 x 96")):
+        env = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+        words = [sys.executable, "-c", script, "inspect", path]
+        done = subprocess.run(words, capture_output=True, check=False, env=env)
+        assert (done.returncode, done.stderr) == (0, b"")
+        assert shown in done.stdout.decode(encoding)

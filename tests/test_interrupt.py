@@ -8,13 +8,13 @@ import textwrap
 import pytest
 
 LINE = "nmap: error: interrupted; nothing was written\n"
-# a process that sends itself SIGINT where the text in its place is reached
+# a process that sends itself SIGINT where the inserted patch calls stop()
 SCRIPT = """
-import os, signal, sys
+import signal, sys
 from nmaptool_cli import main, run
 
 def stop():
-    os.kill(os.getpid(), signal.SIGINT)
+    signal.raise_signal(signal.SIGINT)
 
 {patch}
 sys.argv = ["nmap", *sys.argv[1:]]
@@ -48,7 +48,7 @@ AT = {
         outputs.preview_picture = lambda height: stop()
         """,
 }
-# a call that Python cannot leave before it has ended, in a thread of its own accord: minutes, and Ctrl-C at its start
+# a call of several minutes that Python cannot interrupt, with Ctrl-C at its start
 DEAF = """
         import hashlib, threading
         def deaf(*a, **k):
@@ -86,7 +86,7 @@ def run_script(patch, *words):
 
 
 @pytest.mark.parametrize("stage", AT)
-def test_ctrl_c_ends_in_one_line_and_leaves_no_file(stage, clean_map, tmp_path, tree):
+def test_ctrl_c_prints_one_line_and_leaves_no_file(stage, clean_map, tmp_path, tree):
     before = tree()
     done = run_script(AT[stage], *words_for(clean_map, tmp_path))
     assert (done.returncode, done.stderr, done.stdout) == (130, LINE, "")
@@ -94,7 +94,7 @@ def test_ctrl_c_ends_in_one_line_and_leaves_no_file(stage, clean_map, tmp_path, 
 
 
 @pytest.mark.parametrize("stage", DEAF_AT)
-def test_ctrl_c_ends_a_call_that_does_not_listen(stage, clean_map, tmp_path, tree):
+def test_ctrl_c_ends_an_uninterruptible_call(stage, clean_map, tmp_path, tree):
     before = tree()
     done = run_script(textwrap.dedent(DEAF) + DEAF_AT[stage], *words_for(clean_map, tmp_path))
     assert (done.returncode, done.stderr, done.stdout) == (130, LINE, "")
@@ -102,7 +102,7 @@ def test_ctrl_c_ends_a_call_that_does_not_listen(stage, clean_map, tmp_path, tre
 
 
 @pytest.mark.parametrize("error", ["ValueError('half of it')", "errors.RendererError('no OpenGL context')"])
-def test_what_a_library_makes_of_ctrl_c_changes_nothing(error, clean_map, tmp_path, tree):
+def test_ctrl_c_works_even_if_a_library_replaces_the_exception(error, clean_map, tmp_path, tree):
     before = tree()
     patch = f"""
         from nmaptool.core import errors
@@ -119,7 +119,7 @@ def test_what_a_library_makes_of_ctrl_c_changes_nothing(error, clean_map, tmp_pa
     assert tree() == before
 
 
-def test_ctrl_c_is_ignored_where_the_shell_says_so(clean_map, tmp_path):
+def test_ctrl_c_is_ignored_if_the_shell_ignores_it(clean_map, tmp_path):
     ignored = "signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
     done = run_script(ignored + textwrap.dedent(AT["writing"]), *words_for(clean_map, tmp_path))
     assert (done.returncode, done.stderr) == (0, "")
@@ -139,21 +139,21 @@ def test_ctrl_c_leaves_no_new_folder(clean_map, tmp_path, tree):
     assert tree() == before
 
 
-def test_ctrl_c_keeps_the_file_that_was_to_be_replaced(clean_map, tmp_path):
+def test_ctrl_c_keeps_the_file_to_be_replaced(clean_map, tmp_path):
     old = tmp_path / "a.exr"
-    old.write_text("old")
+    old.write_text("old", encoding="utf-8")
     done = run_script(AT["writing"], "relief", clean_map, "-o", old, "--overwrite")
     assert done.returncode == 130
-    assert old.read_text() == "old"
+    assert old.read_text(encoding="utf-8") == "old"
 
 
-def test_ctrl_c_while_the_commands_load():
+def test_ctrl_c_while_commands_load_prints_one_line():
     code = """
-        import os, signal, sys
+        import signal, sys
         class Finder:
             def find_spec(self, name, *_):
                 if name == "cyclopts":
-                    os.kill(os.getpid(), signal.SIGINT)
+                    signal.raise_signal(signal.SIGINT)
         sys.meta_path.insert(0, Finder())
         from nmaptool_cli.start import run
         run()
@@ -166,8 +166,8 @@ def test_ctrl_c_while_the_commands_load():
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="needs a terminal")
 @pytest.mark.parametrize(("after", "words", "shown"), [("0", (), True), ("1e6", (), False), ("0", ("-q",), False)])
-def test_a_terminal_shows_how_far_a_long_solve_is(after, words, shown, clean_map, tmp_path):
-    """The bar comes after a while only; here at once or never, and each step waits until it is drawn."""
+def test_a_terminal_shows_the_progress_of_a_long_solve(after, words, shown, clean_map, tmp_path):
+    """The bar appears only after a delay; here at once or never, and each step waits until it is drawn."""
     patch = f"""
         from nmaptool_cli import late_bar
         late_bar._AFTER_S = {after}
@@ -188,7 +188,7 @@ def test_a_terminal_shows_how_far_a_long_solve_is(after, words, shown, clean_map
         while True:
             try:
                 piece = os.read(ours, 1 << 16)
-            except OSError:  # how a terminal ends
+            except OSError:  # the end of a terminal's output
                 break
             if not piece:
                 break

@@ -1,4 +1,4 @@
-"""Layer sets on disk, read back: what each file holds, what is in its metadata, and what cannot be written."""
+"""Layer sets written and read back: the contents and metadata of each file, and what cannot be written."""
 
 import dataclasses
 import json
@@ -26,7 +26,7 @@ def layers():
 
 @pytest.fixture(scope="module", params=["exr", "png"])
 def folder(request, layers, tmp_path_factory):
-    """A folder of all layers in either format."""
+    """A folder with all layers, in either format."""
     out = tmp_path_factory.mktemp("layers") / "maps"
     nm.write_layers(layers, out, format=request.param, depth=True, faces=True)
     return out
@@ -43,7 +43,7 @@ def pixels_of(path):
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_maps_come_back_as_they_were(folder, layers, name):
+def test_maps_are_read_back_unchanged(folder, layers, name):
     path = of(folder, name)
     found, expected = nm.read_normal_map(path), getattr(layers, name)
     assert found.frame == layers.frame
@@ -66,7 +66,7 @@ def test_green_is_up(folder):
     assert lower < -0.1
 
 
-def test_base_and_detail_differ_and_make_the_original_again(folder, layers):
+def test_base_and_detail_differ_and_give_the_original(folder, layers):
     original, base, detail = (nm.read_normal_map(of(folder, name)).normals for name in MAPS)
     seen = layers.coverage > 0
     assert np.abs(detail - (0, 0, 1))[seen].max() > 0.2
@@ -82,7 +82,7 @@ def test_depth_is_in_mm(folder, layers):
     seen = layers.coverage > 0
     assert near == pytest.approx(layers.depth_mm[seen].min())
     assert far == pytest.approx(layers.depth_mm[seen].max())
-    assert 0 <= near < 0.2 < 2 < far < 2.5  # the plate is 2.4 deep
+    assert 0 <= near < 0.2 < 2 < far < 2.5  # the plate is 2.4 mm deep
     pixels, spec = pixels_of(path)
     if path.suffix == ".exr":
         assert sorted(spec.channelnames) == ["A", "Z"]
@@ -117,16 +117,16 @@ def test_faces_are_numbered(folder, layers):
     assert np.array_equal(found, layers.faces)
     assert np.array_equal(found >= 0, layers.coverage > 0)
     assert (found[layers.coverage == 0] == -1).all()
-    middle, upper = found[25, 30], found[10, 30]  # rows of the mesh count upwards
+    middle, upper = found[25, 30], found[10, 30]  # rows of the mesh are numbered upwards
     assert 400 < middle < 720
     assert upper > 900
 
 
 @pytest.mark.parametrize("format", ["exr", "png"])
-def test_face_numbers_are_those_of_the_file_although_faces_were_dropped(tmp_path, format):
+def test_face_numbers_are_those_of_the_file_even_if_faces_were_dropped(tmp_path, format):
     given = plate_mesh()
     bad = np.append(given.vertices, [[np.nan, 0, 0]], axis=0)
-    number = np.arange(len(given.faces)) * 3 + 2  # two useless faces before each
+    number = np.arange(len(given.faces)) * 3 + 2  # two degenerate faces precede each good one
     faces = np.zeros((len(given.faces) * 3, 3), np.int32)
     faces[number] = given.faces
     faces[number - 1] = [0, 1, len(bad) - 1]
@@ -137,14 +137,14 @@ def test_face_numbers_are_those_of_the_file_although_faces_were_dropped(tmp_path
     assert np.array_equal(found, np.where(plain >= 0, number[plain], -1))
 
 
-def test_face_numbers_beyond_two_bytes(layers, tmp_path):
+def test_face_numbers_may_exceed_two_bytes(layers, tmp_path):
     large = dataclasses.replace(layers, faces=np.where(layers.faces >= 0, layers.faces + 16_770_000, -1))
     for kind in ("exr", "png"):
         nm.write_layers(large, tmp_path / kind, format=kind, faces=True)
         assert np.array_equal(numbers_in(tmp_path / kind / f"faces.{kind}"), large.faces)
 
 
-def test_every_file_says_what_it_is(folder, layers):
+def test_every_file_states_its_contents(folder, layers):
     for name in (*MAPS, "coverage", "depth", "faces"):
         own = nm.read_raster(of(folder, name)).attributes
         assert own["layer"] == name
@@ -159,7 +159,7 @@ def test_every_file_says_what_it_is(folder, layers):
 
 def test_the_contact_sheet_shows_every_layer(folder):
     sheet = cv2.imread(str(folder / "sheet.png"))
-    assert sheet.shape[1] > 4 * sheet.shape[0] / 2 * 0.8  # four tiles across, two rows
+    assert sheet.shape[1] > 4 * sheet.shape[0] / 2 * 0.8  # two rows of four tiles
     assert 300 < min(sheet.shape[:2]) < max(sheet.shape[:2]) < 2400
     rows, cols = sheet.shape[:2]
     for row in range(2):
@@ -168,11 +168,11 @@ def test_the_contact_sheet_shows_every_layer(folder):
             assert tile.reshape(-1, 3).std(axis=0).max() > 15, (row, col)
 
 
-def test_the_plot_is_a_figure(layers, tmp_path):
+def test_the_plot_shows_the_curves(layers, tmp_path):
     nm.write_layers(layers, tmp_path / "m.exr", plot=tmp_path / "p.png")
     plot = cv2.imread(str(tmp_path / "p.png"))
     assert plot.shape == (675, 1200, 3)
-    assert (plot == 255).all(axis=-1).mean() > 0.4  # paper
+    assert (plot == 255).all(axis=-1).mean() > 0.4  # white background
     blue, red = (
         (plot.astype(int) - np.array(color)).__abs__().max(axis=-1) < 30 for color in ((180, 119, 31), (40, 39, 214))
     )
@@ -180,7 +180,7 @@ def test_the_plot_is_a_figure(layers, tmp_path):
     assert red.sum() > 200  # the curve of the base and the threshold
 
 
-def test_a_plot_of_nothing_finer(tmp_path):
+def test_a_flat_mesh_can_be_plotted(tmp_path):
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
     flat = nm.bake(Mesh(square, np.array([[0, 1, 2], [0, 2, 3]], np.int32)), nm.BakeOptions(**QUICK))
     assert flat.report.mixture.form == "none"
@@ -190,32 +190,32 @@ def test_a_plot_of_nothing_finer(tmp_path):
     assert float(depth.attributes["near_mm"]) == float(depth.attributes["far_mm"]) == 0
 
 
-def test_the_report_is_that_of_the_layers_unless_another_is_given(layers, tmp_path):
+def test_the_report_of_the_layers_is_written_unless_another_is_given(layers, tmp_path):
     nm.write_layers(layers, tmp_path / "a", report=tmp_path / "a.json")
-    found = json.loads((tmp_path / "a.json").read_text())
+    found = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert found["layers"] == json.loads(json.dumps([layers.report.to_dict()]))
     nm.write_layers(layers, tmp_path / "b", report=tmp_path / "b.json", metadata={"mine": 1})
-    assert json.loads((tmp_path / "b.json").read_text()) == {"mine": 1}
+    assert json.loads((tmp_path / "b.json").read_text(encoding="utf-8")) == {"mine": 1}
 
 
 @pytest.mark.parametrize("name", ["depth", "faces"])
-def test_layers_that_are_not_there(layers, tmp_path, tree, name):
+def test_missing_layers_are_refused(layers, tmp_path, tree, name):
     less = dataclasses.replace(layers, **{"depth_mm" if name == "depth" else name: None})
-    with pytest.raises(UsageError, match=f"`{name}`: these layers have no .*only those of a mesh do"):
+    with pytest.raises(UsageError, match=f"`{name}`: these layers have no .*only layers of a mesh do"):
         nm.write_layers(less, tmp_path / "m", **{name: True})
     assert tree() == {}
-    nm.write_layers(less, tmp_path / "m")  # the sheet has a place for either
+    nm.write_layers(less, tmp_path / "m")  # the contact sheet works without either layer
     assert (tmp_path / "m" / "sheet.png").exists()
 
 
-def test_face_numbers_too_large_for_a_picture(layers, tmp_path, tree):
+def test_face_numbers_too_large_for_an_image_are_refused(layers, tmp_path, tree):
     large = dataclasses.replace(layers, faces=layers.faces + (1 << 24))
     with pytest.raises(LimitError, match="`faces`: a mesh of more than 16777216 faces"):
         nm.write_layers(large, tmp_path / "m", faces=True)
     assert tree() == {}
 
 
-def test_what_is_written_is_told(layers, tmp_path):
+def test_the_written_paths_are_returned(layers, tmp_path):
     written = nm.write_layers(layers, str(tmp_path / "m"), depth=True, plot=tmp_path / "p.png")
     names = ["original", "base", "detail", "coverage", "depth"]
     assert written == [
@@ -235,7 +235,7 @@ def test_what_is_written_is_told(layers, tmp_path):
     ],
     ids=["full", "interrupted"],
 )
-def test_a_failure_in_the_middle_leaves_nothing(layers, tmp_path, tree, monkeypatch, ending, error, expected, words):
+def test_a_failure_while_writing_leaves_no_file(layers, tmp_path, tree, monkeypatch, ending, error, expected, words):
     def fail(*_):
         raise error
 
@@ -245,7 +245,7 @@ def test_a_failure_in_the_middle_leaves_nothing(layers, tmp_path, tree, monkeypa
     assert tree() == {}
 
 
-def test_a_tetrahedron_seen_from_every_side(tmp_path):
+def test_a_tetrahedron_is_baked_from_every_side(tmp_path):
     options = nm.BakeOptions(**QUICK, view="front,back,left,right,top,bottom,iso")
     sets = nm.bake_views(Mesh(VERTICES.astype(float), FACES), options)
     nm.write_layers(sets, tmp_path / "all.exr", depth=True, faces=True)

@@ -1,4 +1,4 @@
-"""Which channels of which part make a normal map, and the other formats that are read."""
+"""Which channels and parts of a file form a normal map, and the other readable formats."""
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813
@@ -21,7 +21,7 @@ def upward(rng):
 
 
 def write_parts(path, parts):
-    """A multi-part EXR from (name, channel names, pixels)."""
+    """Write a multi-part EXR from (name, channel names, pixels)."""
     specs = []
     for name, channels, pixels in parts:
         spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], "float")
@@ -75,7 +75,7 @@ def test_alpha_belongs_to_its_layer_or_to_the_file(tmp_path, rng, picture, names
 
 
 @pytest.mark.parametrize("extra", ["Z", "depth.Z", "Y", "zzz", "depth"])
-def test_a_depth_channel_beside_the_colours_does_no_harm(tmp_path, rng, picture, extra):
+def test_a_depth_channel_beside_the_colours_is_ignored(tmp_path, rng, picture, extra):
     normals = upward(rng)
     depth = rng.uniform(5, 9, size=(24, 30, 1))
     back = nm.read_normal_map(picture(tmp_path / "map.exr", np.dstack([normals, depth]), (*RGB, extra)))
@@ -93,7 +93,7 @@ def test_a_layer_with_a_prefix_is_read_by_name(tmp_path, rng, picture):
         assert np.array_equal(nm.read_normal_map(path, nm.ReadOptions(layer=wanted)).normals, truth)
 
 
-def test_several_layers_and_none_named_is_an_error_that_lists_them(tmp_path, rng, picture):
+def test_several_layers_without_a_choice_are_an_error_that_lists_them(tmp_path, rng, picture):
     names = [f"{layer}.{axis}" for layer in ("base", "detail") for axis in "XYZ"]
     path = picture(tmp_path / "maps.exr", np.dstack([upward(rng), upward(rng)]), names)
     with pytest.raises(nm.InputError, match=r"several layers \(base, detail\); name one, such as maps\.exr:base"):
@@ -103,14 +103,14 @@ def test_several_layers_and_none_named_is_an_error_that_lists_them(tmp_path, rng
 
 
 @pytest.mark.parametrize("first", ["original", "N", "normal"])
-def test_the_obvious_layer_of_several_is_taken(tmp_path, rng, picture, first):
+def test_the_obvious_layer_of_several_is_chosen(tmp_path, rng, picture, first):
     wanted = upward(rng)
     names = [f"{layer}.{axis}" for layer in ("albedo", first) for axis in "XYZ"]
     back = nm.read_normal_map(picture(tmp_path / "maps.exr", np.dstack([upward(rng), wanted]), names))
     assert np.array_equal(back.normals, wanted)
 
 
-def test_a_colon_in_a_file_name_is_no_layer(tmp_path, rng, picture):
+def test_a_colon_in_a_file_name_does_not_name_a_layer(tmp_path, rng, picture):
     normals = upward(rng)
     path = picture(tmp_path / "a.exr", normals).rename(tmp_path / "a.exr:b.exr")
     assert np.array_equal(nm.read_normal_map(path).normals, normals)
@@ -130,7 +130,7 @@ def test_parts_are_layers(tmp_path, rng):
         nm.read_normal_map(path)
 
 
-def test_a_part_whose_channels_repeat_its_name_is_found_by_it(tmp_path, rng):
+def test_a_part_whose_channels_repeat_its_name_is_found_by_that_name(tmp_path, rng):
     base, detail = upward(rng), upward(rng)
     names = {layer: tuple(f"{layer}.{axis}" for axis in "XYZ") for layer in ("base", "detail")}
     path = write_parts(tmp_path / "p.exr", [("base", names["base"], base), ("detail", names["detail"], detail)])
@@ -138,7 +138,7 @@ def test_a_part_whose_channels_repeat_its_name_is_found_by_it(tmp_path, rng):
 
 
 @pytest.mark.parametrize(("x", "y"), [(5, 7), (0, 3), (-4, -6)])
-def test_a_data_window_lies_at_its_place(tmp_path, rng, picture, x, y):
+def test_a_data_window_is_placed_at_its_offset(tmp_path, rng, picture, x, y):
     normals = upward(rng)
     path = picture(tmp_path / "map.exr", normals, x=x, y=y, full_x=0, full_y=0, full_width=60, full_height=50)
     back = nm.read_normal_map(path)
@@ -151,7 +151,7 @@ def test_a_data_window_lies_at_its_place(tmp_path, rng, picture, x, y):
     assert np.array_equal(np.unique(back.normals[~inside], axis=0), [[0, 0, 1]])
 
 
-def test_a_data_window_that_is_the_whole_shifted_picture_is_left_alone(tmp_path, rng, picture):
+def test_a_data_window_equal_to_a_shifted_display_window_is_the_whole_image(tmp_path, rng, picture):
     normals = upward(rng)
     path = picture(tmp_path / "map.exr", normals, x=9, y=4, full_x=9, full_y=4, full_width=30, full_height=24)
     back = nm.read_normal_map(path)
@@ -177,7 +177,7 @@ def test_deep_data_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(("ending", "bits"), [("tif", 8), ("tif", 16), ("tiff", 16), ("bmp", 8), ("TIF", 16)])
-def test_other_formats_without_loss_are_read(tmp_path, rng, picture, codes, ending, bits):
+def test_other_lossless_formats_are_read(tmp_path, rng, picture, codes, ending, bits):
     normals = upward(rng)
     path = picture(tmp_path / f"map.{ending}", codes(normals, bits))
     image = nm.read_raster(path)
@@ -202,7 +202,7 @@ def test_a_tiff_with_unassociated_alpha_is_not_multiplied(tmp_path, rng, codes, 
     assert np.array_equal(image.pixels[..., 3:], alpha)
 
 
-def test_a_grey_mask_is_read_from_anything(tmp_path, png, picture):
+def test_a_grey_mask_is_read_from_any_format(tmp_path, png, picture):
     mask = np.zeros((8, 9), np.uint8)
     mask[2:5, 3:7] = 255
     opaque = np.full_like(mask, 255)

@@ -1,4 +1,4 @@
-"""The learned filter: its parts against what they should be, and what it makes of meshes."""
+"""The learned filter: its parts against their definitions, and its effect on meshes."""
 
 import dataclasses
 
@@ -24,7 +24,7 @@ MIRROR = TURN @ np.diag([1.0, 1.0, -1.0])
 
 
 def described(*shape):
-    """Descriptors: unit normals and agreements."""
+    """Descriptors with random unit normals and agreements."""
     agreement = np.random.default_rng(8).uniform(0.5, 1, shape).astype(np.float32)
     return np.concatenate([directions(*shape), agreement[..., None]], axis=-1)
 
@@ -35,7 +35,7 @@ def directions(*shape):
 
 
 @pytest.mark.parametrize("turn", [TURN, MIRROR], ids=["turned", "mirrored"])
-def test_frames_turn_with_the_normals_and_inputs_do_not(turn):
+def test_frames_rotate_with_the_normals_and_inputs_do_not(turn):
     given = described(200, 15)
     normals = given[..., :3]
     own = normals.mean(axis=1, dtype=np.float64)
@@ -47,12 +47,12 @@ def test_frames_turn_with_the_normals_and_inputs_do_not(turn):
     assert np.allclose(in_frames(own, given, one), in_frames(own @ turn.T, turned, other), atol=1e-3)
     products = np.einsum("mij,mkj,mkl,mnl->min", one, normals, normals, one)
     size = np.abs(np.einsum("mii->mi", products))
-    assert (np.diff(size, axis=1) <= 1e-4).all()  # the axis with most of the normals first
+    assert (np.diff(size, axis=1) <= 1e-4).all()  # the first axis is along most of the normals
     assert np.allclose(products, products * np.eye(3), atol=1e-4)
-    assert (np.einsum("mij,mj->mi", one, own) >= -1e-6).all()  # each points to the side of the mean
+    assert (np.einsum("mij,mj->mi", one, own) >= -1e-6).all()  # each axis points to the side of the mean
 
 
-def test_inputs_are_the_own_and_the_filtered_normals_and_their_agreements():
+def test_inputs_are_own_and_filtered_normals_and_their_agreements():
     given = described(50, 4)
     frames = canonical_frames(given)
     inputs = in_frames(given[:, 1, :3].astype(float), given, frames)
@@ -62,7 +62,7 @@ def test_inputs_are_the_own_and_the_filtered_normals_and_their_agreements():
     assert np.array_equal(inputs[:, 15:], given[..., 3])
 
 
-def test_a_network_mixes_the_normals_it_is_given():
+def test_a_network_mixes_its_input_normals():
     normals = directions(300, 5)
     found = network(mixed=5, more=0)(normals.reshape(300, -1))
     assert np.allclose(np.linalg.norm(found, axis=1), 1, atol=1e-6)
@@ -72,12 +72,12 @@ def test_a_network_mixes_the_normals_it_is_given():
     more = np.random.default_rng(2).normal(size=(300, 4)).astype(np.float32)
     assert (
         angles(network(mixed=5)(np.hstack([one_kind, more])), normals[:, 0]).max() < 0.05
-    )  # of equals only themselves
+    )  # equal normals give themselves
     picks = Network(*(np.zeros(s, np.float32) for s in ((2, 15), (2,), (5, 2))), np.float32([0, 0, 60, 0, 0]))
     assert np.allclose(picks(normals.reshape(300, -1)), normals[:, 2], atol=1e-6)
 
 
-def test_the_gradient_is_that_of_the_loss():
+def test_the_gradient_matches_the_loss():
     more = np.random.default_rng(2).uniform(size=(5000, 2)).astype(np.float32)
     inputs, targets = np.hstack([directions(5000, 4).reshape(5000, -1), more]), directions(5000)
     shape = Shape(inputs=14, hidden=3, mixed=4)
@@ -91,7 +91,7 @@ def test_the_gradient_is_that_of_the_loss():
         assert slope[k] == pytest.approx(rise, rel=0.02, abs=2e-5)
 
 
-def test_the_loss_is_that_of_the_normalised_normal():
+def test_the_loss_is_computed_on_the_normalised_normal():
     normals = directions(400, 4)
     lesson = TrainingLoss(normals.reshape(400, -1), normals[:, 1], np.zeros(12), np.ones(12))
     shape = Shape(inputs=12, hidden=2, mixed=4)
@@ -124,7 +124,7 @@ def test_a_network_learns_which_of_its_normals_is_right():
     assert 0 < shares[0] <= shares[-1] <= 1
 
 
-def test_kinds_are_the_nearest_centres():
+def test_clusters_are_found_and_assigned_by_the_nearest_centre():
     rng = np.random.default_rng(0)
     groups = (np.float32([[0, 0], [9, 0], [0, 9]])[:, None] + rng.normal(size=(3, 100, 2))).astype(np.float32)
     centers = find_clusters(groups.reshape(-1, 2), 3, np.random.default_rng(1))
@@ -133,8 +133,8 @@ def test_kinds_are_the_nearest_centres():
     assert len(set(kinds[:, 0])) == 3
 
 
-def test_descriptors_are_filtered_normals():
-    """As gather_surface has them, up to how finely patches are split."""
+def test_descriptors_match_the_filtered_normals():
+    """They match those of gather_surface, except for how finely patches are divided."""
     mesh = clean_mesh(hilly(5))[0]
     normals = mesh.geometry.normals
     found = Describer(mesh, DESCRIPTOR)()
@@ -150,7 +150,7 @@ def test_descriptors_are_filtered_normals():
     assert angles(found[:, 0, :3], found[:, 3, :3]).mean() > 3
 
 
-def test_every_stage_comes_nearer_to_the_targets():
+def test_every_stage_gets_closer_to_the_targets():
     before, *after = small_filter().metadata["mean_angle_deg"]
     assert after[0] < 0.7 * before
     assert after[1] < after[0] + 0.1
@@ -160,7 +160,7 @@ def test_every_stage_comes_nearer_to_the_targets():
 
 
 @pytest.mark.parametrize("turn", [TURN, MIRROR], ids=["turned", "mirrored"])
-def test_the_learned_base_turns_with_the_mesh(turn):
+def test_the_learned_base_rotates_with_the_mesh(turn):
     mesh = clean_mesh(hilly(9))[0]
     faces = mesh.faces if np.linalg.det(turn) > 0 else np.ascontiguousarray(mesh.faces[:, ::-1])
     options = nm.FilterOptions(filter="learned")
@@ -172,15 +172,15 @@ def test_the_learned_base_turns_with_the_mesh(turn):
     assert error.mean() < 0.05
 
 
-def test_size_and_unit_do_not_matter_to_the_learned_filter():
+def test_size_and_unit_do_not_change_the_learned_base():
     mesh = clean_mesh(hilly(9))[0]
     options = nm.FilterOptions(filter="learned")
     one, other = (nm.decompose_normals(nm.Mesh(mesh.vertices * s, mesh.faces), options).base for s in (1.0, 1000.0))
     assert angles(one, other).mean() < 0.01
 
 
-def test_the_shipped_filter_takes_bumps_and_keeps_forms():
-    """A ball with bumps, a smooth ball, and a box: no parameter is given."""
+def test_the_shipped_filter_removes_bumps_and_keeps_forms():
+    """A bumpy sphere, a smooth sphere and a box, without any parameter."""
     options = nm.FilterOptions(filter="learned")
     ball = sphere(30)
     v = ball.vertices
@@ -219,7 +219,7 @@ def test_refining_the_mesh_changes_the_learned_base_little():
     assert moved < 0.5 * angles(one.base, one.normals).mean()
 
 
-def test_base_and_residual_are_the_original_in_every_bit():
+def test_base_and_residual_give_the_original_bit_for_bit():
     found = nm.decompose_normals(hilly(9), nm.FilterOptions(filter="learned"))
     assert np.array_equal(found.base + found.residual, found.normals)
     assert np.array_equal(found.is_detail, np.linalg.norm(found.normals - found.filtered, axis=1) > found.mixture.theta)
@@ -239,38 +239,40 @@ def test_a_learned_filter_takes_no_parameters(changes, message):
         nm.FilterOptions(filter="learned", **changes)
 
 
-def test_a_model_belongs_to_the_learned_filter():
-    with pytest.raises(nm.UsageError, match="`model`: belongs to `filter='learned'`, not to rnf"):
+def test_a_model_is_refused_by_other_filters():
+    with pytest.raises(nm.UsageError, match="`model`: only applies to `filter='learned'`, found rnf"):
         nm.decompose_normals(hilly(0), model=small_filter())
-    with pytest.raises(nm.UsageError, match="`model`: belongs to `filter='learned'`, not to grnf"):
+    with pytest.raises(nm.UsageError, match="`model`: only applies to `filter='learned'`, found grnf"):
         nm.bake(hilly(0), filter=nm.FilterOptions(filter="grnf"), model=small_filter())
 
 
-def test_models_that_do_not_fit_together():
+def test_inconsistent_models_are_refused():
     good = network()
-    with pytest.raises(nm.InputError, match=r"weights b1 are float32 \(4,\), expected float32 \(3,\)"):
+    with pytest.raises(nm.InputError, match=r"the weights b1 must be float32 \(3,\); found float32 \(4,\)"):
         dataclasses.replace(good, b1=np.zeros(4, np.float32))
-    with pytest.raises(nm.InputError, match=r"weights w1 are float64 .*, expected float32"):
+    with pytest.raises(nm.InputError, match=r"the weights w1 must be float32 .*; found float64"):
         dataclasses.replace(good, w1=good.w1.astype(float))
-    with pytest.raises(nm.InputError, match="weights w2 are not all finite"):
+    with pytest.raises(nm.InputError, match="the weights w2 must be finite"):
         dataclasses.replace(good, w2=good.w2 * np.float32(np.nan))
     centers = np.zeros((2, 19), np.float32)
-    with pytest.raises(nm.InputError, match="1 networks for 2 kinds of neighbourhood"):
+    with pytest.raises(nm.InputError, match="a stage needs one network per cluster: networks 1, clusters 2"):
         Stage(centers, (good,))
-    with pytest.raises(nm.InputError, match=r"centers are float64 \(2, 19\), expected finite float32 \(K, C\)"):
+    with pytest.raises(
+        nm.InputError, match=r"the cluster centres must be finite float32 \(K, C\); found float64 \(2, 19\)"
+    ):
         Stage(centers.astype(float), (good, good))
-    with pytest.raises(nm.InputError, match="a network takes 19 inputs, but kinds are told by 21"):
+    with pytest.raises(nm.InputError, match="a network has 19 inputs, but the cluster centres have 21"):
         Stage(np.zeros((2, 21), np.float32), (good, good))
     with pytest.raises(nm.InputError, match="a learned filter needs at least one stage"):
         FilterModel(DESCRIPTOR, ())
     mixes = network(mixed=4, more=7)
     with pytest.raises(nm.InputError, match="a network mixes 4 normals, expected 5"):
         FilterModel(DESCRIPTOR, (Stage(centers, (mixes, mixes)),))
-    with pytest.raises(nm.InputError, match="a network takes 19 inputs, but its descriptor gives 63"):
+    with pytest.raises(nm.InputError, match="a network has 19 inputs, but the descriptor has 63"):
         FilterModel(nm.DescriptorOptions(), (Stage(centers, (good, good)),))
 
 
-def test_the_same_seed_gives_the_same_filter_and_another_another():
+def test_the_seed_determines_the_filter():
     again = nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR)
     assert same(again, small_filter())
     other = nm.train(examples(), dataclasses.replace(OPTIONS, seed=2), descriptor=DESCRIPTOR)

@@ -1,4 +1,4 @@
-"""The mask families that solvers are tried on are what they say they are."""
+"""The mask families used to benchmark solvers have their stated properties."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ def islands_of(mask):
 
 @pytest.mark.parametrize("name", masks.FAMILIES)
 @pytest.mark.parametrize("side", [1, 17, 200])
-def test_families_are_repeatable_masks_of_the_side_asked_for(name, side):
+def test_families_are_repeatable_masks_of_the_given_size(name, side):
     mask = masks.FAMILIES[name](side)
     assert mask.shape == (side, side)
     assert mask.dtype == np.float32
@@ -27,12 +27,12 @@ def test_families_are_repeatable_masks_of_the_side_asked_for(name, side):
 
 @pytest.mark.parametrize("name", ["tree", "lines 5%", "lines 20%", "spiral", "maze", "checkerboard"])
 def test_thin_families_stay_thin(name):
-    # nothing of them covers a square of 8 px, but where lines cross
+    # no part of them covers a square of 8 px, except where lines cross
     mask = masks.FAMILIES[name](900)
     assert ndimage.binary_opening(mask, np.ones((8, 8))).sum() < 0.06 * mask.sum()
 
 
-def test_pieces_hang_together_as_described():
+def test_families_have_the_documented_number_of_islands():
     for one in ("full", "comb", "bridge", "spiral", "maze", "checkerboard"):
         assert islands_of(masks.FAMILIES[one](240)) == 1, one
     assert islands_of(masks.gaps(240)) == 144
@@ -42,31 +42,31 @@ def test_pieces_hang_together_as_described():
     assert 0.15 < masks.lines(240).mean() < 0.25
 
 
-def test_corridors_end_somewhere_and_have_no_loops():
+def test_corridors_are_connected_and_have_no_loops():
     for width in (1, 2, 3):
         for mask in (masks.spiral(241, width), masks.maze(241, width)):
             inner = ndimage.label(mask)[0]
             assert inner.max() == 1
-            # without loops the walls are one piece with what is around the picture
+            # without loops, the walls are connected to the area around the image
             assert islands_of(np.pad(mask == 0, 1, constant_values=True)) == 1
 
 
-def test_the_statue_is_the_motif_of_the_scene():
-    # but for the outline, where a circle drawn in pixels is up to one wider
+def test_the_statue_mask_is_the_motif_of_the_scene():
+    # except at the outline, where a rasterised circle is up to one pixel wider
     assert (masks.statue(450, 500).astype(bool) != scene(450, 500).motif).mean() < 0.008
 
 
 @pytest.mark.parametrize(
     ("name", "span"), [("one", 1), ("span 1e4", 1e4), ("span 1e4, 16 px", 1e4), ("span 1e12", 1e12)]
 )
-def test_weights_span_what_they_say(name, span):
+def test_weights_have_their_stated_span(name, span):
     weights = masks.WEIGHTS[name]((200, 170))
     assert weights.shape == (200, 170)
     assert weights.max() == pytest.approx(1, rel=1e-5 if span == 1 else 0.7)
     assert weights.max() / weights.min() == pytest.approx(span, rel=0.7)
 
 
-def test_a_trembling_mu_map_stays_near_its_mean():
+def test_a_noisy_mu_map_stays_near_its_mean():
     weights = masks.mu_map((50, 60))
     assert weights.max() <= 1
     assert weights.min() > 0.7

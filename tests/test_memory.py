@@ -1,4 +1,4 @@
-"""Memory: sizes as text, what a machine has to give, what a solver takes, and refusals before the work begins."""
+"""Memory: sizes as text, available memory, the needs of a solver, and refusals before the work begins."""
 
 import sys
 import tracemalloc
@@ -15,7 +15,7 @@ from nmaptool.solver import memory as planning
 from nmaptool.solver import prepare, slope_load
 
 
-def test_sizes_as_text():
+def test_sizes_are_read_from_text():
     expected = {
         "8GB": 8e9,
         "500MB": 5e8,
@@ -30,13 +30,13 @@ def test_sizes_as_text():
 
 
 @pytest.mark.parametrize("text", ["", "8", "GB", "-8GB", "8 G", "8Gb/s", "eight GB", "nanGB", "8iB", "1e9B", "8GB 1MB"])
-def test_sizes_that_are_none(text):
+def test_invalid_sizes_are_refused(text):
     with pytest.raises(UsageError, match=r"memory .*: expected a number with a unit \(MB, GB, MiB, GiB\), such as 8GB"):
         memory(text)
 
 
 @pytest.mark.parametrize("text", ["0GB", "0.1B", "9000000000TB"])
-def test_sizes_out_of_range(text):
+def test_sizes_out_of_range_are_refused(text):
     with pytest.raises(UsageError, match="must be at least one byte and less than 8 EiB"):
         memory(text)
 
@@ -52,7 +52,7 @@ def put(root, **files):
     for name, text in files.items():
         path = root / name.replace("__", "/")
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
+        path.write_text(text, encoding="utf-8")
 
 
 @pytest.fixture
@@ -62,11 +62,11 @@ def linux(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_what_linux_has_free(linux):
+def test_free_memory_is_read_on_linux(linux):
     assert machine.available_bytes(linux) == 9000 * 1024
 
 
-def test_a_control_group_counts_and_so_do_those_around_it(linux):
+def test_a_control_group_and_its_parents_limit_the_memory(linux):
     group = linux / "sys/fs/cgroup/outer/inner"
     put(linux, proc__self__cgroup="0::/outer/inner\n")
     put(group, **{"memory.max": "max\n", "memory.current": "4000\n"})
@@ -86,7 +86,7 @@ def test_a_container_sees_its_own_group_at_the_top(linux):
     assert machine.available_bytes(linux) == 9000
 
 
-def test_control_groups_of_the_first_kind(linux):
+def test_control_groups_of_version_1_limit_the_memory(linux):
     put(linux, proc__self__cgroup="11:cpu,cpuacct:/a\n7:memory:/a\n1:name=systemd:/\n")
     files = {
         "memory.limit_in_bytes": "5000",
@@ -98,7 +98,7 @@ def test_control_groups_of_the_first_kind(linux):
     assert machine.available_bytes(linux) == 3500
 
 
-def test_systems_that_say_less(tmp_path, monkeypatch):
+def test_free_memory_is_estimated_on_other_systems(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "platform", "darwin")
     monkeypatch.setattr(machine, "_built_in", lambda: 1000)
     assert machine.available_bytes(tmp_path) == 750
@@ -124,11 +124,11 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_what_is_planned_is_what_is_taken(case):
+def test_the_planned_memory_matches_the_memory_used(case):
     weight, method, beta = CASES[case]
     system = free_system(weight.astype(np.float32), beta)
     load = slope_load(*(weight * np.random.default_rng(0).normal(size=(2, *weight.shape))))
-    prepare(free_system(weight[:20, :20] + 1), method)  # what libraries keep of their own
+    prepare(free_system(weight[:20, :20] + 1), method)  # lets libraries allocate what they keep
     tracemalloc.start()
     try:
         solver = prepare(system, method)
@@ -140,7 +140,7 @@ def test_what_is_planned_is_what_is_taken(case):
     assert taken > 0.6 * (solver.planned_bytes - planning._BESIDE)
 
 
-def test_a_limit_is_kept_and_the_message_says_what_to_do():
+def test_a_limit_is_respected_and_the_message_gives_a_remedy():
     system = free_system(blobs(64))
     needed = planning.estimate((64, 64), int(system.unknown.sum()), "amg")
     assert prepare(system, "amg", needed).planned_bytes == needed
@@ -160,14 +160,14 @@ def test_the_command_line_refuses_before_it_writes(refused, maps, tmp_path):
     refused(2, "--memory-limit 1: expected", "relief", maps["clean"], "--memory-limit", "1")
 
 
-def test_a_picture_too_large_for_the_machine_is_refused(monkeypatch):
+def test_an_image_too_large_for_the_machine_is_refused(monkeypatch):
     monkeypatch.setattr(planning, "available_bytes", lambda: 12_300_000)
     with pytest.raises(
         LimitError,
         match=r"^7 x 5 px: the dct solver needs about 16MB of memory, 12MB are free; .* or close other programs$",
     ):
         prepare(free_system(np.ones((5, 7))))
-    # given by hand, the limit is what counts
+    # a given limit takes precedence
     assert prepare(free_system(np.ones((5, 7))), memory_limit_bytes=10**9).planned_bytes > 12_300_000
     monkeypatch.setattr(planning, "available_bytes", lambda: None)
     prepare(free_system(np.ones((5, 7))))

@@ -1,4 +1,4 @@
-"""Texts of meshes are looked at in pieces, wherever these end, and only numbers count as numbers."""
+"""Mesh text is parsed in pieces that may end anywhere, and only valid numbers are accepted."""
 
 import subprocess
 import sys
@@ -37,14 +37,14 @@ def test_pieces_of_any_size_give_the_same_mesh(tmp_path, monkeypatch, name, data
 
 
 @pytest.mark.parametrize("text", [b"", b"a", b"a\nbb\nccc", b"a\nbb\n", b"\n\n\n", b"abcdefgh"])
-def test_pieces_hold_the_whole_text(monkeypatch, text):
+def test_pieces_contain_the_whole_text(monkeypatch, text):
     monkeypatch.setattr(words, "_BLOCK", 3)
     pieces = list(words.blocks(text))
     assert b"".join(pieces) == text
     assert all(piece.endswith(b"\n") for piece in pieces[:-1])
 
 
-def test_words_of_lines():
+def test_lines_are_split_into_words():
     found = words.Words.of(b"\n v 1  2\t3 #x\n\n\x0bf 4/5 6")
     spelled = [found.data[b:e].tobytes() for b, e in zip(found.begin, found.end, strict=True)]
     assert spelled == [b"v", b"1", b"2", b"3", b"#x", b"f", b"4/5", b"6"]
@@ -65,7 +65,7 @@ def test_numbers_are_read_as_c_reads_them():
 
 
 @pytest.mark.parametrize("word", [b"x", b"1,5", b"1_0", b"0x10", b"1e", b"--1", b"1.5", b"9" * 19, b"-" + b"9" * 30])
-def test_words_that_are_no_whole_numbers(word):
+def test_words_that_are_not_integers_are_refused(word):
     with pytest.raises(ValueError, match=r"^(string or file could not be read.*)?$"):
         words.numbers(b"1 " + word + b" 2", np.int64)
     with pytest.raises(ValueError, match=r"^$"):
@@ -87,19 +87,19 @@ def test_words_that_are_no_whole_numbers(word):
         ("a.stl", files.ascii_stl().replace(b"endloop", b"vertex", 1)),
     ],
 )
-def test_damaged_words(tmp_path, name, data):
+def test_damaged_words_are_refused(tmp_path, name, data):
     (tmp_path / name).write_bytes(data)
-    with pytest.raises(InputError, match=r"file is damaged or cut short; export it again$"):
+    with pytest.raises(InputError, match=r"file is truncated or damaged; export it again$"):
         read_mesh(tmp_path / name)
 
 
-def test_a_zero_with_a_sign_is_no_vertex_of_an_obj(tmp_path):
+def test_a_signed_zero_is_not_a_vertex_index_of_an_obj(tmp_path):
     (tmp_path / "a.obj").write_bytes(files.obj() + b"f 1 2 +0\n")
-    with pytest.raises(InputError, match=r"names vertex 0, but OBJ files count from 1; export it again$"):
+    with pytest.raises(InputError, match=r"refers to vertex 0, but OBJ files count from 1; export it again$"):
         read_mesh(tmp_path / "a.obj")
 
 
-def test_reading_loads_no_mesh_library(tmp_path):
+def test_reading_does_not_load_a_mesh_library(tmp_path):
     for ending, data in files.good().items():
         (tmp_path / f"a.{ending}").write_bytes(data)
     script = (

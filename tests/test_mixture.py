@@ -1,4 +1,4 @@
-"""Two Gaussians in a histogram and the threshold between them."""
+"""Two Gaussians fitted to a histogram, and the threshold between them."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from nmaptool.types.mixture import Gaussian
 
 
 def drawn(*parts, seed=0):
-    """Lengths drawn from Gaussians (count, mean, sigma)."""
+    """Random lengths drawn from Gaussians (count, mean, sigma)."""
     random = np.random.default_rng(seed)
     lengths = np.concatenate([random.normal(mean, sigma, count) for count, mean, sigma in parts])
     return np.abs(lengths).clip(0, 2)
@@ -30,7 +30,7 @@ def test_the_parts_of_a_mixture_are_found():
     )
 
 
-def test_areas_count_not_faces():
+def test_faces_are_weighted_by_area():
     lengths = drawn((5_000, 0.1, 0.02), (5_000, 0.6, 0.05))
     areas = np.where(np.arange(10_000) < 5_000, 3.0, 1.0)
     found = fit_mixture(lengths, areas)
@@ -43,7 +43,7 @@ def test_areas_count_not_faces():
     ("low", "high", "form"),
     [
         (Gaussian(0.7, 0.1, 0.03), Gaussian(0.3, 0.5, 0.1), "weighted"),
-        (Gaussian(0.5, 0.1, 0.05), Gaussian(0.5, 0.5, 0.05), "weighted"),  # equal widths: the equation is linear
+        (Gaussian(0.5, 0.1, 0.05), Gaussian(0.5, 0.5, 0.05), "weighted"),  # equal widths make the equation linear
         (Gaussian(0.995, 0.1, 0.05), Gaussian(0.005, 0.2, 0.06), "unweighted"),
         (Gaussian(0.5, 0.1, 0.001), Gaussian(0.5, 0.1003, 1.0), "midpoint"),
     ],
@@ -63,20 +63,20 @@ def test_theta_is_where_the_densities_cross_between_the_means(low, high, form):
 
 
 @pytest.mark.parametrize("length", [0.0, 0.25, 2.0])
-def test_residuals_that_are_all_alike_are_no_detail(length):
+def test_equal_residuals_are_not_detail(length):
     found = fit_mixture(np.full(100, length), np.ones(100))
     assert found.form == "none"
     assert not (np.full(100, length) > found.theta).any()
     assert mixture_plot(found).std() > 0
 
 
-def test_two_spikes_are_told_apart():
+def test_two_spikes_are_separated():
     found = fit_mixture(np.r_[np.zeros(900), np.full(100, 0.5)], np.ones(1000))
     assert 0 < found.theta < 0.5
     assert found.low.weight == pytest.approx(0.9)
 
 
-def test_the_figure_shows_the_threshold_where_it_is():
+def test_the_figure_shows_the_threshold_at_its_position():
     lengths = drawn((6_000, 0.2, 0.03), (4_000, 0.7, 0.1))
     found = fit_mixture(lengths, np.ones(len(lengths)))
     picture = mixture_plot(found).astype(int)

@@ -1,4 +1,4 @@
-"""Multigrid against other solvers, and the counts of its iterations."""
+"""Multigrid against other solvers, and its iteration counts."""
 
 import numpy as np
 import pytest
@@ -42,16 +42,16 @@ def iterations(family, side, beta, tolerance=1e-8):
 
 
 @pytest.mark.parametrize("family", [*FAMILIES, *THIN])
-def test_iterations_are_few_and_hold_with_size_and_beta(family):
+def test_iterations_are_few_for_every_size_and_beta(family):
     found = [iterations(family, side, beta) for side in (128, 384) for beta in (1, 1e-3, 0)]
-    # one more or less is rounding
+    # rounding may add or save one iteration
     assert np.abs(np.subtract(found, (FAMILIES | THIN)[family])).max() <= 1, found
     assert max(found) <= 15
 
 
 @pytest.mark.parametrize("family", [*FAMILIES, *THIN])
 @pytest.mark.parametrize("beta", [1e-2, 0])
-def test_agrees_with_amg_on_every_mask(family, beta):
+def test_multigrid_agrees_with_amg_on_every_mask(family, beta):
     weight = mask_of(family, 96)
     system, load = free_system(weight, beta), load_for(weight)
     found, expected = (prepare(system, name).solve(load, tolerance=1e-11).z for name in ("multigrid", "amg"))
@@ -60,7 +60,7 @@ def test_agrees_with_amg_on_every_mask(family, beta):
 
 @pytest.mark.parametrize("family", ["statue", "noise", "tree"])
 @pytest.mark.parametrize("span", [1e2, 1e6, 1e12])
-def test_agrees_with_amg_for_weights_that_span_much(family, span):
+def test_multigrid_agrees_with_amg_for_weights_of_wide_range(family, span):
     rng = np.random.default_rng(4)
     weight = mask_of(family, 64) * 10 ** (rng.uniform(-0.5, 0.5, (64, 64)) * np.log10(span))
     held = rng.random((65, 65)) < 0.1
@@ -71,7 +71,7 @@ def test_agrees_with_amg_for_weights_that_span_much(family, span):
     assert np.array_equal(found[held & (touching_vertices(weight > 0))], held_z[held & touching_vertices(weight > 0)])
 
 
-def test_agrees_with_dct_on_a_rectangle():
+def test_multigrid_agrees_with_dct_on_a_rectangle():
     weight = np.ones((75, 110))
     system = free_system(weight, 1e-4)
     load = load_for(weight)
@@ -81,7 +81,7 @@ def test_agrees_with_dct_on_a_rectangle():
 
 @pytest.mark.parametrize("family", ["statue", "maze", "noise"])
 @pytest.mark.parametrize(("span", "most"), [(1e2, 13), (1e4, 16), (1e12, 24)])
-def test_iterations_stay_few_where_every_pixel_has_its_own_weight(family, span, most):
+def test_iterations_are_few_if_every_pixel_has_its_own_weight(family, span, most):
     weight = mask_of(family, 256) * masks.spanning((256, 256), span)
     for beta in (1e-3, 0):
         solution = prepare(free_system(weight, beta), "multigrid").solve(load_for(weight))
@@ -112,7 +112,7 @@ def test_reliefs_agree_with_amg_on_every_background(family, background):
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 2), (2, 1), (1, 700), (700, 1), (2, 333), (3, 3), (40, 1)])
 @pytest.mark.parametrize("beta", [0.1, 0])
-def test_strips_and_single_pixels(shape, beta):
+def test_strips_and_single_pixels_are_solved(shape, beta):
     weight = np.ones(shape)
     system, load = free_system(weight, beta), load_for(weight)
     found, expected = (prepare(system, name).solve(load, tolerance=1e-11).z for name in ("multigrid", "amg"))
@@ -120,14 +120,14 @@ def test_strips_and_single_pixels(shape, beta):
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-10, 1e-12])
-def test_reaches_what_float32_alone_cannot(tolerance):
+def test_multigrid_reaches_tolerances_below_float32(tolerance):
     weight = mask_of("statue", 256)
     solution = prepare(free_system(weight), "multigrid").solve(load_for(weight), tolerance=tolerance)
     assert solution.residual <= tolerance
     assert solution.iterations <= 14
 
 
-def test_wide_smooth_heights_keep_their_low_frequencies():
+def test_large_smooth_heights_keep_their_low_frequencies():
     side = 1500
     x = np.linspace(0, np.pi, side + 1)
     z = 400 * np.cos(x) * np.cos(2 * x)[:, None]
@@ -140,7 +140,7 @@ def test_wide_smooth_heights_keep_their_low_frequencies():
     assert np.abs(found - z).max() <= 1e-6 * np.ptp(z)
 
 
-def test_runs_agree_to_the_bit_and_one_setup_serves_many():
+def test_runs_agree_bit_for_bit_and_one_setup_serves_many_loads():
     weight = mask_of("hair", 200)
     system = free_system(weight, 1e-3)
     solver = prepare(system, "multigrid")
@@ -161,7 +161,7 @@ def test_not_converging_is_an_error_with_the_history():
 @pytest.mark.parametrize(
     ("stiffer", "pulled", "borrowed"), [(1, 1.3, True), (2.5, 2, True), (1, 3, False), (8, 1, False)]
 )
-def test_coarse_levels_serve_a_similar_system_and_no_other(stiffer, pulled, borrowed):
+def test_coarse_levels_are_reused_only_for_a_similar_system(stiffer, pulled, borrowed):
     weight = mask_of("hair", 160)
     first = prepare(free_system(weight, 1e-3), "multigrid")
     system = QuadSystem(weight * np.float32(stiffer), first.system.beta * pulled, first.system.held)
@@ -175,10 +175,10 @@ def test_coarse_levels_serve_a_similar_system_and_no_other(stiffer, pulled, borr
 
 
 @pytest.mark.parametrize("change", ["mask", "held", "size", "span"])
-def test_coarse_levels_are_made_anew_where_the_shape_changes(change):
+def test_coarse_levels_are_rebuilt_if_the_shape_changes(change):
     weight = np.ones((40, 50))
     first = free_system(weight, 1e-3)
-    weight, held = weight.copy(), first.held.copy()  # a system keeps the arrays it is given
+    weight, held = weight.copy(), first.held.copy()  # a system does not copy its arrays
     if change == "mask":
         weight[3, 3] = 0
     elif change == "held":
@@ -191,6 +191,6 @@ def test_coarse_levels_are_made_anew_where_the_shape_changes(change):
     assert not prepare(system, "multigrid", like=prepare(first, "multigrid")).method.borrowed
 
 
-def test_what_is_left_of_a_thin_shape_is_carried_down(monkeypatch):
-    monkeypatch.setattr(building, "_MOST_STRAYS", 2.0)  # never hand over early
+def test_off_grid_vertices_of_a_thin_shape_are_passed_to_coarser_levels(monkeypatch):
+    monkeypatch.setattr(building, "_MOST_STRAYS", 2.0)  # prevents handing over early
     assert iterations("maze", 128, 0) <= 15

@@ -1,4 +1,4 @@
-"""What multigrid is made of, against the matrices it does without."""
+"""The parts of multigrid, compared with explicit matrices, which multigrid itself avoids."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def random_system(seed, shape=(23, 30), span=10, held_share=0.0):
 
 
 @pytest.mark.parametrize("held_share", [0.0, 0.2])
-def test_finest_level_is_the_system(held_share):
+def test_the_finest_level_equals_the_system(held_share):
     system = random_system(0, held_share=held_share)
     finest = Finest(system, np.float64)
     z = np.where(system.unknown, np.random.default_rng(1).normal(size=finest.shape), 0)
@@ -35,7 +35,7 @@ def test_finest_level_is_the_system(held_share):
 
 
 def prolongation(way, off_grid):
-    """P as a matrix: what comes up for each unit vector; off-grid vertices' rows and columns last."""
+    """P as a matrix: the prolongation of each unit vector; rows and columns of off-grid vertices come last."""
     coarse, fine = (shape[0] * shape[1] for shape in (way.coarse, way.fine))
     kept = 0 if way.off_grid is None else way.off_grid.kept
     matrix = np.zeros((fine + kept, coarse + off_grid))
@@ -51,7 +51,7 @@ def prolongation(way, off_grid):
 
 
 def full_matrix(level):
-    """The matrix of a level over all its places."""
+    """The matrix of a level over all its vertices."""
     small, places = assemble(level)
     size = level.size + level.off_grid.count
     spread = sparse.csr_matrix((np.ones(len(places)), (places, np.arange(len(places)))), shape=(size, len(places)))
@@ -59,7 +59,7 @@ def full_matrix(level):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_coarse_levels_are_galerkin(seed):
+def test_coarse_levels_are_galerkin_products(seed):
     system = random_system(seed, span=30)
     finest = Finest(system, np.float64)
     anchors = np.zeros(finest.shape, bool)
@@ -72,7 +72,7 @@ def test_coarse_levels_are_galerkin(seed):
         way, below = coarsen(level)
         p = prolongation(way, below.off_grid.count)
         active = np.flatnonzero(np.concatenate([below.diagonal > 0, below.off_grid.diagonal > 0]))
-        # ties are lumped: they are no part of the couplings
+        # ties are lumped, so they are not part of the couplings
         ties = np.diag(matrix.sum(axis=1))
         couplings = p.T @ (matrix - ties) @ p
         np.fill_diagonal(couplings, 0)
@@ -85,7 +85,7 @@ def test_coarse_levels_are_galerkin(seed):
         assert np.allclose(found_ties, np.maximum(rows, 0), rtol=0, atol=1e-9 * np.abs(found).max())
         level, matrix = below, full_matrix(below)
         off_grid += below.off_grid.count
-    assert off_grid > 0  # or half of the above was not tried
+    assert off_grid > 0  # otherwise, half of the above was not tested
 
 
 def test_restriction_is_the_transpose_of_prolongation():
@@ -125,7 +125,7 @@ def test_islands_never_merge_and_free_constants_stay_free(family, beta):
     while min(level.shape) > 5:
         _, level = coarsen(level)
         labels = labels[::2, ::2]
-        if beta:  # so that what has shrunk to a single vertex still shows
+        if beta:  # with beta, even an island reduced to one vertex has an entry in the matrix
             matrix, places = assemble(level)
             parts = sparse.csgraph.connected_components(matrix, directed=False)[1]
             islands = labels.ravel()[places[places < level.size]]

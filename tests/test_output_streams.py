@@ -1,4 +1,4 @@
-"""Open streams instead of files: the same bytes, all of them or none."""
+"""Output to open streams: the same bytes as in files, and all or nothing."""
 
 import io
 import json
@@ -17,7 +17,7 @@ from nmaptool.core.errors import OutputError, UsageError
 
 @pytest.fixture
 def temporary(tmp_path, monkeypatch):
-    """Where temporary files go; nothing may stay there."""
+    """The folder of temporary files; nothing may remain in it."""
     folder = tmp_path / "temporary"
     folder.mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(folder))
@@ -44,13 +44,13 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_a_stream_gets_what_a_file_gets(name, tmp_path, temporary):
+def test_a_stream_gets_the_bytes_of_a_file(name, tmp_path, temporary):
     WRITERS[name](tmp_path / name)
     stream = io.BytesIO(b"before ")
     stream.seek(0, 2)
     WRITERS[name](nm.OutputStream(stream, name[name.index(".") :]))
     assert not stream.closed
-    # pictures hold the time of writing
+    # image files contain the time of writing
     found, expected = (
         re.sub(rb"\d{4}:\d\d:\d\d \d\d:\d\d:\d\d", b"now", data)
         for data in (stream.getvalue(), (tmp_path / name).read_bytes())
@@ -58,7 +58,7 @@ def test_a_stream_gets_what_a_file_gets(name, tmp_path, temporary):
     assert found == b"before " + expected
 
 
-def test_a_relief_goes_to_streams_and_files_at_once(relief, tmp_path, temporary):
+def test_a_relief_is_written_to_streams_and_files_at_once(relief, tmp_path, temporary):
     streams = [nm.OutputStream(io.BytesIO(), ending) for ending in (".stl", ".npy", ".png", ".json")]
     *surfaces, preview, report = streams
     nm.write_relief(relief, *surfaces, tmp_path / "a.stl", preview=preview, report=report)
@@ -69,7 +69,7 @@ def test_a_relief_goes_to_streams_and_files_at_once(relief, tmp_path, temporary)
     assert json.loads(facts)["options"]["width"] == "30mm"
 
 
-def test_a_conversion_goes_to_a_stream(tmp_path, temporary):
+def test_a_conversion_is_written_to_a_stream(tmp_path, temporary):
     nm.write_normal_map(bump_map(8, 9), tmp_path / "a.exr")
     stream, report = io.BytesIO(), io.BytesIO()
     to = nm.OutputStream(stream, ".png", "the response")
@@ -79,7 +79,7 @@ def test_a_conversion_goes_to_a_stream(tmp_path, temporary):
     assert json.loads(report.getvalue())["outputs"] == ["the response", "stream"]
 
 
-def test_nothing_goes_to_a_stream_when_a_later_target_fails(relief, tmp_path, temporary, monkeypatch):
+def test_nothing_is_written_to_a_stream_if_a_later_target_fails(relief, tmp_path, temporary, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
@@ -91,23 +91,23 @@ def test_nothing_goes_to_a_stream_when_a_later_target_fails(relief, tmp_path, te
     assert sorted(path.name for path in tmp_path.iterdir()) == ["temporary"]
 
 
-def test_nothing_goes_to_a_stream_when_a_file_cannot_be_renamed(relief, tmp_path, temporary, monkeypatch):
+def test_nothing_is_written_to_a_stream_if_a_file_cannot_be_renamed(relief, tmp_path, temporary, monkeypatch):
     written = nm.solid
 
     def late(relief):
-        (tmp_path / "a.npy").write_text("another program's")
+        (tmp_path / "a.npy").write_text("another program's", encoding="utf-8")
         return written(relief)
 
     monkeypatch.setattr("nmaptool.io.output.relief.triangulate", late)
     stream = io.BytesIO()
-    with pytest.raises(OutputError, match=r"a\.npy: exists already"):
+    with pytest.raises(OutputError, match=r"a\.npy: already exists"):
         nm.write_relief(relief, nm.OutputStream(stream, ".stl"), tmp_path / "a.npy")
     assert stream.getvalue() == b""
-    assert (tmp_path / "a.npy").read_text() == "another program's"
+    assert (tmp_path / "a.npy").read_text(encoding="utf-8") == "another program's"
 
 
 class Failing(io.RawIOBase):
-    """A stream that takes little, and fails when it is flushed."""
+    """A stream that accepts only a few bytes, and fails when it is flushed."""
 
     def __init__(self, error=None):
         super().__init__()
@@ -121,7 +121,7 @@ class Failing(io.RawIOBase):
         return min(len(data), 100)
 
     def flush(self):
-        error, self.error = self.error, None  # once: closing flushes, too
+        error, self.error = self.error, None  # only once: closing also flushes
         if error is not None:
             raise error
 
@@ -135,9 +135,9 @@ class Failing(io.RawIOBase):
     ],
     ids=["full", "closed", "interrupted"],
 )
-def test_a_stream_that_fails_takes_the_files_back(tmp_path, temporary, error, expected, message):
+def test_a_failing_stream_undoes_the_files(tmp_path, temporary, error, expected, message):
     mesh = nm.Mesh(np.eye(3), np.array([[0, 1, 2]], np.int32))
-    (tmp_path / "old.stl").write_text("precious")
+    (tmp_path / "old.stl").write_text("precious", encoding="utf-8")
     with pytest.raises(expected, match=message):
         nm.write_mesh(
             mesh,
@@ -147,22 +147,22 @@ def test_a_stream_that_fails_takes_the_files_back(tmp_path, temporary, error, ex
             overwrite=True,
         )
     assert not (tmp_path / "new.ply").exists()
-    assert (tmp_path / "old.stl").read_text() == "precious"
+    assert (tmp_path / "old.stl").read_text(encoding="utf-8") == "precious"
 
 
-def test_a_stream_that_takes_little_at_a_time_gets_everything(tmp_path, temporary):
+def test_a_stream_with_partial_writes_gets_everything(tmp_path, temporary):
     normal_map, stream = as_map(random_normals(20)), Failing()
     nm.write_normal_map(normal_map, tmp_path / "a.png")
     nm.write_normal_map(normal_map, nm.OutputStream(stream, ".png"))
     assert stream.taken == (tmp_path / "a.png").read_bytes()
 
 
-def test_streams_that_cannot_be_written(tmp_path):
+def test_streams_that_cannot_be_written_are_refused(tmp_path):
     closed = io.BytesIO()
     closed.close()
     read_only = io.BufferedReader(io.BytesIO())
     for error, message, stream in (
-        (UsageError, "^stream: is a stream for text; give a binary one$", io.StringIO()),
+        (UsageError, "^stream: is a text stream; give a binary stream$", io.StringIO()),
         (OutputError, "^stream: is not open for writing$", closed),
         (OutputError, "^stream: is not open for writing$", read_only),
     ):
@@ -176,12 +176,12 @@ def test_streams_that_cannot_be_written(tmp_path):
         nm.write_normal_map(bump_map(8, 9), nm.OutputStream(shared, ".jpg"))
     with pytest.raises(UsageError, match=r"^stream: layers are written into a folder"):
         nm.write_layers(nm.split(bump_map(20, 30)), nm.OutputStream(shared, ".png"))
-    with pytest.raises(UsageError, match=r"^page: the ending 'png' must begin with a dot, such as \.png$"):
+    with pytest.raises(UsageError, match=r"^page: the extension 'png' must begin with a dot, such as \.png$"):
         nm.OutputStream(shared, "png", "page")
     assert shared.getvalue() == b""
 
 
-def test_standard_output_stays_empty_when_a_picture_fails(run, tmp_path, monkeypatch):
+def test_standard_output_stays_empty_if_an_image_fails(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     nm.write_normal_map(bump_map(8, 9), "a.exr")
 

@@ -1,4 +1,4 @@
-"""What lands on disk: heights, meshes, previews and reports, read back by independent readers."""
+"""Written heights, meshes, previews and reports, read back by independent readers."""
 
 import itertools
 import json
@@ -70,12 +70,12 @@ def test_png_heights_are_16_bit_with_their_range_in_mm(carved, tmp_path):
     found = low + grey / 65535 * (high - low)
     inside = carved.mask
     assert np.abs(found - corner_mean(carved.z_mm))[inside].max() <= (high - low) / 65535 / 2 * 1.001
-    assert high - low == pytest.approx(4, abs=1e-6)  # black to white is the height that was asked for
+    assert high - low == pytest.approx(4, abs=1e-6)  # black to white spans the requested height
     assert np.ptp(grey[inside]) > 60000
 
 
 @pytest.mark.parametrize("ending", [".exr", ".png", ".tif"])
-def test_pictures_carry_their_metadata(carved, tmp_path, ending):
+def test_images_have_metadata(carved, tmp_path, ending):
     path = tmp_path / f"h{ending}"
     nm.write_relief(carved, path)
     own = nm.read_raster(path).attributes
@@ -92,7 +92,7 @@ def test_meshes_have_the_exact_size_and_face_outwards(carved, tmp_path, ending):
     path = tmp_path / f"m{ending}"
     nm.write_relief(carved, path)
     mesh = trimesh.load(path, force="mesh")
-    if ending == ".glb":  # in metres, as its specification says
+    if ending == ".glb":  # in metres, as its specification requires
         assert nm.read_mesh(path).mm_per_unit == 1000
         mesh.apply_scale(1000)
     rows, cols = np.nonzero(touching_vertices(carved.mask))
@@ -105,7 +105,7 @@ def test_meshes_have_the_exact_size_and_face_outwards(carved, tmp_path, ending):
     assert mesh.area_faces.min() > 0
 
 
-def test_mesh_heights_are_those_of_the_relief_right_way_up(carved, tmp_path):
+def test_mesh_heights_match_the_relief_and_its_orientation(carved, tmp_path):
     nm.write_relief(carved, tmp_path / "m.ply")
     mesh = trimesh.load(tmp_path / "m.ply", process=False)
     pitch = carved.pitch_mm
@@ -114,14 +114,14 @@ def test_mesh_heights_are_those_of_the_relief_right_way_up(carved, tmp_path):
     assert len(mesh.vertices) == touching_vertices(carved.mask).sum()
 
 
-def test_mesh_outline_is_the_masks():
+def test_the_mesh_outline_follows_the_mask():
     mask = np.zeros((6, 7), bool)
     mask[1:4, 2:6] = True
     mask[2, 3] = False
     mesh = nm.surface_mesh(nm.Height(np.zeros((7, 8)), mask, nm.Frame(6, 7, 1.0)))
     edges = np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     _, counts = np.unique(edges, axis=0, return_counts=True)
-    assert (counts == 1).sum() == 2 * (3 + 4) + 4  # around the block and around its hole
+    assert (counts == 1).sum() == 2 * (3 + 4) + 4  # edges around the block and around its hole
     assert counts.max() == 2
 
 
@@ -134,7 +134,7 @@ def test_diagonals_follow_a_ridge():
         assert all((a, b) in edges for a, b in itertools.pairwise(valley.tolist()))
 
 
-def test_preview_is_lit_from_the_upper_left(carved, tmp_path):
+def test_the_preview_is_lit_from_the_upper_left(carved, tmp_path):
     nm.write_relief(carved, preview=tmp_path / "p.png")
     picture = cv2.imread(str(tmp_path / "p.png"))
     assert max(picture.shape) >= 900
@@ -146,9 +146,9 @@ def test_preview_is_lit_from_the_upper_left(carved, tmp_path):
         assert 0.4 < plate[0, 0] < 0.8
 
 
-def test_report_tells_the_run(carved, tmp_path):
+def test_the_report_describes_the_run(carved, tmp_path):
     nm.write_relief(carved, report=tmp_path / "r.json")
-    report = json.loads((tmp_path / "r.json").read_text())
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert report["height_range_mm"] == pytest.approx(4)
     assert report["options"]["width"] == "80mm"
     assert report["residual"] <= 1e-8
@@ -167,12 +167,12 @@ def test_all_files_appear_or_none(carved, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_existing_files_stay_unless_overwrite_is_said(carved, tmp_path):
+def test_existing_files_are_kept_without_overwrite(carved, tmp_path):
     path = tmp_path / "a.npy"
-    path.write_text("mine")
-    with pytest.raises(OutputError, match="exists already; give another name, or `overwrite`"):
+    path.write_text("mine", encoding="utf-8")
+    with pytest.raises(OutputError, match="already exists; give another name, or `overwrite`"):
         nm.write_relief(carved, tmp_path / "b.npy", path)
-    assert path.read_text() == "mine"
+    assert path.read_text(encoding="utf-8") == "mine"
     assert not (tmp_path / "b.npy").exists()
     nm.write_relief(carved, path, overwrite=True)
     assert np.load(path).shape == (ROWS, COLS)
@@ -183,13 +183,13 @@ def test_a_file_that_appears_meanwhile_is_not_replaced(carved, tmp_path, monkeyp
     written = nm.solid
 
     def late(relief):
-        path.write_text("another program's")
+        path.write_text("another program's", encoding="utf-8")
         return written(relief)
 
     monkeypatch.setattr("nmaptool.io.output.relief.triangulate", late)
-    with pytest.raises(OutputError, match="exists already"):
+    with pytest.raises(OutputError, match="already exists"):
         nm.write_relief(carved, path)
-    assert path.read_text() == "another program's"
+    assert path.read_text(encoding="utf-8") == "another program's"
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -205,9 +205,9 @@ def test_endings_are_checked_first(carved, tmp_path):
 
 
 @pytest.mark.parametrize("ending", [*FLOATS, ".png"])
-def test_heights_come_back_as_a_curved_background(tmp_path, ending):
+def test_heights_are_read_back_as_a_curved_background(tmp_path, ending):
     row, col = np.mgrid[0 : ROWS + 1, 0 : COLS + 1]
-    z = 0.1 * col + 0.05 * row  # straight, so that corners follow exactly from centres
+    z = 0.1 * col + 0.05 * row  # a plane: its corner heights follow exactly from those at centres
     height = nm.Height(z, np.ones((ROWS, COLS), bool), nm.Frame(ROWS, COLS, 0.5))
     from nmaptool.io.pictures.heights import write_height
 
@@ -220,13 +220,13 @@ def test_heights_come_back_as_a_curved_background(tmp_path, ending):
 def test_bad_height_files_are_named(tmp_path):
     np.save(tmp_path / "three.npy", np.zeros((3, 4, 5)))
     np.save(tmp_path / "nan.npy", np.full((3, 4), np.nan))
-    (tmp_path / "text.npy").write_text("no array")
+    (tmp_path / "text.npy").write_text("no array", encoding="utf-8")
     cv2.imwrite(str(tmp_path / "plain.png"), np.zeros((5, 6), np.uint16))
     for name, message in {
         "three.npy": r"must hold one \(rows, columns\) array",
         "nan.npy": "holds NaN or infinite heights",
         "text.npy": "is not a NumPy array file",
-        "plain.png": "does not say its height range in mm",
+        "plain.png": "does not state its height range in mm",
         "none.npy": "no such file",
     }.items():
         with pytest.raises(InputError, match=message):
@@ -239,9 +239,9 @@ def test_height_checks_its_parts():
     for z, domain, size, message in (
         (np.zeros((3, 4)), inside, frame, r"expected float64 \(4, 5\)"),
         (good, np.ones((4, 5), bool), frame, r"expected bool \(3, 4\)"),
-        (good, ~inside, frame, "no pixel in its domain"),
+        (good, ~inside, frame, "the domain of the height field is empty"),
         (np.full((4, 5), np.nan), inside, frame, "heights must be finite"),
-        (good, inside, nm.Frame(3, 4), "needs the size of a pixel"),
+        (good, inside, nm.Frame(3, 4), "needs a pixel size in mm; set pitch_mm of its frame"),
     ):
         with pytest.raises(InputError, match=message):
             nm.Height(z, domain, size)

@@ -1,4 +1,4 @@
-"""Recipes packed for an image editor, and composed again from what comes back."""
+"""Recipes packed for an image editor, and composed again from the edited workspace."""
 
 import io
 from types import SimpleNamespace
@@ -48,12 +48,12 @@ name = "wash"
 @pytest.fixture
 def scene(tmp_path, png):
     write_maps(tmp_path, png)
-    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "scene.toml").write_text(SCENE, encoding="utf-8")
     return tmp_path
 
 
 @pytest.mark.parametrize(("ending", "bound_deg"), [("exr", 1e-3), ("psd", 0.02), ("ora", 0.02), ("tif", 0.02)])
-def test_pack_unpack_stack_is_the_composition(scene, run, ending, bound_deg):
+def test_pack_unpack_and_stack_give_the_composition(scene, run, ending, bound_deg):
     packed, again = scene / f"work.{ending}", scene / "again.exr"
     assert run("compose", "pack", scene / "scene.toml", "-o", packed).code == 0
     done = run("compose", "unpack", packed, "-o", scene / "parts")
@@ -67,8 +67,10 @@ def test_pack_unpack_stack_is_the_composition(scene, run, ending, bound_deg):
     assert np.array_equal(made.coverage, expected.coverage)
 
 
-def test_the_ground_of_a_recipe_comes_back(scene, run):
-    (scene / "flat.toml").write_text('[canvas]\nsize = "50x45"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n')
+def test_the_canvas_of_a_recipe_is_restored(scene, run):
+    (scene / "flat.toml").write_text(
+        '[canvas]\nsize = "50x45"\nground = "flat"\n[[layer]]\nfile = "bunny.exr"\n', encoding="utf-8"
+    )
     run("compose", "pack", scene / "flat.toml", "-o", scene / "work.psd")
     run("compose", "unpack", scene / "work.psd", "-o", scene / "parts")
     assert nm.read_recipe(scene / "parts" / "recipe.toml").canvas == nm.CanvasOptions(
@@ -76,7 +78,7 @@ def test_the_ground_of_a_recipe_comes_back(scene, run):
     )
 
 
-def test_layers_lie_where_they_are_composed(scene):
+def test_layers_are_packed_where_they_are_composed(scene):
     stack = nm.read_stack(scene / "scene.toml")
     placed, frame = nm.place_layers(stack.layers, stack.canvas)
     assert frame == nm.Frame(60, 80, 0.5)
@@ -99,7 +101,7 @@ def test_layers_lie_where_they_are_composed(scene):
     assert wash.normal_map.coverage.max() == pytest.approx(0.8, abs=0.01)  # the group's mask is in its coverage
 
 
-def test_a_recipe_says_how_its_layers_lie(scene, refused):
+def test_flags_that_a_recipe_already_sets_are_refused(scene, refused):
     words = ("compose", "pack", scene / "scene.toml", "-o", scene / "work.psd")
     refused(2, "--at: applies to maps only; a recipe sets it for each layer", *words, "--at", "0,0")
     refused(2, r"scene\.toml: a recipe is packed alone", *words[:3], scene / "plate.exr", *words[3:])
@@ -108,7 +110,15 @@ def test_a_recipe_says_how_its_layers_lie(scene, refused):
         nm.place_layers([])
 
 
-def test_modes_given_to_pack_come_back_in_the_recipe(scene, run, refused):
+def test_a_layer_off_the_canvas_is_reported_with_its_line(scene, refused):
+    (scene / "off.toml").write_text(
+        '[[layer]]\nfile = "plate.exr"\n\n[[layer]]\nfile = "bunny.exr"\nat = "-9cm,0"\n', encoding="utf-8"
+    )
+    message = r"off.toml, line 4: layer 2 \(bunny.exr\): its area from .* is outside the canvas .*; move it with at$"
+    refused(3, message, "compose", "pack", scene / "off.toml", "-o", scene / "work.psd")
+
+
+def test_modes_given_to_pack_are_restored_in_the_recipe(scene, run, refused):
     words = ("compose", "pack", scene / "plate.exr", scene / "bunny.exr", "-o", scene / "work.psd")
     done = run(
         *words,
@@ -135,7 +145,7 @@ def test_modes_given_to_pack_come_back_in_the_recipe(scene, run, refused):
     refused(2, "--strength: given 1 times for 2 maps", *again, "--strength", "0.5")
 
 
-def test_a_map_from_standard_input_is_called_so(scene, run, monkeypatch):
+def test_a_map_from_standard_input_is_named_standard_input(scene, run, monkeypatch):
     stream = SimpleNamespace(buffer=io.BytesIO((scene / "plate.exr").read_bytes()))
     monkeypatch.setattr("sys.stdin", stream)
     done = run("compose", "pack", "-", scene / "bunny.exr", "-o", scene / "work.psd")

@@ -1,4 +1,4 @@
-"""Work in threads: results in order, errors raised here, calls within calls, forks and the end of the program."""
+"""Work in threads: ordered results, errors, nested calls, forks and the end of the program."""
 
 import os
 import signal
@@ -22,19 +22,19 @@ def four_cores(monkeypatch):
 
 
 def meet(count):
-    """Work that ends only if ``count`` tasks run at the same time."""
+    """A task that ends only if ``count`` of them run at the same time."""
     gate = threading.Barrier(count, timeout=10)
     return lambda _: gate.wait() >= 0
 
 
 @pytest.mark.usefixtures("four_cores")
-def test_tasks_run_side_by_side_and_answer_in_their_order():
+def test_tasks_run_in_parallel_and_results_keep_their_order():
     assert map_parallel(range(4), meet(4)) == [True] * 4
     assert map_parallel(range(100), lambda n: n * n) == [n * n for n in range(100)]
     assert map_parallel([], meet(2)) == []
 
 
-def test_bands_cover_every_row_once():
+def test_bands_cover_every_row_exactly_once():
     seen = np.zeros(103, int)
 
     def count(band):
@@ -45,24 +45,24 @@ def test_bands_cover_every_row_once():
 
 
 @pytest.mark.usefixtures("four_cores")
-def test_threads_are_kept():
+def test_threads_are_reused():
     names = {thread for _ in range(5) for thread in map_parallel(range(4), lambda _: threading.get_ident())}
     assert len(names) <= 4
 
 
 @pytest.mark.usefixtures("four_cores")
-def test_calls_within_calls_run_in_the_thread_they_are_made_in():
+def test_nested_calls_run_in_the_calling_thread():
     def inner(_):
         return threading.get_ident()
 
     for outer in map_parallel(range(8), lambda n: (threading.get_ident(), map_parallel(range(8), inner))):
         assert set(outer[1]) == {outer[0]}
-    # and afterwards the caller is free to share its work again
+    # afterwards, the caller can share its work again
     assert map_parallel(range(4), meet(4)) == [True] * 4
 
 
 @pytest.mark.usefixtures("four_cores")
-def test_the_first_error_is_raised_and_nothing_runs_on():
+def test_the_first_error_is_raised_and_no_task_continues():
     started, ended = [], []
 
     def work(number):
@@ -109,10 +109,10 @@ def test_every_thread_has_the_callers_error_state():
 
 @pytest.mark.usefixtures("four_cores")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
-def test_a_forked_process_makes_its_own_threads():
+def test_a_forked_process_creates_its_own_threads():
     map_parallel(range(4), meet(4))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # Python 3.12 warns of forks beside threads
+        warnings.simplefilter("ignore", DeprecationWarning)  # Python 3.12 warns about forks in a threaded process
         child = os.fork()
     if child == 0:
         signal.alarm(10)
@@ -138,7 +138,7 @@ else:
 
 
 @pytest.mark.parametrize(("how", "stated"), [("end", "[0, 1, 2, 3]"), ("interrupt", "stopped")])
-def test_the_end_and_ctrl_c_are_not_held_up(how, stated):
+def test_threads_do_not_delay_the_end_or_ctrl_c(how, stated):
     if how == "interrupt" and sys.platform == "win32":
         pytest.skip("Ctrl-C cannot be sent to one process")
     done = subprocess.run([sys.executable, "-c", PROGRAM, how], capture_output=True, text=True, timeout=20, check=True)

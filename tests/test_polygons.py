@@ -1,4 +1,4 @@
-"""Polygons that bend inwards, from files."""
+"""Concave polygons read from files."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ STAR = np.stack([np.cos(TURN), np.sin(TURN)], axis=1) * np.where(np.arange(14) %
 
 
 def written(path, points, faces):
-    """A file of polygons by its ending."""
+    """Write polygons to a file in the format of its ending."""
     rows = [" ".join(map(repr, map(float, point))) for point in points]
     numbers = [" ".join(map(str, face)) for face in faces]
     if path.suffix == ".obj":
@@ -25,15 +25,15 @@ def written(path, points, faces):
             head += [f"property double {axis}" for axis in "xyz"]
             head += [f"element face {len(lists)}", "property list uchar int vertex_indices", "end_header"]
         lines = [*head, *rows, *lists]
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
 
 
 @pytest.mark.parametrize("kind", [".obj", ".ply", ".off"])
 @pytest.mark.parametrize("outline", [ELL, DART, STAR], ids=["ell", "dart", "star"])
 @pytest.mark.parametrize("shift", [0, 2])
-def test_polygons_that_bend_inwards_are_cut_inside(tmp_path, kind, outline, shift):
-    """No triangle lies outside or turned over, whichever corner the file begins with, in a tilted plane, too."""
+def test_concave_polygons_are_cut_inside(tmp_path, kind, outline, shift):
+    """No triangle is outside or flipped, whichever corner comes first in the file, in a tilted plane, too."""
     flat = np.roll(outline, shift, axis=0)
     n = len(flat)
     points = np.vstack([flat @ [[1, 0, 0.5], [0, 1, -2.0]], [[9, 9, 9], [10, 9, 9], [9, 10, 9]]])
@@ -48,8 +48,8 @@ def test_polygons_that_bend_inwards_are_cut_inside(tmp_path, kind, outline, shif
     assert mesh.faces[-1].tolist() == [n, n + 1, n + 2]
 
 
-def test_polygons_that_cannot_be_cut_better_stay_fans(tmp_path):
-    """One that crosses itself, and one with a corner nowhere."""
+def test_polygons_without_a_valid_cut_become_fans(tmp_path):
+    """A polygon that intersects itself, and polygons with a nonfinite corner."""
     points = [[0, 0, 0], [1, 1, 0], [1, 0, 0], [0, 1.5, 0], [np.nan, 0, 0], [np.inf, 1, 0]]
     mesh = read_mesh(written(tmp_path / "p.ply", points, [[0, 1, 2, 3], [0, 1, 2, 4], [0, 1, 2, 5]]))
     assert len(mesh.faces) == 6

@@ -1,4 +1,4 @@
-"""Names inside pyrender and psd-tools that nmaptool relies on: after an update, which of them is gone."""
+"""Private names of pyrender and psd-tools that nmaptool relies on; after an update, this shows which are gone."""
 
 import ast
 import importlib
@@ -15,13 +15,13 @@ READER, WRITER = "nmaptool/io/workspaces/psd_reader.py", "nmaptool/io/workspaces
 DOCUMENT = "nmaptool/io/workspaces/psd_document.py"
 SIDES = "top left bottom right"
 
-# attributes that the code of a class sets, and that offscreen.py reads or replaces
+# attributes that a class sets in its code and offscreen.py reads or replaces
 ATTRIBUTES = {
     "pyrender.offscreen.OffscreenRenderer": "_renderer _platform",
     "pyrender.renderer.Renderer": "_program_cache dpscale",
     "pyrender.platforms.egl.EGLPlatform": "_egl_display _egl_context",
 }
-# the file of ours that calls: functions and classes of a module, with the parameters they are given
+# for each file of nmaptool, the functions and classes it calls, with the parameters it passes
 CALLS = {
     OFFSCREEN: {
         "pyrender.renderer": {"Renderer._update_context": "scene flags", "Renderer.delete": ""},
@@ -64,7 +64,7 @@ CALLS = {
 
 
 def found(module, name, user):
-    """The named thing in its package; if it is gone, the test fails with its name and that of the file that uses it."""
+    """The named object of a package; if it is gone, the test fails and names it and the file that uses it."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -106,10 +106,10 @@ def test_calls_and_their_parameters(module, name, parameters, user):
 
 
 def private_names(path):
-    """Names with one leading underscore that a file reads from or sets on anything but its own objects."""
+    """Names with one leading underscore that a file reads from or sets on objects other than its own."""
     return {
         node.attr
-        for node in ast.walk(ast.parse(path.read_text()))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.Attribute)
         and node.attr.startswith("_")
         and not node.attr.startswith("__")
@@ -123,9 +123,13 @@ def test_every_private_name_is_in_the_table_and_used_in_one_file():
     users = [
         path
         for path in sorted((ROOT / "nmaptool").rglob("*.py"))
-        if any(f"{verb} {package}" in path.read_text() for verb in ("from", "import") for package in PACKAGES)
+        if any(
+            f"{verb} {package}" in path.read_text(encoding="utf-8")
+            for verb in ("from", "import")
+            for package in PACKAGES
+        )
     ]
-    assert [str(path.relative_to(ROOT)) for path in users] == [DOCUMENT, READER, WRITER, OFFSCREEN]
+    assert [path.relative_to(ROOT).as_posix() for path in users] == [DOCUMENT, READER, WRITER, OFFSCREEN]
     assert {path.name: private_names(path) for path in users} == {
         "psd_document.py": set(),
         "psd_reader.py": set(),
@@ -135,7 +139,7 @@ def test_every_private_name_is_in_the_table_and_used_in_one_file():
 
 
 @pytest.mark.parametrize("check", ["attribute", "call", "parameter"])
-def test_what_is_gone_is_named_with_the_file_that_uses_it(check):
+def test_a_missing_name_is_reported_with_the_file_that_uses_it(check):
     tests = {
         "attribute": lambda: test_attributes_that_are_read_or_replaced("pyrender.renderer.Renderer", "_gone", "a.py"),
         "call": lambda: test_calls_and_their_parameters("pyrender.renderer", "Renderer._gone", "", "a.py"),

@@ -1,9 +1,9 @@
-"""Stages of work, and what they tell."""
+"""Stages of work and their progress reports."""
 
 from nmaptool.core.progress import Stages, part
 
 
-def test_a_part_tells_its_share_of_the_whole():
+def test_a_part_reports_its_share_of_the_whole():
     told = []
     rebuilding = part(lambda word, share: told.append((word, share)), 0.25, 0.75)
     for share in (0.0, 0.5, 1.0):
@@ -30,7 +30,7 @@ def test_stages_are_timed_in_order_and_add_up_when_entered_again(monkeypatch):
     assert told == [("draw", 0.5), ("drawing", 1.0)]
 
 
-def test_nobody_needs_to_listen():
+def test_a_callback_is_optional():
     stages = Stages()
     with stages.stage("clean", 0.0):
         stages.tell("cleaning", 0.5)

@@ -1,4 +1,4 @@
-"""Every public function is documented in full, with an example that runs, and takes options in one way."""
+"""Every public function is fully documented, has an example that runs, and takes its options in the same way."""
 
 import dataclasses
 import doctest
@@ -20,7 +20,7 @@ METHODS = {
     "ReliefSession.solve": nm.ReliefSession.solve,
 }
 DOCUMENTED = FUNCTIONS | METHODS
-# options are checked against the command line; the last three say in one sentence what all their fields are
+# options are checked against the command line; the last three describe all their fields in one sentence
 VALUES = [
     name
     for name in nm.__all__
@@ -36,7 +36,7 @@ def sections(docstring):
 
 
 def named(section):
-    """What a section of parameters or attributes speaks of: the lines that are not indented."""
+    """The names that a section of parameters or attributes describes: its lines that are not indented."""
     heads = re.findall(r"^(\S.*?)(?: : .*)?$", section, flags=re.MULTILINE)
     return [name.lstrip("*") for head in heads for name in head.split(", ")]
 
@@ -56,11 +56,11 @@ def test_docstrings_name_every_parameter_and_have_every_section(name):
 
 
 @pytest.mark.parametrize("name", DOCUMENTED)
-def test_values_come_first_then_options_and_the_rest_is_given_by_keyword(name):
+def test_values_come_first_then_options_and_the_rest_is_keyword_only(name):
     parameters = list(inspect.signature(DOCUMENTED[name]).parameters.values())
     positional = [p for p in parameters if p.kind is p.POSITIONAL_OR_KEYWORD]
     are_options = ["Options" in str(p.annotation) for p in positional]
-    assert are_options == sorted(are_options)  # no value after the options
+    assert are_options == sorted(are_options)  # no value comes after the options
     assert not any("Options" in str(p.annotation) for p in parameters if p.kind is p.KEYWORD_ONLY and name != "train")
     for parameter in positional:
         if parameter.default is not parameter.empty and "from_" not in name:

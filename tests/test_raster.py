@@ -1,4 +1,4 @@
-"""Which face each pixel sees: OpenGL against NumPy, and both against what is known."""
+"""Which face each pixel shows: OpenGL against NumPy, and both against known results."""
 
 import os
 import subprocess
@@ -21,7 +21,7 @@ def projected(mesh, **options):
 
 
 def edge_distance(points, faces, shown):
-    """(H, W) px from each pixel's centre to the nearest edge of the face it is said to show."""
+    """(H, W) distance in px from each pixel's centre to the nearest edge of the face it should show."""
     row, col = np.nonzero(shown >= 0)
     at = np.column_stack([col, row]) + 0.5
     out = np.full(shown.shape, np.inf)
@@ -49,17 +49,17 @@ def draw():
     ],
     ids=["facets", "fine", "nested", "waves"],
 )
-def test_opengl_and_numpy_name_the_same_face_but_at_edges(draw, mesh, fov):
+def test_opengl_and_numpy_show_the_same_faces_except_at_edges(draw, mesh, fov):
     points = projected(mesh, fov=fov)
     by_gl, by_numpy = (d(points, mesh.faces, ROWS, COLS) for d in (draw, numpy_raster.visible_faces))
     differ = by_gl != by_numpy
     assert differ.mean() < 0.02
     near = np.minimum(edge_distance(points, mesh.faces, by_numpy), edge_distance(points, mesh.faces, by_gl))
-    assert near[differ].max(initial=0) < 0.02  # OpenGL counts in 1/256 px
+    assert near[differ].max(initial=0) < 0.02  # OpenGL positions have a resolution of 1/256 px
     assert ((by_gl >= 0) == (by_numpy >= 0)).mean() > 0.999
 
 
-def test_a_pixel_sees_the_face_under_its_centre():
+def test_a_pixel_shows_the_face_under_its_centre():
     points = np.array([[1.5, 1.5, 0], [4.5, 1.5, 0], [1.5, 5.5, 0]])
     shown = numpy_raster.visible_faces(points, np.array([[0, 1, 2]], np.int32), 7, 6)
     y, x = np.mgrid[0:7, 0:6] + 0.5
@@ -78,7 +78,7 @@ def test_the_nearer_face_hides_the_other_whatever_their_order_or_winding(draw, w
 
 
 @pytest.mark.parametrize("which", ["gl", "numpy"])
-def test_crossing_faces_meet_in_the_right_line(draw, which):
+def test_crossing_faces_meet_in_the_expected_line(draw, which):
     one = draw if which == "gl" else numpy_raster.visible_faces
     points = np.array([[0, 0, 0], [20, 0, 1], [20, 20, 1], [0, 20, 0], [0, 0, 1], [20, 0, 0], [20, 20, 0], [0, 20, 1]])
     faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]], np.int32)
@@ -87,16 +87,16 @@ def test_crossing_faces_meet_in_the_right_line(draw, which):
     assert (shown[:, 10:] < 2).all()
 
 
-def test_tiles_are_the_whole_picture(draw, monkeypatch):
+def test_tiles_give_the_whole_image(draw, monkeypatch):
     mesh = sphere(20)
     points = projected(mesh)
     whole = draw(points, mesh.faces, ROWS, COLS)
     monkeypatch.setattr(gl, "TILE_PX", 32)
     tiled = draw(points, mesh.faces, ROWS, COLS)
-    assert (whole == tiled).mean() > 0.999  # positions are rounded in other places
+    assert (whole == tiled).mean() > 0.999  # positions are rounded differently
 
 
-def test_numpy_portions_are_the_whole_picture(monkeypatch):
+def test_numpy_portions_give_the_whole_image(monkeypatch):
     mesh = joined(sphere(15), sheet(lambda x, y: 0 * x, 1, 1, 2.0))
     points = projected(mesh)
     whole = numpy_raster.visible_faces(points, mesh.faces, ROWS, COLS)
@@ -104,20 +104,20 @@ def test_numpy_portions_are_the_whole_picture(monkeypatch):
     assert np.array_equal(whole, numpy_raster.visible_faces(points, mesh.faces, ROWS, COLS))
 
 
-def test_face_numbers_beyond_24_bits():
+def test_face_numbers_may_exceed_24_bits():
     numbers = np.array([[0, 255, 256, 2**24 - 2, 2**24 - 1, 2**24, 2**31 - 2]])
     code = (numbers + 1).astype("<u4").view(np.uint8).reshape(1, -1, 4)
     assert np.array_equal(gl.face_numbers(code), numbers)
     assert gl.face_numbers(np.array([[[0, 0, 0, 255]]], np.uint8)) == -1
 
 
-def test_nothing_in_sight_is_an_empty_picture(draw):
+def test_a_mesh_out_of_view_gives_an_empty_image(draw):
     points = np.array([[200, 200, 0], [220, 200, 0], [200, 220, 0]], float)
     for one in (draw, numpy_raster.visible_faces):
         assert (one(points, np.array([[0, 1, 2]], np.int32), 20, 30) == -1).all()
 
 
-def test_twenty_drawings_leave_nothing_in_the_context():
+def test_twenty_drawings_leave_no_object_in_the_context():
     mesh = sphere(8)
     points = projected(mesh)
     with gl.drawing() as (draw, _):
@@ -132,11 +132,11 @@ def test_twenty_drawings_leave_nothing_in_the_context():
         for _ in range(20):
             draw(points, mesh.faces, ROWS, COLS)
         assert held() == after_one
-        assert after_one[0] == 0  # no mesh stays
+        assert after_one[0] == 0  # no mesh is left
 
 
 def test_a_drawing_does_not_end_another(draw):
-    """A program that draws with pyrender itself keeps its context."""
+    """A program that itself draws with pyrender keeps its context."""
     mesh = sphere(8)
     points = projected(mesh)
     before = draw(points, mesh.faces, ROWS, COLS)
@@ -147,7 +147,7 @@ def test_a_drawing_does_not_end_another(draw):
     assert np.array_equal(draw(points, mesh.faces, ROWS, COLS), before)
 
 
-def test_many_contexts_one_after_the_other():
+def test_many_contexts_can_be_created_in_turn():
     mesh = sphere(8)
     points = projected(mesh)
     shown = []
@@ -157,7 +157,8 @@ def test_many_contexts_one_after_the_other():
     assert all(np.array_equal(shown[0], other) for other in shown[1:])
 
 
-def test_two_processes_draw_at_once():
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux is sure to have OpenGL")
+def test_two_processes_can_draw_at_once():
     script = (
         "import sys; sys.path.insert(0, 'tests')\nfrom mesh_cases import sphere\nimport nmaptool as nm\n"
         "print(nm.bake(sphere(30), nm.BakeOptions(size='200x200')).coverage.sum())"
@@ -170,7 +171,7 @@ def test_two_processes_draw_at_once():
     assert float(stated[0]) > 20000
 
 
-def test_no_context_says_what_to_install(monkeypatch):
+def test_a_missing_context_is_an_error_that_says_what_to_install(monkeypatch):
     monkeypatch.setattr(gl, "Offscreen", lambda platform: (_ for _ in ()).throw(OSError(f"no lib{platform}.so")))
     monkeypatch.delenv("PYOPENGL_PLATFORM", raising=False)
     expected = (
@@ -183,7 +184,7 @@ def test_no_context_says_what_to_install(monkeypatch):
         pass
 
 
-def test_the_next_platform_is_tried_after_one_that_fails(monkeypatch):
+def test_the_next_platform_is_tried_after_a_failure(monkeypatch):
     real, asked = gl.Offscreen, []
 
     def first_fails(platform):

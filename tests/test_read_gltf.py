@@ -1,4 +1,4 @@
-"""Arrays of a glTF: every component type, with gaps and offsets, several sets of triangles to a mesh."""
+"""Arrays in glTF files: every component type, gaps and offsets, several primitives per mesh."""
 
 import mesh_files as files
 import numpy as np
@@ -13,8 +13,8 @@ INDEX_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
 
 
 def packed(*arrays, strides=()):
-    """Accessors and views of arrays one behind the other, with ``strides`` bytes from row to row where given."""
-    views, accessors, data = [], [], b"\xff" * 4  # something else stands before them
+    """Accessors and views of consecutive arrays; ``strides`` are the bytes from row to row, if given."""
+    views, accessors, data = [], [], b"\xff" * 4  # other bytes precede them
     for i, (kind, dtype, array) in enumerate(arrays):
         rows = np.asarray(array, dtype).reshape(len(array), -1)
         stride = strides[i] if i < len(strides) else rows[0].nbytes
@@ -32,7 +32,7 @@ def packed(*arrays, strides=()):
 @pytest.mark.parametrize("index_kind", INDEX_TYPES)
 @pytest.mark.parametrize("kind", POSITION_TYPES)
 @pytest.mark.parametrize("stride", [12, 16, 252])
-def test_component_types(tmp_path, kind, index_kind, stride):
+def test_every_component_type_is_read(tmp_path, kind, index_kind, stride):
     content = packed(
         (kind, POSITION_TYPES[kind], VERTICES), (index_kind, INDEX_TYPES[index_kind], FACES.ravel()), strides=(stride,)
     )
@@ -43,7 +43,7 @@ def test_component_types(tmp_path, kind, index_kind, stride):
         assert mesh.faces.tolist() == FACES.tolist()
 
 
-def test_sets_of_triangles_follow_each_other_in_the_order_of_the_file(tmp_path):
+def test_primitives_keep_the_order_of_the_file(tmp_path):
     content, data = packed((5126, "<f4", VERTICES), (5121, "<u1", FACES.ravel()), (5126, "<f4", VERTICES[:3] + 9))
     first = {"attributes": {"POSITION": 0}, "indices": 1}
     plain = {"attributes": {"POSITION": 2}}
@@ -58,10 +58,10 @@ def test_sets_of_triangles_follow_each_other_in_the_order_of_the_file(tmp_path):
     assert mesh.faces.tolist() == [*FACES.tolist(), [4, 5, 6], [7, 6, 5], [10, 9, 8], [11, 12, 13]]
 
 
-def test_an_index_beyond_its_own_set_is_refused_even_if_another_set_follows(tmp_path):
+def test_an_index_beyond_its_primitive_is_refused_even_if_another_follows(tmp_path):
     content, data = packed((5126, "<f4", VERTICES[:3]), (5121, "<u1", FACES.ravel()))
     content["nodes"] = [{"mesh": 0}, {"mesh": 0}]
     content["scenes"] = [{"nodes": [0, 1]}]
     (tmp_path / "a.glb").write_bytes(files.glb((content, data)))
-    with pytest.raises(InputError, match=r"names vertex 3 of 3; the file is damaged: export it again$"):
+    with pytest.raises(InputError, match=r"refers to vertex 3, which is missing \(vertices: 3\); export it again$"):
         read_mesh(tmp_path / "a.glb")

@@ -1,4 +1,4 @@
-"""glTF and GLB that cannot be used: other files are never opened, and no scene is too strange for an answer."""
+"""Unusable glTF and GLB files: other files are never opened, and every odd scene gives a clear error."""
 
 import json
 import struct
@@ -10,13 +10,13 @@ from mesh_files import VERTICES, tree
 from nmaptool.core.errors import InputError
 from nmaptool.io.meshes.reader import read_mesh
 
-DAMAGED = r"(GLB|glTF) file is damaged or cut short; export it again$"
-OTHERS = r"keeps its data in other files, which are not opened; export it as one GLB file$"
+DAMAGED = r"(GLB|glTF) file is truncated or damaged; export it again$"
+OTHERS = r"stores data in other files, which are not opened; export it as one GLB file$"
 
 
 @pytest.fixture
 def refused(tmp_path, capfd):
-    """``refused(content, pattern)``: refused as a glTF and as a GLB, and nothing is said elsewhere."""
+    """``refused(content, pattern)``: refused as glTF and as GLB, without other output."""
 
     def call(content, pattern):
         for name, data in (("a.glb", files.glb(content)), ("a.gltf", files.gltf(content))):
@@ -37,22 +37,22 @@ def test_other_files_are_never_opened(tmp_path, refused, uri):
     content, data = tree()
     (tmp_path / "a.bin").write_bytes(data)
     buffers = [{"uri": uri, "byteLength": len(data)}]
-    (tmp_path / "a.gltf").write_text(json.dumps({**content, "buffers": buffers}))
+    (tmp_path / "a.gltf").write_text(json.dumps({**content, "buffers": buffers}), encoding="utf-8")
     with pytest.raises(InputError, match=OTHERS):
         read_mesh(tmp_path / "a.gltf")
-    refused(({**content, "buffers": [*content["buffers"], *buffers]}, data), OTHERS)  # one that nothing needs
+    refused(({**content, "buffers": [*content["buffers"], *buffers]}, data), OTHERS)  # a buffer that nothing uses
 
 
 @pytest.mark.parametrize(
     ("extension", "name"),
     [("KHR_draco_mesh_compression", "Draco"), ("EXT_meshopt_compression", "meshopt")],
 )
-def test_compressed(refused, extension, name):
+def test_compressed_meshes_are_refused(refused, extension, name):
     refused(
         tree(extensionsRequired=["KHR_mesh_quantization", extension]),
         rf"is compressed with {name}; export it again without compression$",
     )
-    content, data = tree(extensionsUsed=[extension])  # not said to be required, and yet nothing else is there
+    content, data = tree(extensionsUsed=[extension])  # not declared as required, but nothing else is available
     del content["accessors"][0]["bufferView"]
     refused((content, data), rf"is compressed with {name}")
     content, data = tree()
@@ -60,18 +60,19 @@ def test_compressed(refused, extension, name):
     refused((content, data), rf"is compressed with {name}")
 
 
-def test_what_would_be_lost(refused):
+def test_content_that_would_be_lost_is_refused(refused):
     instanced = [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}]
-    refused(tree(nodes=instanced), r"repeats parts by instancing; export it again with the instances made real$")
+    refused(tree(nodes=instanced), r"uses GPU instancing; make the instances real and export it again$")
     fan = [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}]
     refused(tree(meshes=fan), r"holds triangle fans; export it again as plain triangles$")
     for change in ({"sparse": {"count": 1}}, {"componentType": 5122, "normalized": True}):
         content, data = tree()
         content["accessors"][0].update(change)
-        refused((content, data), r"stores positions in a reduced form .*export it again without compression$")
+        pattern = r"stores sparse or quantised positions or indices; export it again without compression$"
+        refused((content, data), pattern)
 
 
-def test_quantised_positions_whose_scale_is_at_the_node_are_read(tmp_path):
+def test_quantised_positions_scaled_by_their_node_are_read(tmp_path):
     content, data = tree(nodes=[{"mesh": 0, "scale": [0.5, 0.5, 0.5]}])
     start = len(data)
     data += (VERTICES * 2).astype("<i2").tobytes()
@@ -92,13 +93,13 @@ def test_quantised_positions_whose_scale_is_at_the_node_are_read(tmp_path):
         [{"children": [1, 1]}, {"mesh": 0}],
     ],
 )
-def test_nodes_that_are_no_tree(refused, nodes):
-    refused(tree(nodes=nodes), r"node \d of the scene stands in two places or below itself; export it again$")
+def test_nodes_that_are_not_a_tree_are_refused(refused, nodes):
+    refused(tree(nodes=nodes), r"node \d of the scene has two parents or is its own ancestor; export it again$")
 
 
-def test_trees_that_double_at_every_level_take_no_time(refused):
+def test_trees_that_double_at_every_level_are_refused_quickly(refused):
     nodes = [{"children": [i + 1, i + 1]} for i in range(200)] + [{"mesh": 0}]
-    refused(tree(nodes=nodes), r"stands in two places")
+    refused(tree(nodes=nodes), r"has two parents or is its own ancestor")
 
 
 @pytest.mark.parametrize(
@@ -111,9 +112,9 @@ def test_trees_that_double_at_every_level_take_no_time(refused):
         {"scale": [1e200, 1, 1], "children": [1]},
     ],
 )
-def test_places_that_are_no_numbers(refused, place):
+def test_nonfinite_transforms_are_refused(refused, place):
     nodes = [{**place, "mesh": 0}, {"scale": [1e200, 1, 1], "mesh": 0}]
-    refused(tree(nodes=nodes), r"node [01] of the scene has a place or size that is no number; export it again$")
+    refused(tree(nodes=nodes), r"node [01] of the scene has a transform that is not finite; export it again$")
 
 
 @pytest.mark.parametrize(
@@ -132,7 +133,7 @@ def test_places_that_are_no_numbers(refused, place):
         {"meshes": [{"primitives": [{"attributes": {"POSITION": 1}}]}]},
         {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 0}]}]},
         {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 9}]}]},
-        {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]},  # 4 corners
+        {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}]},  # four corners
         {"accessors": []},
         {"bufferViews": [{"buffer": 0, "byteLength": 47}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}]},
         {"bufferViews": [{"buffer": 0, "byteLength": 48, "byteStride": 4}, {"buffer": 0, "byteLength": 24}]},
@@ -143,15 +144,15 @@ def test_places_that_are_no_numbers(refused, place):
         {"asset": 2},
     ],
 )
-def test_references_that_lead_nowhere(refused, change):
+def test_dangling_references_are_refused(refused, change):
     refused(tree(**change), DAMAGED)
 
 
-def test_other_versions_and_other_json(tmp_path, refused):
-    refused(tree(asset={"version": "1.0"}), r"is not of glTF version 2; export it as glTF 2\.0$")
+def test_other_versions_and_other_json_are_refused(tmp_path, refused):
+    refused(tree(asset={"version": "1.0"}), r"is not glTF version 2; export it as glTF 2\.0$")
     for text in ("{}", '{"a": 1}'):
-        (tmp_path / "a.gltf").write_text(text)
-        with pytest.raises(InputError, match=r"holds no glTF data; export it again, best as one GLB file$"):
+        (tmp_path / "a.gltf").write_text(text, encoding="utf-8")
+        with pytest.raises(InputError, match=r"holds no glTF data; export it again, preferably as one GLB file$"):
             read_mesh(tmp_path / "a.gltf")
 
 
@@ -168,9 +169,23 @@ def test_other_versions_and_other_json(tmp_path, refused):
         b'{"asset": {"version": "2.0"}, "nodes": [\xff]}',
     ],
 )
-def test_json_that_cannot_be(tmp_path, text):
+def test_invalid_json_is_refused(tmp_path, text):
     glb = struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A) + text
     for name, data in (("a.gltf", text), ("a.glb", glb)):
         (tmp_path / name).write_bytes(data)
         with pytest.raises(InputError, match=DAMAGED):
             read_mesh(tmp_path / name)
+
+
+@pytest.mark.parametrize("size", [5, 11, 12, 15, 19])
+def test_a_glb_without_a_first_chunk_is_truncated(tmp_path, size):
+    path = tmp_path / "a.glb"
+    cases = [(size, f"it holds {size} bytes, but every GLB file has at least 20")]
+    if size >= 12:  # holds the whole header
+        cases.append((500, f"it declares 500 bytes but holds {size}"))
+    for declared, held in cases:
+        path.write_bytes(struct.pack("<4sIIII", b"glTF", 2, declared, 0, 0)[:size])
+        with pytest.raises(
+            InputError, match=rf"a\.glb: the GLB file is truncated: {held}; export or download it again$"
+        ):
+            read_mesh(path)

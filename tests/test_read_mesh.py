@@ -1,4 +1,4 @@
-"""Meshes are read as they are meant: positions, windings, places and units; nothing else of a file matters."""
+"""Reading meshes: positions, windings, transforms and units; everything else in a file is ignored."""
 
 import json
 import logging
@@ -23,7 +23,7 @@ from nmaptool.types.mesh import Mesh
 
 @pytest.fixture
 def read(tmp_path, capfd):
-    """``read("a.obj", data, ...)``: the mesh in those bytes; reading says nothing on either stream."""
+    """``read("a.obj", data, ...)``: the mesh in those bytes; reading prints nothing."""
 
     def call(name, data, **options):
         (tmp_path / name).write_bytes(data)
@@ -35,7 +35,7 @@ def read(tmp_path, capfd):
 
 
 def in_order(corners):
-    """Triangles as a sorted list, each beginning at its smallest corner but not turned over."""
+    """Triangles as a sorted list, each starting at its smallest corner with its winding kept."""
     triangles = (np.round(corners, 4) + 0.0).tolist()
     return sorted(t[k:] + t[:k] for t in triangles for k in [t.index(min(t))]) if np.isfinite(corners).all() else None
 
@@ -45,7 +45,7 @@ def same_surface(mesh, vertices=VERTICES, faces=FACES):
 
 
 @pytest.mark.parametrize("ending", files.ENDINGS)
-def test_every_format(read, ending):
+def test_every_format_is_read(read, ending):
     mesh = read(f"a.{ending}", files.good()[ending])
     same_surface(mesh)
     assert volume(mesh) == pytest.approx(1)
@@ -55,29 +55,29 @@ def test_every_format(read, ending):
 
 @pytest.mark.parametrize("kind", ["ascii", "binary_little_endian", "binary_big_endian"])
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_every_ply(read, kind, end):
+def test_every_kind_of_ply_is_read(read, kind, end):
     head, mark, body = files.ply(kind=kind).partition(b"end_header\n")
     head = (head + mark).replace(b"\n", end.encode())
     same_surface(read("a.ply", head + (body.replace(b"\n", end.encode()) if kind == "ascii" else body)))
 
 
 @pytest.mark.parametrize("data", [files.ascii_stl(), files.ascii_stl(name="a vertex facet\xe9").upper()])
-def test_ascii_stl(read, data):
+def test_an_ascii_stl_is_read(read, data):
     same_surface(read("a.stl", data))
     same_surface(read("cr.stl", data.replace(b"\n", b"\r\n")))
 
 
-def test_two_solids_in_one_stl(read):
+def test_two_solids_in_one_stl_are_read(read):
     data = files.ascii_stl(name="solid one") + files.ascii_stl(VERTICES + 5, name="two solid")
     same_surface(read("a.stl", data), np.concatenate([VERTICES, VERTICES + 5]), np.concatenate([FACES, FACES + 4]))
 
 
-def test_binary_stl_whose_header_says_solid(read):
+def test_a_binary_stl_whose_header_says_solid_is_read(read):
     for header in (b"solid", b"solid facet normal", b"SOLID vertex\nendsolid"):
         same_surface(read("a.stl", files.stl(header=header)))
 
 
-def test_binary_stl_with_bytes_behind_it(read):
+def test_a_binary_stl_with_trailing_bytes_is_read(read):
     same_surface(read("a.stl", files.stl() + b"COLOR=whatever"))
     same_surface(read("b.stl", files.stl(header=b"solid x") + bytes(70)))
 
@@ -98,7 +98,7 @@ def test_polygons_are_cut_into_triangles(read, ending):
         assert up.sum() == pytest.approx(area, abs=1e-3)
 
 
-def test_what_an_obj_may_hold_beside_the_surface(read, tmp_path):
+def test_everything_but_the_surface_of_an_obj_is_ignored(read, tmp_path):
     data = (
         b"\xef\xbb\xbf# caf\xe9\nmtllib missing.mtl\no one\nv 0 0 0 1 0 0\nvt 0 0\nv 1 0 0 0.5 1 0\nvn 0 0 1\r\n"
         b"usemtl x\n\tv  0 2\t0 # a comment\nv 0 \\\n0 3\nl 1 2\np 3\ns off\ng a\n"
@@ -110,7 +110,7 @@ def test_what_an_obj_may_hold_beside_the_surface(read, tmp_path):
     same_surface(read("long.obj", b"# long\n" * 20_000 + files.obj()))
 
 
-def test_relative_indices_of_an_obj_count_from_where_they_stand(read):
+def test_relative_indices_of_an_obj_count_back_from_their_line(read):
     one = b"v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf -4 -2 -3\nf -4/-1 -3 -1\nf -4 -1 -2//-7\nf -3 -2 -1\n"
     data = one + one.replace(b"v 0 0 0", b"v 0 0 -9")
     moved = VERTICES.copy()
@@ -118,14 +118,14 @@ def test_relative_indices_of_an_obj_count_from_where_they_stand(read):
     same_surface(read("a.obj", data), np.concatenate([VERTICES, moved]), np.concatenate([FACES, FACES + 4]))
 
 
-def test_an_off_with_everything(read):
+def test_an_off_with_colours_normals_and_comments_is_read(read):
     data = b"# first\nCNOFF 4 4 0 # counts\n\n"
     data += b"".join(b"%g %g %g 0 0 1 255 0 0 255\n" % tuple(v) for v in VERTICES) + b"# faces\n"
     data += b"".join(b"3 %d %d %d 0.5 0.5 0.5\r\n" % tuple(f) for f in FACES)
     same_surface(read("a.off", data))
 
 
-def test_a_ply_with_other_things_between(read):
+def test_a_ply_with_other_elements_in_between_is_read(read):
     vertex = ("uchar red", *XYZ, "float nx")
     face = ("uchar flags", "list uchar float texcoord", "list int uint vertex_index", "short y")
     head = ply_header(
@@ -138,11 +138,11 @@ def test_a_ply_with_other_things_between(read):
     same_surface(read("a.ply", head + body))
 
 
-def test_triangle_strips(read):
+def test_triangle_strips_are_read(read):
     y, x = np.mgrid[0:3, 0:4]
     vertices = np.stack([x, y, x * 0], axis=-1).reshape(-1, 3)
     rows = [[i for col in range(4) for i in (4 * row + 4 + col, 4 * row + col)] for row in range(2)]
-    joined = [*rows[0], rows[0][-1], rows[1][0], *rows[1]]  # stitched by triangles without area
+    joined = [*rows[0], rows[0][-1], rows[1][0], *rows[1]]  # joined by triangles without area
     split = [*rows[0], -1, *rows[1]]
     for strip in (joined, split):
         head = ply_header(
@@ -155,7 +155,7 @@ def test_triangle_strips(read):
         assert len(mesh.faces) == 12
 
 
-def test_vertices_that_are_no_numbers_pass(read):
+def test_nonfinite_vertices_are_read(read):
     vertices = np.append(VERTICES, [[np.nan, 0, np.inf]], axis=0)
     faces = np.append(FACES, [[0, 1, 4]], axis=0)
     for name, make in (("a.obj", files.obj), ("a.ply", files.ply), ("a.stl", files.stl), ("a.off", files.off)):
@@ -165,7 +165,7 @@ def test_vertices_that_are_no_numbers_pass(read):
         assert clean_mesh(mesh)[2].nonfinite_faces == 1
 
 
-def test_places_in_a_scene(read):
+def test_transforms_in_a_scene_are_applied(read):
     quarter = [0, 0, np.sqrt(0.5), np.sqrt(0.5)]
     nodes = [
         {"children": [1, 2], "translation": [10, 0, 0], "camera": 0},
@@ -180,7 +180,7 @@ def test_places_in_a_scene(read):
         np.stack([11 - x, 2 + y, 3 + z], axis=1),
         np.stack([11 - x, 2 - y, 3 + z], axis=1),
     ]
-    turned = FACES[:, ::-1]  # mirrored once; twice is not mirrored
+    turned = FACES[:, ::-1]  # mirrored once; mirroring twice restores the winding
     faces = np.concatenate([FACES, turned + 4, FACES + 8])
     for scenes in ({"scenes": [{"nodes": [4]}, {"nodes": [0]}], "scene": 1}, {"scenes": [{"nodes": [0]}]}):
         mesh = read("a.glb", files.glb(tree(nodes=nodes, cameras=[{}], **scenes)))
@@ -188,7 +188,7 @@ def test_places_in_a_scene(read):
         assert volume(mesh) == pytest.approx(2 + 1 + 1)
 
 
-def test_a_scene_without_scenes_or_nodes(read):
+def test_a_file_without_scenes_or_nodes_is_read(read):
     content, data = tree(nodes=[{"children": [1]}, {"mesh": 0, "translation": [0, 0, 1]}])
     del content["scenes"], content["scene"]
     same_surface(read("a.glb", files.glb((content, data))), VERTICES + np.float32([0, 0, 1]))
@@ -196,14 +196,14 @@ def test_a_scene_without_scenes_or_nodes(read):
     same_surface(read("b.glb", files.glb((content, data))))
 
 
-def test_a_very_deep_scene_takes_no_time(read):
+def test_a_very_deep_scene_is_read_quickly(read):
     nodes = [{"children": [i + 1], "translation": [1, 0, 0]} for i in range(3000)] + [{"mesh": 0}]
     began = time.perf_counter()
     same_surface(read("a.gltf", files.gltf(tree(nodes=nodes))), VERTICES + np.float32([3000, 0, 0]))
     assert time.perf_counter() - began < 10
 
 
-def test_what_a_scene_may_hold_beside_the_surface(read):
+def test_everything_but_the_surface_of_a_scene_is_ignored(read):
     content, data = tree()
     surface = {"attributes": {"POSITION": 0, "TEXCOORD_0": 99, "COLOR_0": -1}, "indices": 1, "material": 7}
     points = {"attributes": {"POSITION": 0}, "mode": 0, "material": 3}
@@ -218,7 +218,7 @@ def test_what_a_scene_may_hold_beside_the_surface(read):
     same_surface(read("a.glb", files.glb((content, data))), VERTICES + np.float32([0, 0, 4]))
 
 
-def test_strips_and_interleaved_positions_in_a_scene(read):
+def test_strips_and_interleaved_positions_in_a_scene_are_read(read):
     rows = np.zeros((4, 6), "<f4")
     rows[:, :3] = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
     content, _ = tree(meshes=[{"primitives": [{"attributes": {"POSITION": 0}, "mode": 5}]}])
@@ -228,7 +228,7 @@ def test_strips_and_interleaved_positions_in_a_scene(read):
     same_surface(mesh, rows[:, :3], [[0, 1, 2], [2, 1, 3]])
 
 
-def test_units(read):
+def test_units_are_assumed_stated_or_given(read):
     assert {e: read(f"a.{e}", d).mm_per_unit for e, d in files.good().items()} == {
         "obj": 1, "ply": 1, "stl": 1, "off": 1, "glb": 1000, "gltf": 1000,
     }  # fmt: skip
@@ -242,7 +242,7 @@ def test_units(read):
             assert mesh.vertices_mm.max() == pytest.approx(3 * mm)
 
 
-def test_options_that_cannot_be_meant(tmp_path):
+def test_invalid_options_are_refused(tmp_path):
     with pytest.raises(UsageError, match=r"`unit='ft'`: use one of mm, cm, in, m$"):
         read_mesh(tmp_path / "missing.obj", unit="ft")
     with pytest.raises(UsageError, match="`max_faces=0`: must be at least 1"):
@@ -250,14 +250,14 @@ def test_options_that_cannot_be_meant(tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["stl", "ply", "obj", "glb"])
-def test_what_is_written_is_read(tmp_path, ending):
+def test_written_meshes_are_read_back(tmp_path, ending):
     write_mesh(Mesh(VERTICES.astype(float), FACES), tmp_path / f"a.{ending}")
     mesh = read_mesh(str(tmp_path / f"a.{ending}"))
     assert mesh.mm_per_unit == (1000 if ending == "glb" else 1)
     same_surface(Mesh(mesh.vertices_mm.round(6), mesh.faces))  # 0.003 m are 3.0000000001 mm
 
 
-def test_names_of_every_kind(tmp_path):
+def test_file_names_of_every_kind_are_accepted(tmp_path):
     for name in ("größe 頭.OBJ", "%s {0}.obj", os.fsdecode(b"caf\xe9.obj")):
         (tmp_path / name).write_bytes(files.obj())
         mesh = read_mesh(tmp_path / name)
@@ -265,7 +265,7 @@ def test_names_of_every_kind(tmp_path):
         assert mesh.name == str(tmp_path / name)
 
 
-def test_the_library_stays_as_it_was(read):
+def test_the_state_of_trimesh_is_not_changed(read):
     log, level = logging.getLogger("trimesh"), logging.getLogger("trimesh").level
     read("a.glb", files.glb())
     assert log.level == level
@@ -276,13 +276,13 @@ def test_the_library_stays_as_it_was(read):
     assert len(done[0].faces) == 4
 
 
-def test_importing_the_reader_is_light():
+def test_importing_the_reader_loads_nothing_heavy():
     script = "import sys, nmaptool.io.meshes.reader; print('trimesh' in sys.modules, 'scipy' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", "False"]
 
 
-def test_seventy_thousand_faces_are_read_in_a_moment(read):
+def test_seventy_thousand_faces_are_read_quickly(read):
     y, x = np.mgrid[0:190, 0:190]
     vertices = np.stack([x, y, np.sin(x)], axis=-1).reshape(-1, 3)
     i = (y[:-1, :-1] * 190 + x[:-1, :-1]).ravel()
@@ -294,6 +294,6 @@ def test_seventy_thousand_faces_are_read_in_a_moment(read):
     assert len(mesh.faces) == 2 * 189**2
 
 
-def test_a_gltf_is_json_with_or_without_a_mark(read):
+def test_a_gltf_may_begin_with_a_byte_order_mark(read):
     same_surface(read("a.gltf", b"\xef\xbb\xbf" + files.gltf()))
     same_surface(read("b.gltf", json.dumps(json.loads(files.gltf()), indent=4).encode()))

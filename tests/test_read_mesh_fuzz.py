@@ -1,4 +1,4 @@
-"""Damaged mesh files: each gives a mesh that holds together or an error of one line, and no reader fails unforeseen."""
+"""Damaged mesh files: each gives a valid mesh or a one-line error, and no reader fails in an unforeseen way."""
 
 import re
 
@@ -11,7 +11,7 @@ from nmaptool.core.errors import NmaptoolError
 from nmaptool.io.meshes.headers import identify_mesh_file
 from nmaptool.io.meshes.reader import _READERS, read_mesh
 
-# what a reader may raise of a damaged file, beside errors with a message of their own; `read_mesh` gives them one
+# what readers may raise for a damaged file besides our own errors; `read_mesh` adds the message
 FORESEEN = (NmaptoolError, ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 POLYGONS = [*FACES.tolist(), [0, 1, 2, 3], [3, 2, 1, 0, 1]]
 CASES = {
@@ -27,7 +27,7 @@ WORDS += [b"v", b"f", b"vertex", b"endfacet", b"endsolid", b"null", b"[]", b"{}"
 
 
 def damaged(data, rng):
-    """One to three of: cut, a bit turned, a word replaced, a line doubled or lost, bytes lost or doubled."""
+    """Damage data by one to three of: truncation, a flipped bit, a replaced word, lines or bytes lost or doubled."""
     for _ in range(rng.integers(1, 4)):
         at, length = int(rng.integers(max(len(data), 1))), int(rng.integers(1, 30))
         lines = data.split(b"\n")

@@ -1,4 +1,4 @@
-"""Recipes as values: what is written comes back, and what it says is what the options say."""
+"""Recipes as values: they are restored from their text, and match the options."""
 
 import tomllib
 
@@ -25,7 +25,7 @@ def parsed(text, **more):
     return nm.parse_recipe(tomllib.loads(text), **more)
 
 
-def test_a_recipe_says_what_the_options_say():
+def test_a_recipe_matches_the_options():
     recipe = parsed(SCENE, name="scene.toml")
     plate, bunny, ornaments = recipe.layers
     assert recipe.canvas == nm.CanvasOptions(width=nm.length("40mm"))
@@ -67,7 +67,7 @@ def test_a_recipe_written_and_read_is_the_same_recipe():
 
 
 @pytest.mark.parametrize("name", NASTY)
-def test_names_of_any_kind_come_back(name):
+def test_names_of_any_kind_are_restored(name):
     layer = nm.RecipeLayer(name, nm.LayerOptions(name=name), mask=name, read={"layer": name})
     group = nm.RecipeGroup((layer, nm.RecipeLink(name, nm.GroupOptions(name="x"))), nm.GroupOptions(name=name), name)
     recipe = nm.Recipe((layer, nm.RecipeLink(name, nm.GroupOptions(name=name)), group))
@@ -77,9 +77,9 @@ def test_names_of_any_kind_come_back(name):
     assert "\n" not in parsed(text, name="a.toml").layers[0].origin
 
 
-def test_a_name_that_no_text_can_hold_is_refused():
+def test_a_name_that_text_cannot_hold_is_refused():
     recipe = nm.Recipe((nm.RecipeLayer("b\udcffd.png"),))
-    with pytest.raises(nm.InputError, match=r"b\?d.png: has a name that is not valid UTF-8; rename it"):
+    with pytest.raises(nm.InputError, match=r"b\?d.png: the file name is not valid UTF-8; rename the file"):
         nm.to_toml(recipe)
 
 
@@ -92,7 +92,7 @@ def test_a_name_that_no_text_can_hold_is_refused():
         nm.LayerOptions(scale="30mm", feather="0"),
     ],
 )
-def test_numbers_come_back_in_every_bit(options):
+def test_numbers_are_restored_bit_for_bit(options):
     recipe = nm.Recipe(
         (nm.RecipeLayer("a.png", options),), nm.CanvasOptions("10x20", nm.length("33.3333333333mm"), "flat")
     )
@@ -123,14 +123,14 @@ def test_hidden_layers_and_links_are_kept_and_listed():
     assert parsed(nm.to_toml(recipe)) == recipe
 
 
-def test_values_that_no_layer_can_have_are_refused_in_python_too():
+def test_invalid_layer_values_are_refused_in_python_too():
     for make, message in (
         (lambda: nm.RecipeLayer(""), "file: found nothing"),
         (lambda: nm.RecipeLayer("a.png", read={"greeen": "up"}), "a.png: read: unknown key 'greeen'; use one of layer"),
         (lambda: nm.RecipeLayer("a.png", read={"max_megapixels": 1e9}), "unknown key 'max_megapixels'"),
         (lambda: nm.RecipeGroup(()), "group: a group needs at least one layer"),
         (lambda: nm.RecipeLink(""), "recipe: found nothing"),
-        (lambda: nm.Recipe(()), r"recipe: holds no layer; start one with \[\[layer\]\]"),
+        (lambda: nm.Recipe(()), r"recipe: has no layers; start one with \[\[layer\]\]"),
     ):
         with pytest.raises(nm.InputError, match=message):
             make()

@@ -14,11 +14,11 @@ from nmaptool.core.units import Length, Offset
 from nmaptool.types.recipe import READ_KEYS
 
 TEXT = (Path(__file__).parents[1] / "docs" / "recipes.md").read_text(encoding="utf-8")
-BESIDE = {"hidden": "`false`"}  # keys that are no option of a layer
+BESIDE = {"hidden": "`false`"}  # keys that are not options of a layer
 
 
 def table(title):
-    """Key and default of each row below a title."""
+    """Key and default of each table row under a heading."""
     part = TEXT.split(f"\n## {title}\n")[1].split("\n## ")[0]
     rows = re.findall(r"^\| `(\w+)` \| (.*?) ?\| (.+) \|$", part, re.MULTILINE)
     return {key: (default, words) for key, default, words in rows}
@@ -50,7 +50,7 @@ def test_every_key_is_documented_with_its_default(title, options, keys):
         assert words.endswith("."), key
 
 
-def test_every_word_that_a_key_takes_is_documented():
+def test_every_value_of_a_key_is_documented():
     rows = table("[[layer]] with a file")
     for key, words in (
         ("mode", ("over", "rnm", "pd", "whiteout", "udn", "linear", "overlay")),
@@ -67,13 +67,15 @@ def test_every_word_that_a_key_takes_is_documented():
 
 def test_the_example_runs(tmp_path, png, run):
     (example,) = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
-    (tmp_path / "scene.toml").write_text(example)
+    (tmp_path / "scene.toml").write_text(example, encoding="utf-8")
     nm.write_normal_map(waves(90, 120, 3), tmp_path / "plate.exr")
     nm.write_normal_map(waves(40, 50, 6, disc=True), tmp_path / "leaf.png")
     bunny = waves(64, 64, 9, disc=True)
     nm.write_layers(nm.split(bunny), tmp_path / "bunny.exr")
     png(tmp_path / "bunny_mask.png", np.full((64, 64), 255, np.uint8))
-    (tmp_path / "border.toml").write_text('[[layer]]\nfile = "leaf.png"\nat = "8%,10%"\nscale = 0.2\n')
+    (tmp_path / "border.toml").write_text(
+        '[[layer]]\nfile = "leaf.png"\nat = "8%,10%"\nscale = 0.2\n', encoding="utf-8"
+    )
     done = run("compose", "stack", tmp_path / "scene.toml", "-o", tmp_path / "scene.exr")
     assert done.code == 0, done.err
     for line in (
@@ -88,7 +90,7 @@ def test_the_example_runs(tmp_path, png, run):
     assert used >= {"file", "at", "anchor", "scale", "rotate", "feather", "mask", "strength", "mode", "green", "hidden"}
 
 
-def test_a_length_in_a_recipe_is_one_in_every_bit():
+def test_lengths_in_a_recipe_are_exact_bit_for_bit():
     canvas = nm.CanvasOptions(width=Length(1e-5 / 3, "in"))
     layer = nm.RecipeLayer("a.png", nm.LayerOptions(feather=Offset(1 / 3, "%")))
     text = nm.to_toml(nm.Recipe((layer,), canvas))

@@ -1,4 +1,4 @@
-"""What a recipe accepts is derived from the options' own fields: every field can be written, and is checked."""
+"""Recipe keys are derived from the options' fields: every field can be written and is checked."""
 
 import dataclasses
 
@@ -26,7 +26,7 @@ FIELDS = [
 
 
 def example_of(field):
-    """A value as TOML has it."""
+    """A value of the field as TOML reads it."""
     kind = kind_of(field)
     if kind.toml is bool:
         return True
@@ -59,12 +59,12 @@ def test_every_field_refuses_a_value_of_another_type_in_one_line(options, field)
 
 
 @pytest.mark.parametrize("components", ["xy", "octahedral"])
-def test_components_of_a_layers_file(components):
+def test_the_components_of_a_layer_file_are_read(components):
     recipe = nm.parse_recipe({"layer": [{"file": "a.png", "read": {"components": components}}]})
     assert recipe.layers[0].read == {"components": components}
 
 
-def test_the_keys_are_those_of_the_options():
+def test_the_keys_match_the_options():
     assert {f.name for f in dataclasses.fields(nm.LayerOptions)} == set(LAYER_KEYS) - {"file", "mask", "hidden", "read"}
     own = {"layer", "recipe", "mask", "hidden"}
     assert {f.name for f in dataclasses.fields(nm.GroupOptions)} == set(GROUP_KEYS) - own

@@ -18,7 +18,7 @@ def clean(mesh):
 
 
 def noisy_sphere(share, steps=24, seed=3):
-    """A sphere, the same with noise of a share of its mean edge, and the size of that noise."""
+    """A sphere, the same with noise (as a share of the mean edge), and the size of that noise."""
     true = clean(sphere(steps))
     size = share * true.mean_edge
     noise = np.random.default_rng(seed).normal(size=true.vertices.shape) * size
@@ -30,7 +30,7 @@ def bumps(rows=12, cols=14):
 
 
 def tilted(mesh, degrees, seed=1):
-    """Its normals, each turned by at most so much in a direction of its own."""
+    """The normals of the mesh, each tilted by at most ``degrees`` in a random direction."""
     normals = mesh.geometry.normals
     off = np.random.default_rng(seed).uniform(-1, 1, normals.shape) / np.sqrt(3) * np.sin(np.radians(degrees))
     out = normals + off
@@ -41,7 +41,7 @@ def options(scheme, **changes):
     return nm.ReconstructOptions(scheme=scheme, **changes)
 
 
-def test_gsfg_is_the_papers_two_equations():
+def test_gsfg_follows_the_two_equations_of_the_paper():
     mesh = bumps()
     targets = tilted(mesh, 40)
     target_shapes = [[] for _ in mesh.vertices]
@@ -53,11 +53,11 @@ def test_gsfg_is_the_papers_two_equations():
     expected = np.array([np.mean(each, axis=0) for each in target_shapes])  # Eq. 3
     found = nm.reconstruct(mesh, targets, options("gsfg", steps=1, boundary="free"))
     assert found.report.folded_before == 0
-    assert angles(mesh.geometry.normals, targets).max() < 60  # none is turned
+    assert angles(mesh.geometry.normals, targets).max() < 60  # no target faces backwards
     np.testing.assert_allclose(found.vertices, expected, atol=1e-13)
 
 
-def test_poisson_is_its_normal_equations():
+def test_poisson_solves_its_normal_equations():
     mesh = bumps()
     targets = tilted(mesh, 40)
     count, closeness = len(mesh.vertices), 0.03
@@ -75,7 +75,7 @@ def test_poisson_is_its_normal_equations():
 
 
 @pytest.mark.parametrize("scheme", ["gsfg-gradient", "gsfg-shape"])
-def test_both_come_to_the_least_of_their_energies(scheme):
+def test_both_schemes_reach_the_minimum_of_their_energies(scheme):
     mesh = bumps(6, 7)
     targets = tilted(mesh, 8)
     count, closeness = len(mesh.vertices), 0.05
@@ -100,7 +100,7 @@ def test_both_come_to_the_least_of_their_energies(scheme):
 
 @pytest.mark.parametrize("boundary", ["hold", "free"])
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_its_own_normals_leave_a_mesh_as_it_is(scheme, boundary):
+def test_a_mesh_with_its_own_normals_is_unchanged(scheme, boundary):
     _, rough, _ = noisy_sphere(0.3)
     for mesh in (bumps(), rough):
         found = nm.reconstruct(mesh, mesh.geometry.normals, options(scheme, boundary=boundary))
@@ -132,7 +132,7 @@ def test_gsfg_alone_needs_more_steps_for_the_sphere():
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
-def test_turned_scaled_and_moved_alike(scheme):
+def test_results_follow_rotation_scale_and_translation(scheme):
     true, rough, _ = noisy_sphere(0.35, 12)
     targets = true.geometry.normals
     plain = nm.reconstruct(rough, targets, options(scheme)).vertices
@@ -156,7 +156,7 @@ def test_a_vertex_dragged_over_its_neighbours_leaves_no_fold(scheme, drag):
     assert (found.mesh.geometry.normals[:, 2] > 0.99).all()
 
 
-def test_half_a_turn_lays_a_face_down_the_right_side_up():
+def test_a_half_turn_flattens_a_face_with_the_right_side_up():
     rng = np.random.default_rng(5)
     shapes = rng.normal(size=(3, 50, 3))
     shapes -= shapes.mean(axis=0)
@@ -165,25 +165,25 @@ def test_half_a_turn_lays_a_face_down_the_right_side_up():
     np.testing.assert_allclose(shaping.normals_of(laid), -normals, atol=1e-12)
     for k in range(3):
         np.testing.assert_allclose(*(np.linalg.norm(s[k] - s[k - 1], axis=1) for s in (laid, shapes)), atol=1e-12)
-    # no turn in the plane brings the corners nearer
+    # no rotation in the plane brings the corners closer
     for angle in (-0.1, 0.1):
         turn = Rotation.from_rotvec(angle * normals)
         other = np.stack([turn.apply(corner) for corner in laid])
         assert (((other - shapes) ** 2).sum(axis=(0, 2)) >= ((laid - shapes) ** 2).sum(axis=(0, 2)) - 1e-12).all()
 
 
-def test_a_regular_face_half_a_turn_from_its_target_has_an_answer():
+def test_a_regular_face_opposite_to_its_target_is_solved():
     angle = np.radians([90, 210, 330])
     shapes = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)[:, None]
     normals = shaping.normals_of(shapes)
     laid = shaping.flattened_opposed(shapes, normals, -normals)
     np.testing.assert_allclose(shaping.normals_of(laid), -normals, atol=1e-12)
-    # and so has a face that stands upright on its target
+    # and so is a face perpendicular to its target
     upright = shaping.flattened_opposed(shapes, normals, np.array([[0.0, 1.0, 0.0]]))
     np.testing.assert_allclose(shaping.normals_of(upright), [[0, 1, 0]], atol=1e-12)
 
 
-def test_the_boundary_stays_unless_it_is_freed():
+def test_the_boundary_is_fixed_unless_it_is_free():
     mesh = bumps()
     targets = tilted(mesh, 30)
     rim = np.isclose(np.abs(mesh.vertices[:, :2]), np.abs(mesh.vertices[:, :2]).max(axis=0)).any(axis=1)
@@ -196,7 +196,7 @@ def test_the_boundary_stays_unless_it_is_freed():
         assert held.report.volume_change_mm3 is not None
 
 
-def test_volumes():
+def test_volumes_are_exact():
     ball = clean(sphere(30))
     dilated = 1.1 * ball.vertices + [3, 4, 5]
     before = volume(ball.vertices, ball.faces)
@@ -204,7 +204,7 @@ def test_volumes():
     assert volume_between(ball.vertices, dilated, ball.faces) == pytest.approx((1.1**3 - 1) * before)
     flat, tent = clean(sheet(lambda x, y: 0 * x, 2, 2)), clean(sheet(lambda x, y: 3.0 * ((x == 0) & (y == 0)), 2, 2))
     far = np.array([100.0, -50, 20])
-    # a pyramid-like tent over the six faces at the middle: one third of base 3 times height 3
+    # a pyramid over the six faces in the middle: one third of base 3 times height 3
     assert volume_between(flat.vertices + far, tent.vertices + far, flat.faces) == pytest.approx(3.0)
 
 
@@ -222,7 +222,7 @@ def test_the_report_is_in_millimetres():
 @pytest.mark.parametrize(
     ("scheme", "steps", "close"), [("gsfg-gradient", 20, 0.03), ("gsfg-shape", 20, 1e-2), ("poisson", 1, 1e-8)]
 )
-def test_a_hierarchy_stands_for_the_factors(scheme, steps, close, monkeypatch):
+def test_the_multigrid_hierarchy_replaces_the_factorisation(scheme, steps, close, monkeypatch):
     true, rough, _ = noisy_sphere(0.2)
     targets = true.geometry.normals
     exact = nm.reconstruct(rough, targets, options(scheme, steps=steps)).vertices
@@ -232,7 +232,7 @@ def test_a_hierarchy_stands_for_the_factors(scheme, steps, close, monkeypatch):
     assert np.array_equal(found, nm.reconstruct(rough, targets, options(scheme, steps=steps)).vertices)
 
 
-def test_parts_that_are_held_altogether_and_parts_that_are_not():
+def test_fully_held_and_free_parts_are_solved():
     ball = clean(sphere(8))
     lone = nm.Mesh(np.array([[3.0, 0, 0], [4, 0, 0], [3, 1, 0]]), np.array([[0, 1, 2]], np.int32))
     mesh = joined(ball, lone)
@@ -245,7 +245,7 @@ def test_parts_that_are_held_altogether_and_parts_that_are_not():
     assert np.array_equal(nm.reconstruct(lone, targets[-1:]).vertices, lone.vertices)
 
 
-def test_progress_is_told_and_nothing_given_is_changed():
+def test_progress_is_reported_and_arguments_are_not_changed():
     mesh = bumps()
     targets = tilted(mesh, 10).astype(np.float32)
     before, told = targets.copy(), []

@@ -1,4 +1,4 @@
-"""What docstrings, comments and documents name is there: modules, functions, files."""
+"""Modules, functions and files named in docstrings, comments and documents exist."""
 
 import ast
 import importlib
@@ -25,7 +25,7 @@ A_FILE = "nmaptool.json"  # within a workspace
 
 @cache
 def resolves(name):
-    """Whether a dotted name is a module, or something in one."""
+    """Whether a dotted name is a module or an object in one."""
     module, _, rest = name.rpartition(".")
     try:
         importlib.import_module(name)
@@ -46,8 +46,14 @@ def value(name):
 
 
 def named(pattern, paths):
-    """(file, what it names), each once."""
-    return sorted({(str(path.relative_to(ROOT)), name) for path in paths for name in pattern.findall(path.read_text())})
+    """(file, named object), each once."""
+    return sorted(
+        {
+            (str(path.relative_to(ROOT)), name)
+            for path in paths
+            for name in pattern.findall(path.read_text(encoding="utf-8"))
+        }
+    )
 
 
 def test_dotted_names_resolve():
@@ -58,12 +64,16 @@ def test_dotted_names_resolve():
 
 
 def imported(path):
-    """Dotted names of nmaptool that a file imports, in functions too."""
-    nodes = [node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.ImportFrom) and node.module]
+    """Dotted names of nmaptool that a file imports, also inside functions."""
+    nodes = [
+        node
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module
+    ]
     return {f"{n.module}.{alias.name}" for n in nodes if OURS.match(n.module) for alias in n.names}
 
 
-def test_programs_beside_the_library_import_what_is_there():
+def test_programs_outside_the_library_import_existing_names():
     names = {(path.name, name) for path in PROGRAMS for name in imported(path)}
     assert len(names) > 50
     assert sorted(f"{file}: {name}" for file, name in names if not resolves(name)) == []
@@ -87,5 +97,5 @@ def test_paths_exist():
         ("nothing.at_all", False),
     ],
 )
-def test_names_that_are_there_and_names_that_are_not(name, there):
+def test_existing_names_resolve_and_missing_names_do_not(name, there):
     assert resolves(f"nmaptool.{name}") is there

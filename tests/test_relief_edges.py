@@ -1,4 +1,4 @@
-"""Soft edges, fading masks, curved and flat backgrounds, and what the library says to things that are no maps."""
+"""Soft edges, fading masks, curved and flat backgrounds, and errors for arguments that are not maps."""
 
 import dataclasses
 
@@ -25,7 +25,7 @@ def test_a_soft_edge_softens_the_detail_too():
 
 
 @pytest.mark.parametrize("energy", ["eq6", "eq4"])
-def test_flat_detail_leaves_a_curved_background_alone(energy):
+def test_flat_detail_does_not_change_a_curved_background(energy):
     roll = rolling()
     original, flat = normal_map(*height_slopes(roll)), normal_map(*np.zeros((2, 96, 96)))
     background = nm.Height(roll * 100 / 96, np.ones((96, 96), bool), nm.Frame(96, 96, 100 / 96))
@@ -34,7 +34,7 @@ def test_flat_detail_leaves_a_curved_background_alone(energy):
     assert np.abs(relief.z_mm - background.z_mm).max() < 1e-6 * np.ptp(roll)
 
 
-def test_soft_edges_on_a_curved_background_lean_as_it_does():
+def test_soft_edges_follow_the_slopes_of_a_curved_background():
     roll = rolling()
     original = normal_map(*height_slopes(roll))
     soft = (0.5 + 0.5 * dome()[0].foreground).astype(np.float32)
@@ -43,7 +43,7 @@ def test_soft_edges_on_a_curved_background_lean_as_it_does():
     assert np.abs(targets.p - height_slopes(roll)[0]).max() < 1e-6
 
 
-def test_a_slow_mask_fades_over_all_of_its_ramp():
+def test_a_gradual_mask_fades_over_its_whole_ramp():
     original = dome(kind="full")[0]
     ramp = np.broadcast_to(np.clip((np.arange(96) - 20) / 50, 0, 1).astype(np.float32), (96, 96))
     relief = solve(original, mask=ramp, beta=1e-4)
@@ -53,8 +53,8 @@ def test_a_slow_mask_fades_over_all_of_its_ramp():
     assert not solve(original, mask=np.broadcast_to(step, (96, 96)), beta=1e-4).foreground[48, :46].any()
 
 
-def test_the_insides_of_letters_are_left_to_the_map():
-    """A ring embossed on a flat map: what it encloses lies as low as the plate."""
+def test_the_insides_of_letters_follow_the_map():
+    """A ring embossed on a flat map: the enclosed area is as low as the plate."""
     row, col = np.mgrid[0:121, 0:121]
     r = np.hypot(row - 60, col - 60)
     z = 4 * np.clip((np.minimum(r - 20, 45 - r)) / 4, 0, 1)
@@ -74,7 +74,7 @@ def test_the_insides_of_letters_are_left_to_the_map():
     assert not any("`beta` 0" in w for w in solve(flat, beta=0.0).report.warnings)
 
 
-def test_what_is_not_a_map_is_named():
+def test_arguments_that_are_not_maps_are_named():
     original = dome()[0]
     with pytest.raises(UsageError, match="the original must be a NormalMap, found str; read one with read_normal_map"):
         nm.relief("a.png")
@@ -86,7 +86,7 @@ def test_what_is_not_a_map_is_named():
         solve(original, mask="mask.png")
     with pytest.raises(UsageError, match="the beta map must be an array of numbers, found str"):
         solve(original, beta_map="m.png")
-    with pytest.raises(UsageError, match="`mu_map`: weighs the detail map"):
+    with pytest.raises(UsageError, match="`mu_map`: has no effect without a detail map"):
         solve(original, mu_map=original.coverage)
     for bad in (np.full((96, 96), np.nan), np.full((96, 96), 60, np.uint8), np.full((96, 96), -0.1)):
         with pytest.raises(InputError, match="the mask must hold values from 0 to 1"):
@@ -111,7 +111,7 @@ def test_lengths_may_be_text():
     assert relief.pitch_mm == 0.5
 
 
-def test_what_was_checked_cannot_be_written():
+def test_checked_arrays_are_read_only():
     original = dome()[0]
     relief = solve(original)
     for array in (
@@ -127,7 +127,7 @@ def test_what_was_checked_cannot_be_written():
 
 
 @pytest.mark.parametrize("kind", ["masked", "full"])
-def test_beta_that_vanishes_gives_the_shape_of_beta_0_at_the_height_of_delta(kind):
+def test_vanishing_beta_gives_the_shape_of_beta_0_at_the_height_of_delta(kind):
     original = dome(bumps=1, kind=kind)[0]
     options = {"background": "cut", "per_pixel": True, "tolerance": 1e-10}
     shape = solve(original, beta=0.0, **options)
@@ -141,7 +141,7 @@ def test_beta_that_vanishes_gives_the_shape_of_beta_0_at_the_height_of_delta(kin
         assert np.ptp(off) < 1e-4 * np.ptp(shape.z_mm)
 
 
-def test_a_relief_on_a_ground_with_an_outline_ends_where_the_ground_does():
+def test_a_relief_ends_where_its_ground_ends():
     y, x = np.mgrid[0:80, 0:80] - 39.5
     ball = np.hypot(x, y) < 30
     height = np.sqrt(np.maximum(60.0**2 - x * x - y * y, 1))
@@ -156,7 +156,7 @@ def test_a_relief_on_a_ground_with_an_outline_ends_where_the_ground_does():
     expected = np.sqrt(60.0**2 - xv**2 - yv**2, where=inside, out=np.zeros((81, 81)))[inside]
     made = relief.z_mm[inside] / relief.pitch_mm
     assert np.abs(made - made.mean() - expected + expected.mean()).max() < 0.05
-    # a motif that overhangs stands level with the nearest ground
+    # an overhanging motif is level with the nearest ground
     over = nm.NormalMap(normals, np.ones((80, 80), np.float32), nm.Frame(80, 80))
     wide = solve(over, background="surface", surface=ground, mask=(np.hypot(x - 28, y) < 8).astype(np.float32))
     assert wide.height.domain.sum() > ball.sum()

@@ -1,4 +1,4 @@
-"""Identities and equivariance of the relief, its inputs beside the map, its backgrounds, and every misfit named."""
+"""Identities and equivariance of the relief, its other inputs, its backgrounds, and inputs that do not fit."""
 
 import dataclasses
 
@@ -13,8 +13,8 @@ from nmaptool.reliefs.domain import build_domain
 from nmaptool.reliefs.targets import Weights, build_targets
 
 
-def test_eq4_is_eq6_in_other_units():
-    """z4(mu, beta, delta) = (1 + mu) z6(mu, beta (1 + mu)... with beta6 = beta (1 + mu), delta6 = delta/(1 + mu))."""
+def test_eq4_equals_eq6_with_other_parameters():
+    """z4(mu, beta, delta) = (1 + mu) z6(mu, beta6, delta6), beta6 = beta (1 + mu), delta6 = delta / (1 + mu)."""
     original, _, detail = dome(bumps=1)
     mu, beta, delta = 0.7, 0.02, 9.0
     four = solve(original, detail, energy="eq4", mu=mu, beta=beta, delta=delta, tolerance=1e-12).z_mm
@@ -45,7 +45,7 @@ def turned(source, quarter_turns):
 
 @pytest.mark.parametrize("quarter_turns", [1, 2, 3])
 @pytest.mark.parametrize("kind", ["masked", "full"])
-def test_turning_the_map_turns_the_relief(quarter_turns, kind):
+def test_rotating_the_map_rotates_the_relief(quarter_turns, kind):
     original = dome(bumps=1, kind=kind)[0]
     straight = solve(original, tolerance=1e-11).z_mm
     result = solve(turned(original, quarter_turns), tolerance=1e-11).z_mm
@@ -77,7 +77,7 @@ def test_weight_maps_multiply_the_scalar(name):
     assert not np.array_equal(by_map, plain.z_mm)
 
 
-def test_delta_map_lifts_only_where_it_is_bright():
+def test_a_delta_map_lifts_only_where_it_is_bright():
     original = dome()[0]
     right = np.broadcast_to((np.arange(96) > 48).astype(np.float32), (96, 96))
     both = solve(original, beta=1.0, delta=30.0, delta_map=right).z_mm
@@ -85,14 +85,14 @@ def test_delta_map_lifts_only_where_it_is_bright():
     assert abs(both[48, 20:36].mean()) < 0.5
 
 
-def test_per_pixel_takes_beta_and_delta_literally():
+def test_per_pixel_uses_beta_and_delta_unscaled():
     original = dome()[0]
     literal = solve(original, beta=0.01 / 0.096**2, delta=10 * 0.096, per_pixel=True)
     assert np.allclose(literal.z_mm, solve(original, beta=0.01, delta=10.0).z_mm, atol=1e-12)
     assert literal.report.reach_px == pytest.approx(10 * 0.096)
 
 
-def test_mask_chooses_the_motif_and_feathers_it():
+def test_a_mask_selects_the_motif_and_feathers_it():
     original = dome(kind="full")[0]
     mask = dome()[0].foreground
     relief = solve(original, mask=mask)
@@ -106,11 +106,11 @@ def test_mask_chooses_the_motif_and_feathers_it():
 
 
 @pytest.mark.parametrize("as_height", [True, False])
-def test_surface_background_is_held_and_delta_counts_from_it(as_height):
+def test_a_curved_background_is_held_and_delta_counts_from_it(as_height):
     roll = rolling()
     p, q = height_slopes(roll)
     foreground = dome()[0].foreground
-    original = normal_map(p, q)  # the motif is the background itself: nothing may stand out of it but delta
+    original = normal_map(p, q)  # the motif equals the background, so only delta may raise it
     pitch = 100 / 96
     if as_height:
         background = nm.Height(roll * pitch, np.ones((96, 96), bool), nm.Frame(96, 96, pitch))
@@ -127,13 +127,13 @@ def test_surface_background_is_held_and_delta_counts_from_it(as_height):
     assert exact.report.relief_range_mm == pytest.approx(3, abs=1e-6)
 
 
-def test_free_background_follows_its_own_normals():
+def test_a_free_background_follows_its_own_normals():
     roll = rolling()
     relief = solve(normal_map(*height_slopes(roll)), background="free", beta=0.0)
     z = relief.z_mm / relief.pitch_mm
     assert np.abs((z - z.mean()) - (roll - roll.mean())).max() < 1e-6 * np.ptp(roll)
     assert relief.mask.all()
-    assert any("delta has no effect" in warning for warning in relief.report.warnings)
+    assert any("`delta` has no effect" in warning for warning in relief.report.warnings)
 
 
 def test_steep_normals_are_capped():
@@ -150,7 +150,7 @@ def test_steep_normals_are_capped():
     assert (q - p) == pytest.approx(-3 * 25, rel=1e-6)
 
 
-def test_size_comes_from_width_file_or_assumption():
+def test_the_size_comes_from_width_file_or_default():
     original = dome()[0]
     assert solve(original).pitch_mm == pytest.approx(100 / 96)
     assert solve(original).report.pitch_from == "assumed"
@@ -161,7 +161,7 @@ def test_size_comes_from_width_file_or_assumption():
     assert np.allclose(given.z_mm, 2 * solve(known).z_mm)
 
 
-def test_report_says_what_was_done():
+def test_the_report_states_what_was_done():
     original, _, detail = dome(bumps=1)
     relief = solve(original, detail, mu=0.2, beta=0.01, delta=10.0)
     report = relief.report
@@ -177,7 +177,7 @@ def test_report_says_what_was_done():
     assert solve(dome(kind="full")[0]).report.solver == "dct"
 
 
-def test_inputs_are_never_changed():
+def test_inputs_are_not_changed():
     original, _, detail = dome(bumps=1)
     before = [a.copy() for a in (original.normals, original.coverage, original.foreground, detail.normals)]
     solve(original, detail)
@@ -187,7 +187,7 @@ def test_inputs_are_never_changed():
         assert np.array_equal(array, copy)
 
 
-def test_misfits_are_named():
+def test_inputs_that_do_not_fit_are_named():
     original, small = dome()[0], dome(40)[0]
     with pytest.raises(InputError, match="map is 96 x 96 pixels but the detail map map is 40 x 40; make them the same"):
         solve(original, small)
@@ -198,9 +198,9 @@ def test_misfits_are_named():
     for name in ("mu", "beta", "delta"):
         with pytest.raises(InputError, match=f"but the {name} map is 40 x 40"):
             solve(original, original, **{f"{name}_map": small.coverage})
-    with pytest.raises(InputError, match="the beta map must be finite and not negative"):
+    with pytest.raises(InputError, match="the beta map: values must be finite, not negative and at most"):
         solve(original, beta_map=np.full((96, 96), -1, np.float32))
-    with pytest.raises(InputError, match="the delta map must be finite"):
+    with pytest.raises(InputError, match="the delta map: values must be finite and at most"):
         solve(original, delta_map=np.full((96, 96), np.nan, np.float32))
     with pytest.raises(InputError, match="the mask selects nothing"):
         solve(original, mask=np.zeros((96, 96)))
@@ -209,15 +209,15 @@ def test_misfits_are_named():
     with pytest.raises(InputError, match="every pixel is background"):
         solve(dataclasses.replace(original, foreground=np.zeros((96, 96), bool)))
     nothing = dataclasses.replace(original, coverage=np.zeros((96, 96), np.float32))
-    with pytest.raises(InputError, match=r"all of it is background .* say `background_color='none'`"):
+    with pytest.raises(InputError, match=r"every pixel is background .* use `background_color='none'`"):
         solve(original, background="surface", surface=nothing)
     with pytest.raises(UsageError, match="`background='surface'`: needs the curved background"):
         solve(original, background="surface")
-    with pytest.raises(UsageError, match="`surface`: only goes with `background='surface'`, not plane"):
+    with pytest.raises(UsageError, match="`surface`: needs `background='surface'`, found plane"):
         solve(original, surface=original)
 
 
-def test_domain_of_each_background():
+def test_each_background_has_its_domain():
     foreground = np.zeros((5, 6), bool)
     foreground[1:4, 2:5] = True
     covered = np.ones((5, 6), bool)

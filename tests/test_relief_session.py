@@ -1,4 +1,4 @@
-"""A session gives what single reliefs give, with the iterations that are needed and no more."""
+"""A session gives the results of single reliefs, with no more iterations than needed."""
 
 import dataclasses
 import itertools
@@ -15,7 +15,7 @@ from nmaptool.solver import Solver
 
 SIDE = 64
 START = nm.ReliefOptions(mu=0.4, beta=0.004, delta=12.0, height=nm.length("5mm"))
-# each field of the options, changed; and whether that needs the solver again
+# a change of each option, and whether it requires a new solve
 CHANGES = {
     "mu": ({"mu": 0.9}, True),
     "beta": ({"beta": 0.006}, True),
@@ -27,7 +27,7 @@ CHANGES = {
     "height": ({"height": nm.length("7mm")}, False),
     "fit": ({"fit": "slope"}, False),
     "width": ({"width": nm.length("50mm")}, False),
-    "solver": ({"solver": "amg"}, False),  # it finds its work done
+    "solver": ({"solver": "amg"}, False),  # the solution is already known
     "tolerance": ({"tolerance": 1e-7}, False),
     "max_iterations": ({"max_iterations": 50}, False),
     "memory_limit": ({"memory_limit": "1GB"}, False),
@@ -54,7 +54,7 @@ def assert_same(found, fresh, within=1e-6):
 
 
 def warmed(*maps, **given):
-    """A session whose heights at the start are known in both parts."""
+    """A session that has already solved both parts of START."""
     session = nm.ReliefSession(*maps, **given)
     session.solve(dataclasses.replace(START, delta=3.0))
     session.solve(START)
@@ -76,7 +76,7 @@ def test_every_option_that_changes_gives_what_a_fresh_relief_gives(field, maps):
     assert_same(session.solve(START), nm.relief(*maps, options=START))
 
 
-def test_what_the_first_solve_gives_is_what_relief_gives(maps):
+def test_the_first_solve_equals_relief(maps):
     for change, _ in CHANGES.values():
         options = dataclasses.replace(START, **change)
         found, fresh = nm.ReliefSession(*maps).solve(options), nm.relief(*maps, options=options)
@@ -85,7 +85,7 @@ def test_what_the_first_solve_gives_is_what_relief_gives(maps):
 
 
 @pytest.mark.parametrize("field", ["tolerance", "max_iterations", "memory_limit", "width"])
-def test_where_no_solve_differs_neither_do_the_heights(field, maps):
+def test_options_without_effect_on_the_solve_keep_the_heights(field, maps):
     options = dataclasses.replace(START, **CHANGES[field][0])
     session = nm.ReliefSession(*maps)
     session.solve(START)
@@ -114,7 +114,7 @@ def test_a_relief_solves_once_and_a_new_delta_once_more(maps, monkeypatch):
 
 @pytest.mark.parametrize("background", ["plane", "cut", "free"])
 @pytest.mark.parametrize("solver", ["auto", "amg"])
-def test_deltas_at_will(background, solver):
+def test_any_sequence_of_deltas_gives_the_relief_of_each(background, solver):
     original = dome(SIDE, bumps=1, kind="masked" if solver == "amg" else "full")[0]
     session = nm.ReliefSession(original)
     for delta in (10.0, 0.0, -25.0, 1e3, 1e-3, 10.0):
@@ -124,7 +124,7 @@ def test_deltas_at_will(background, solver):
         assert found.report.residual <= 1e-9
 
 
-def test_a_tighter_tolerance_is_honoured(maps):
+def test_a_tighter_tolerance_is_respected(maps):
     session = nm.ReliefSession(*maps)
     for delta in (3.0, 12.0):
         session.solve(dataclasses.replace(START, tolerance=1e-3, delta=delta))
@@ -139,8 +139,8 @@ def test_a_tighter_tolerance_is_honoured(maps):
     assert_same(dataclasses.replace(found, report=exact.report), exact, within=1e-9)
 
 
-def test_a_delta_whose_load_all_but_cancels_that_of_the_slopes():
-    """Under a parabola the slopes' load is one constant: there is a delta that takes it away but for the edges."""
+def test_a_delta_whose_load_nearly_cancels_that_of_the_slopes_is_solved():
+    """The slopes of a parabola give a constant load, which one delta cancels except at the edges."""
     row, col = np.mgrid[0 : SIDE + 1, 0 : SIDE + 1] - SIDE / 2
     inside = np.zeros((SIDE, SIDE), bool)
     inside[8:-8, 8:-8] = True
@@ -156,7 +156,7 @@ def test_a_delta_whose_load_all_but_cancels_that_of_the_slopes():
         assert np.abs(found.z_mm - fresh.z_mm).max() < 1e-6 * max(np.ptp(fresh.z_mm), 1e-3)
 
 
-def test_a_flat_map_and_no_pull_at_all():
+def test_a_flat_map_and_zero_beta_are_solved():
     flat = normal_map(*np.zeros((2, 20, 20)))
     session = nm.ReliefSession(flat)
     for delta in (5.0, 10.0, 0.0):
@@ -168,7 +168,7 @@ def test_a_flat_map_and_no_pull_at_all():
     assert np.abs(heights[0] - heights[1]).max() < 1e-6 * np.ptp(heights[0])
 
 
-def test_maps_of_weights_and_a_mask(maps):
+def test_weight_maps_and_a_mask_are_respected(maps):
     rng = np.random.default_rng(3)
     given = {f"{name}_map": rng.random((SIDE, SIDE), np.float32) for name in ("mu", "beta", "delta")}
     given["mask"] = dome(SIDE)[0].foreground
@@ -179,7 +179,7 @@ def test_maps_of_weights_and_a_mask(maps):
 
 
 @pytest.mark.parametrize("as_height", [True, False])
-def test_a_curved_background(as_height):
+def test_a_curved_background_is_respected(as_height):
     roll, motif = rolling(SIDE), dome(SIDE)[0].foreground
     background = normal_map(*height_slopes(roll))
     if as_height:
@@ -192,11 +192,11 @@ def test_a_curved_background(as_height):
         options = dataclasses.replace(start, **change)
         fresh = nm.relief(original, mask=motif, surface=background, options=options)
         assert_same(session.solve(options), fresh)
-    with pytest.raises(UsageError, match="`surface`: only goes with `background='surface'`, not plane"):
+    with pytest.raises(UsageError, match="`surface`: needs `background='surface'`, found plane"):
         session.solve(nm.ReliefOptions())
 
 
-def test_results_are_values(maps):
+def test_later_solves_do_not_change_earlier_results(maps):
     before = [m.normals.copy() for m in maps]
     session = nm.ReliefSession(*maps)
     options = [dataclasses.replace(START, **change) for change, _ in CHANGES.values()]
@@ -215,7 +215,7 @@ def test_results_are_values(maps):
         assert np.array_equal(each.normals, copy)
 
 
-def test_the_latest_settings_are_kept(maps):
+def test_the_latest_settings_are_cached(maps):
     one, two, three = (dataclasses.replace(START, beta=beta) for beta in (0.003, 0.004, 0.005))
 
     def iterations(session, *options):
@@ -226,7 +226,7 @@ def test_the_latest_settings_are_kept(maps):
     assert iterations(nm.ReliefSession(*maps, keep=3), one, two, three, one) == [True, True, True, False]
     assert iterations(nm.ReliefSession(*maps, keep=1), one, two, one, one) == [True, True, True, False]
     assert iterations(nm.ReliefSession(*maps, keep=0), one, one) == [True, True]
-    with pytest.raises(UsageError, match="keep -1: must be zero or more"):
+    with pytest.raises(UsageError, match="`keep=-1`: must be zero or more"):
         nm.ReliefSession(*maps, keep=-1)
 
 
@@ -261,14 +261,14 @@ def test_a_solve_that_fails_does_no_harm(maps):
             with pytest.raises(LimitError, match="`memory_limit` allows 0MB"):
                 each.solve(tight)
     too_low = dataclasses.replace(START, height=nm.length("0.01mm"), fit="delta")
-    with pytest.raises(InputError, match=r"`height='0.01mm'`: changing delta alone does not reach"):
+    with pytest.raises(InputError, match=r"`height='0.01mm'`: changing delta alone gives at least"):
         session.solve(too_low)
     found = session.solve(dataclasses.replace(START, delta=1.0))
     assert_same(found, nm.relief(*maps, options=dataclasses.replace(START, delta=1.0)))
-    assert found.report.iterations == 0  # what the heights in vain were made of is there
+    assert found.report.iterations == 0  # the parts of the failed solve are kept
 
 
-def test_solves_from_several_threads(maps):
+def test_several_threads_may_solve(maps):
     session = nm.ReliefSession(*maps)
     wanted = [dataclasses.replace(START, beta=beta, delta=delta) for beta in (0.003, 0.006) for delta in (4.0, 9.0)]
     found = {}
@@ -281,18 +281,18 @@ def test_solves_from_several_threads(maps):
         assert_same(found[options], nm.relief(*maps, options=options))
 
 
-def test_a_session_asked_from_its_own_callback_says_so(maps):
+def test_solving_from_the_progress_callback_is_refused(maps):
     session = nm.ReliefSession(*maps)
 
     def ask(word, share):
         session.solve()
 
-    with pytest.raises(nm.UsageError, match="a session cannot solve while it solves"):
+    with pytest.raises(nm.UsageError, match="a session cannot solve inside its own progress callback"):
         session.solve(START, progress=ask)
     assert session.solve(START).report.residual <= START.tolerance
 
 
-def test_a_limit_holds_for_weights_that_need_float64(maps):
+def test_the_memory_limit_applies_to_weights_that_need_float64(maps):
     session = nm.ReliefSession(*maps, mu_map=np.where(np.arange(SIDE) < 9, 0, 1)[None] * np.ones((SIDE, 1), np.float32))
     wide = dataclasses.replace(START, mu=1e5, background="cut", tolerance=1e-6)
     planned = session.solve(wide).report.planned_bytes

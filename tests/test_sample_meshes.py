@@ -1,4 +1,4 @@
-"""The sample meshes: small, sound, and made again by their script."""
+"""The sample meshes: small, sound, and reproducible by their script."""
 
 import subprocess
 import sys
@@ -24,14 +24,14 @@ def load(folder, name):
     return trimesh.load(folder / f"{name}.ply", process=False)
 
 
-def test_meshes_are_small_and_all_of_them_are_made(made):
+def test_meshes_are_small_and_complete(made):
     shipped = sorted(SAMPLES.glob("*.ply"))
     assert [path.stem for path in shipped] == sorted(BODIES) == sorted(path.stem for path in made.iterdir())
     assert sum(path.stat().st_size for path in shipped) <= 1_150_000
 
 
 @pytest.mark.parametrize("name", BODIES)
-def test_script_makes_what_is_shipped(made, name):
+def test_the_script_makes_the_shipped_meshes(made, name):
     again, kept = load(made, name), load(SAMPLES, name)
     np.testing.assert_array_equal(again.faces, kept.faces)
     # sines may differ in their last bit between machines
@@ -43,12 +43,12 @@ def test_meshes_are_sound(name):
     mesh = load(SAMPLES, name)
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
-    assert mesh.volume > 0  # the outside is out
+    assert mesh.volume > 0  # normals point outwards
     assert len(np.unique(mesh.faces)) == len(mesh.vertices)
     assert mesh.body_count == BODIES[name]
     assert all(body.euler_number == (0 if name == "rings" else 2) for body in mesh.split())
     longest = mesh.edges_unique_length[mesh.faces_unique_edges].max(axis=1)
-    assert (2 * mesh.area_faces / longest).min() > 0.05  # mm: no face is a needle or a point
+    assert (2 * mesh.area_faces / longest).min() > 0.05  # mm: no face is a sliver or a point
     assert 60 < mesh.extents.max() < 100  # mm
 
 
@@ -59,7 +59,7 @@ def test_rings_clear_each_other():
         assert 0.5 < gap.min() < 3
 
 
-def test_vase_wall_is_never_pierced():
+def test_the_vase_wall_has_no_holes():
     mesh = load(SAMPLES, "vase")
     upward = mesh.vertices[mesh.vertices[:, 1] > 60]
     inside = mesh.vertex_normals[mesh.vertices[:, 1] > 60]

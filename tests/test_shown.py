@@ -1,4 +1,4 @@
-"""Values say what they are in one line, and show themselves in a notebook."""
+"""Values have a one-line repr, and maps and reliefs show an image in a notebook."""
 
 import dataclasses
 import io
@@ -14,7 +14,7 @@ from nmaptool.figures.notebook import picture_of
 
 @pytest.fixture(scope="module")
 def values():
-    """One of each value that has a line of its own, made small."""
+    """A small example of each type with its own repr."""
     y, x = np.mgrid[1:-1:32j, -1:1:32j]
     normal_map = nm.NormalMap.from_array(np.dstack([x, y, np.ones_like(x)]), np.hypot(x, y) < 0.9, 0.5, "dome")
     sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=3))
@@ -56,7 +56,7 @@ def values():
     return {type(value).__name__: value for value in found if value is not None}
 
 
-def test_every_value_is_one_short_line_without_numbers_of_arrays(values):
+def test_every_repr_is_one_short_line_without_array_contents(values):
     for name, value in values.items():
         line = repr(value)
         assert line == str(value)
@@ -82,18 +82,18 @@ def test_no_public_value_prints_its_arrays(values):
         ("RasterImage", "<RasterImage image: 6 x 4 px, pitch unknown, channels R, G, B, 8-bit codes>"),
         ("Decoded", "<Decoded picture: 64 x 64 px, pitch unknown, background flat>"),
         ("Inspection", "<Inspection picture: 64 x 64 px, 8 bits, 1 finding (no-foreground)>"),
-        ("Mesh", "<Mesh mesh: 42 vertices, 80 faces, 1 mm to a unit (assumed)>"),
+        ("Mesh", "<Mesh mesh: 42 vertices, 80 faces, 1 mm per unit (assumed)>"),
         ("LayerGroup", "<LayerGroup group: 1 layer>"),
         ("Workspace", "<Workspace workspace: 32 x 32 px, 0.5 mm per px, 16 bits, 1 layer>"),
-        ("Recipe", "<Recipe recipe: 3 layers, 2 files, canvas that of the lowest layer>"),
+        ("Recipe", "<Recipe recipe: 3 layers, 2 files, canvas of the lowest layer's size>"),
         ("RecipeLink", "<RecipeLink recipe: layer 3 (other.toml): other.toml>"),
     ],
 )
-def test_what_the_line_says(name, line, values):
+def test_the_repr_states_the_main_facts(name, line, values):
     assert repr(values[name]) == line
 
 
-def test_reports_give_sizes_for_arrays_and_counts_for_lists(values):
+def test_reprs_of_reports_show_sizes_of_arrays_and_counts_of_lists(values):
     line = repr(values["ReliefReport"])
     assert "solver='multigrid'" in line
     assert "history=7 entries" in line
@@ -101,35 +101,35 @@ def test_reports_give_sizes_for_arrays_and_counts_for_lists(values):
     assert repr(values["RenderedView"]).startswith("<RenderedView deviation_mm=float32 (")
 
 
-def test_a_name_with_line_breaks_stays_in_the_line():
+def test_a_name_with_line_breaks_stays_on_one_line():
     flat = np.zeros((2, 2, 3))
     flat[..., 2] = 1
     assert repr(nm.NormalMap.from_array(flat, name="a\nb")).startswith("<NormalMap a b: 2 x 2 px")
 
 
 @pytest.mark.parametrize("name", ["NormalMap", "Height", "Relief", "LayerSet", "Composition", "DepthResult"])
-def test_a_notebook_shows_a_small_picture(name, values):
+def test_a_notebook_shows_a_small_image(name, values):
     image = Image.open(io.BytesIO(values[name]._repr_png_()))
     assert image.format == "PNG"
     assert 256 <= max(image.size) <= 512
     assert len(np.unique(np.asarray(image))) > 10
 
 
-def test_the_picture_of_a_map_is_its_codes(values):
+def test_the_image_of_a_map_shows_its_codes(values):
     picture = picture_of(values["NormalMap"])
     codes = ((values["NormalMap"].normals + 1) * 127.5 + 0.5).astype(np.uint8)
     np.testing.assert_array_equal(picture[8::16, 8::16], codes)
 
 
 @pytest.mark.parametrize("shape", [(3000, 5000), (1, 5000), (5000, 2), (1, 1)])
-def test_pictures_of_any_size_are_small(shape):
+def test_images_of_any_size_are_shown_small(shape):
     z_mm = np.zeros((shape[0] + 1, shape[1] + 1))
     picture = picture_of(nm.Height(z_mm, np.ones(shape, bool), nm.Frame(*shape, pitch_mm=1.0)))
     assert max(picture.shape[:2]) == 512
     assert picture.dtype == np.uint8
 
 
-def test_what_has_no_picture_says_so():
+def test_values_without_an_image_are_refused():
     with pytest.raises(nm.UsageError, match="int has no picture"):
         picture_of(3)
     assert not hasattr(nm.Frame(1, 1), "_repr_png_")

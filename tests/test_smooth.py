@@ -12,7 +12,7 @@ from nmaptool.reconstruction.smooth import target_normals
 
 
 def knobbly(steps=40, size=0.03):
-    """A sphere with bumps a few edges across."""
+    """A sphere with bumps a few edges wide."""
     ball = nm.clean_mesh(sphere(steps))[0]
     x, y, z = ball.vertices.T
     radius = 1 + size * np.sin(24 * x) * np.sin(22 * y) * np.cos(20 * z)
@@ -34,21 +34,21 @@ def test_the_gain_sets_how_much_detail_there_is():
     assert found[-1] > 0.4
 
 
-def test_detail_is_turned_round_below_zero():
+def test_a_negative_gain_inverts_the_detail():
     mesh = knobbly()
     bump = np.linalg.norm(mesh.vertices, axis=1) - 1
     dented = np.linalg.norm(nm.smooth(mesh, nm.SmoothOptions(-1.0)).mesh.vertices, axis=1)
     assert np.corrcoef(bump, dented)[0, 1] < -0.8
 
 
-def test_gain_one_is_the_mesh_itself():
+def test_gain_one_keeps_the_mesh():
     mesh = nm.clean_mesh(sheet(lambda x, y: np.sin(3 * x) * np.cos(2 * y), 20, 20, 0.2))[0]
     found = nm.smooth(mesh, nm.SmoothOptions(1.0))
     assert np.abs(found.mesh.vertices - mesh.vertices).max() < 1e-9
     assert np.array_equal(found.mesh.faces, mesh.faces)
 
 
-def test_targets_are_unit_vectors_even_where_base_and_detail_cancel_out():
+def test_targets_are_unit_vectors_even_where_base_and_detail_cancel():
     normals = np.array([[0.0, 0, 1], [0, 0, 1]])
     base = np.array([[0.0, 0, -1], [0, 0.6, 0.8]])
     split = Decomposition(normals, base, base, normals - base, np.ones(2, bool), None)
@@ -58,27 +58,27 @@ def test_targets_are_unit_vectors_even_where_base_and_detail_cancel_out():
     np.testing.assert_allclose(target_normals(split, 1.0), normals)
 
 
-def test_what_is_dropped_is_told_and_faces_keep_their_order():
+def test_dropped_faces_are_reported_and_faces_keep_their_order():
     mesh = knobbly(12)
     odd = np.insert(mesh.faces, 7, [3, 3, 5], axis=0).astype(np.int32)
     found = nm.smooth(nm.Mesh(mesh.vertices, odd, name="odd"))
     assert np.array_equal(found.source_faces, np.delete(np.arange(len(odd)), 7))
     assert np.array_equal(found.mesh.faces, mesh.faces)
-    assert found.report.warnings[0] == "1 faces without area, with NaN or twice there were dropped"
+    assert found.report.warnings[0] == "dropped 1 face (without area, with NaN, or duplicate)"
     assert found.report.findings.degenerate_faces == 1
 
 
-def test_long_edges_are_told():
-    assert "its edges are long: sigma_s comes to" in nm.smooth(knobbly(6)).report.warnings[0]
+def test_long_edges_give_a_warning():
+    assert "the edges are long: `sigma_s` is " in nm.smooth(knobbly(6)).report.warnings[0]
 
 
-def test_what_goes_wrong_is_told():
+def test_folded_faces_and_volume_changes_give_warnings():
     rng = np.random.default_rng(0)
     mesh = knobbly(20)
     rough = nm.Mesh(mesh.vertices + rng.normal(size=mesh.vertices.shape) * 0.6 * mesh.mean_edge, mesh.faces)
     found = nm.smooth(rough, nm.SmoothOptions(6.0), reconstruct_options=nm.ReconstructOptions(closeness=1e-6))
     words = " ".join(found.report.warnings)
-    assert "faces end folded over; a smaller `sigma_s`" in words
+    assert "; use a smaller `sigma_s`, a `detail_gain` closer to 1" in words
     assert "the volume changed by" in words
 
 
@@ -92,7 +92,7 @@ def test_the_report_is_plain_json():
     assert set(values["seconds"]) == {"clean", "filter", "rebuild"}
 
 
-def test_smoothed_faces_look_as_the_base_says():
+def test_smoothed_faces_have_the_base_normals():
     mesh = knobbly()
     split = nm.decompose_normals(mesh)
     before = angles(split.normals, split.base).mean()

@@ -15,7 +15,7 @@ def vertices(rows, cols):
     return col.astype(float), (rows - row).astype(float)
 
 
-# surfaces without twist (sums of a function of x and one of y): their slopes say all there is to know
+# surfaces without twist, f(x) + g(y), are fully determined by their slopes
 SURFACES = {
     "plane": lambda x, y: 0.3 * x - 0.7 * y,
     "paraboloid": lambda x, y: 0.01 * (x - 20) ** 2 - 0.02 * (y - 9) ** 2,
@@ -34,9 +34,9 @@ def test_analytic_surfaces_are_exact_up_to_a_constant(name, method, shape):
     assert solved.residual < 1e-8
 
 
-def test_ridge_on_a_plate_is_exact():
+def test_a_ridge_on_a_plate_is_exact():
     x, _ = vertices(40, 60)
-    z = np.maximum(0, 100 - (x - 30) ** 2) / 10  # rises and ends on whole pixels
+    z = np.maximum(0, 100 - (x - 30) ** 2) / 10  # starts and ends on whole pixels
     held = z == 0
     weight = np.zeros((40, 60))
     weight[:, 20:40] = 1
@@ -46,7 +46,7 @@ def test_ridge_on_a_plate_is_exact():
     assert np.abs(solved.z - z).max() < 1e-7 * np.ptp(z)
 
 
-def test_round_cap_converges_with_the_square_of_the_pixel():
+def test_a_round_cap_converges_with_the_square_of_the_pixel_size():
     errors = []
     for side in (32, 64, 128):
         x, y = vertices(side, side)
@@ -69,7 +69,7 @@ def test_dct_and_amg_agree(beta):
     assert np.abs(by_dct - by_amg).max() < 1e-7 * np.ptp(by_dct)
 
 
-def test_operator_is_the_assembled_matrix_and_has_the_stated_stencil():
+def test_the_operator_equals_the_assembled_matrix_and_has_the_stated_stencil():
     system = random_system(np.random.default_rng(0))
     everything = np.ones(system.beta.shape, bool)
     assert np.allclose(dense(system), assemble(system, everything).toarray(), atol=1e-15)
@@ -79,8 +79,8 @@ def test_operator_is_the_assembled_matrix_and_has_the_stated_stencil():
     assert np.allclose(row, expected, atol=1e-15)
 
 
-def test_operator_follows_from_the_energy():
-    """z^T A z - 2 z^T g + const is the energy as written, face by face."""
+def test_the_operator_follows_from_the_energy():
+    """z^T A z - 2 z^T g + const equals the energy summed face by face."""
     rng = np.random.default_rng(1)
     system = random_system(rng)
     p, q = rng.normal(size=(2, *system.weight.shape))
@@ -108,7 +108,7 @@ def test_random_weights_masks_and_held_vertices_match_a_dense_solve(seed):
     assert np.allclose(solved.ravel(), expected, atol=1e-9)
 
 
-def test_islands_are_solved_one_by_one_each_with_mean_zero():
+def test_islands_are_solved_separately_each_with_mean_zero():
     rows, cols = 30, 80
     x, y = vertices(rows, cols)
     weight = np.zeros((rows, cols))
@@ -129,7 +129,7 @@ def test_islands_are_solved_one_by_one_each_with_mean_zero():
     assert not solution.z[labels == 0].any()
 
 
-def test_hole_keeps_the_surface_around_it_exact():
+def test_a_hole_keeps_the_surface_around_it_exact():
     x, y = vertices(50, 50)
     z = 0.02 * (x - 10) ** 2 + 3 * np.sin(y / 7)
     weight = np.ones((50, 50))
@@ -141,7 +141,7 @@ def test_hole_keeps_the_surface_around_it_exact():
 
 @pytest.mark.parametrize("side", [64, 128, 256, 512])
 @pytest.mark.parametrize("beta", [1.0, 1e-3, 0.0])
-def test_amg_iterations_hold_with_size(side, beta):
+def test_amg_iterations_do_not_grow_with_size(side, beta):
     rng = np.random.default_rng(7)
     weight = blobs(side)
     load = slope_load(*(weight * rng.normal(size=(2, side, side))))
@@ -150,7 +150,7 @@ def test_amg_iterations_hold_with_size(side, beta):
     assert solution.residual <= 1e-8
 
 
-def test_one_setup_serves_many_right_hand_sides_and_runs_agree_to_the_bit():
+def test_one_setup_serves_many_right_hand_sides_and_runs_agree_bit_for_bit():
     weight = blobs(96)
     rng = np.random.default_rng(5)
     first, second = (slope_load(*(weight * rng.normal(size=(2, 96, 96)))) for _ in range(2))
@@ -161,7 +161,7 @@ def test_one_setup_serves_many_right_hand_sides_and_runs_agree_to_the_bit():
     assert np.array_equal(a, again)
 
 
-def test_auto_takes_the_dct_only_where_it_is_exact():
+def test_auto_uses_the_dct_only_where_it_is_exact():
     uniform = free_system(np.full((9, 7), 2.0), 0.3)
     assert choose(uniform, "auto") == "dct"
     masked = np.ones((9, 7))
@@ -182,13 +182,13 @@ def test_auto_takes_the_dct_only_where_it_is_exact():
         choose(uniform, "lu")
 
 
-def test_everything_held_is_given_back():
+def test_fully_held_heights_are_returned():
     held_z = np.random.default_rng(2).normal(size=(5, 6))
     system = QuadSystem(np.ones((4, 5)), np.zeros((5, 6)), np.ones((5, 6), bool))
     assert np.array_equal(prepare(system).solve(np.zeros((5, 6)), held_z).z, held_z)
 
 
-def test_flat_load_gives_exactly_flat_heights():
+def test_a_flat_load_gives_exactly_flat_heights():
     assert not prepare(free_system(blobs(64), 1e-3)).solve(np.zeros((65, 65))).z.any()
 
 
@@ -234,7 +234,7 @@ def test_not_converging_is_an_error_with_the_history():
     assert caught.value.history[0] > caught.value.history[1] > 1e-8
 
 
-def test_progress_only_moves_forward():
+def test_progress_only_increases():
     seen = []
     weight = blobs(128)
     load = slope_load(*(weight * np.random.default_rng(0).normal(size=(2, 128, 128))))

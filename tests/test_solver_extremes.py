@@ -1,4 +1,4 @@
-"""Ragged masks, weights over decades, and height terms that rounding swallows."""
+"""Ragged masks, weights over many decades, and height terms lost in rounding."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from nmaptool.solver import prepare, slope_load
 
 @pytest.mark.parametrize("kind", ["noise", "lines", "weights"])
 @pytest.mark.parametrize("beta", [1e-3, 0.0])
-def test_amg_iterations_hold_on_ragged_masks_and_weights(kind, beta):
+def test_amg_iterations_stay_few_on_ragged_masks_and_weights(kind, beta):
     rng = np.random.default_rng(1)
     weight = np.zeros((128, 128))
     if kind == "noise":

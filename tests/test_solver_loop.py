@@ -1,4 +1,4 @@
-"""The loop around the methods: starts, tolerances down to rounding, islands of every size, tiny and extreme systems."""
+"""The loop around the methods: initial heights, tolerances down to rounding, islands of every size, extreme systems."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def test_every_tolerance_is_reached(method, beta, tolerance):
 
 
 @pytest.mark.parametrize("beta", [1.0, 1e-3, 0.0])
-def test_dct_and_amg_go_down_to_1e_12(beta):
+def test_dct_and_amg_reach_1e_12(beta):
     rng = np.random.default_rng(0)
     weight = np.ones((90, 71))
     for method in ("dct", "amg"):
@@ -46,7 +46,7 @@ def test_dct_and_amg_go_down_to_1e_12(beta):
 
 @pytest.mark.parametrize("method", MASKED)
 @pytest.mark.parametrize("beta", [1e-3, 0.0])
-def test_a_solution_as_the_start_takes_no_iteration(method, beta):
+def test_starting_from_the_solution_takes_no_iteration(method, beta):
     weight = blobs(64)
     system = free_system(weight, beta)
     load = noise_load(np.random.default_rng(1), weight) + 30 * system.beta
@@ -63,7 +63,7 @@ def test_a_solution_as_the_start_takes_no_iteration(method, beta):
 
 
 @pytest.mark.parametrize("method", ["amg", "multigrid", "dct"])
-def test_the_start_changes_nothing_but_the_way(method):
+def test_the_start_does_not_change_the_result(method):
     rng = np.random.default_rng(2)
     system = free_system(np.ones((30, 41))) if method == "dct" else random_system(rng, 30, 41)
     load, held_z = rng.normal(size=(2, *system.beta.shape))
@@ -75,7 +75,7 @@ def test_the_start_changes_nothing_but_the_way(method):
 
 
 @pytest.mark.parametrize("method", MASKED)
-def test_an_island_without_a_load_is_flat_wherever_it_starts(method):
+def test_an_island_without_a_load_is_flat_for_any_start(method):
     weight = blobs(64)
     system = free_system(weight, 1e-3)
     labels, _ = system.islands()
@@ -87,14 +87,14 @@ def test_an_island_without_a_load_is_flat_wherever_it_starts(method):
 
 
 @pytest.mark.parametrize("bad", [np.full((5, 6), np.nan), np.zeros((6, 5)), np.full((5, 6), np.inf)])
-def test_a_start_that_is_none(bad):
+def test_an_invalid_start_is_refused(bad):
     solver = prepare(free_system(np.ones((4, 5))), "amg")
-    with pytest.raises(InputError, match=r"heights to start from must be finite and of shape \(5, 6\), found \("):
+    with pytest.raises(InputError, match=r"the start heights must be finite and of shape \(5, 6\); found shape \("):
         solver.solve(np.ones((5, 6)), start=bad)
 
 
 @pytest.mark.parametrize("method", MASKED)
-def test_a_small_island_beside_a_far_larger_load(method):
+def test_a_small_island_beside_a_far_larger_load_is_solved(method):
     weight = blobs(64)
     labels, _ = free_system(weight).islands()
     z = np.random.default_rng(4).normal(size=labels.shape) * np.where(labels == 1, 1e6, 1e-6)
@@ -105,7 +105,7 @@ def test_a_small_island_beside_a_far_larger_load(method):
 
 
 @pytest.mark.parametrize("method", MASKED)
-def test_a_load_that_floating_islands_cannot_meet_is_met_up_to_its_mean(method):
+def test_a_load_that_free_islands_cannot_match_is_matched_up_to_its_mean(method):
     weight = blobs(64)
     system = free_system(weight)
     labels, count = system.islands()
@@ -153,7 +153,7 @@ def test_random_systems_match_a_dense_solve(method, seed):
 
 
 @pytest.mark.parametrize("method", MASKED)
-def test_everything_held(method):
+def test_everything_may_be_held(method):
     held_z = np.random.default_rng(7).normal(size=(5, 6))
     for weight in (np.ones((4, 5)), np.pad(np.ones((2, 3)), 1)):
         system = QuadSystem(weight, np.ones((5, 6)), np.ones((5, 6), bool))
@@ -164,7 +164,7 @@ def test_everything_held(method):
 
 @pytest.mark.parametrize("method", MASKED)
 @pytest.mark.parametrize("kind", ["halves", "noise"])
-def test_weights_over_twelve_decades_are_answered_exactly_or_refused(method, kind):
+def test_weights_over_twelve_decades_are_solved_exactly_or_refused(method, kind):
     rng = np.random.default_rng(8)
     weight = 10.0 ** rng.uniform(-6, 6, (24, 30)) if kind == "noise" else np.repeat([[1e-6], [1e6]], 12, axis=0)
     weight = weight * np.ones((24, 30))
@@ -193,7 +193,7 @@ def test_the_size_of_a_load_does_not_matter(size, method):
 
 
 class Lazy:
-    """A method that does less than it is asked to: each call takes away a share of the error."""
+    """A method that stops early: each call removes only a share of the error."""
 
     name, precision = "lazy", np.float64
 
@@ -212,7 +212,7 @@ class Lazy:
         return 1.0, 1 - self.share
 
 
-def test_the_loop_goes_on_until_the_tolerance_and_says_what_is_left():
+def test_the_loop_continues_to_the_tolerance_and_records_the_residuals():
     weight = blobs(48)
     system = free_system(weight, 1e-3)
     lazy = Lazy(system, 0.99)
@@ -229,7 +229,7 @@ def test_the_loop_goes_on_until_the_tolerance_and_says_what_is_left():
     assert [share for _, share in seen] == pytest.approx([2 / 7, 4 / 7, 6 / 7, 1, 1], rel=1e-3)
 
 
-def test_a_method_that_does_not_move_is_given_up_with_the_history():
+def test_a_method_that_stalls_is_stopped_with_the_history():
     weight = blobs(48)
     system = free_system(weight, 1e-3)
     lazy = Lazy(system, 0.3)
@@ -257,7 +257,7 @@ def test_a_height_term_on_one_vertex_sets_the_level():
         assert np.ptp((z - shape)[labels == 1]) < 1e-7 * np.ptp(shape)
 
 
-def test_dct_serves_sizes_of_every_kind():
+def test_dct_solves_sizes_of_every_kind():
     rng = np.random.default_rng(2)
     for shape in ((1, 1), (2, 1), (1, 31), (7, 13), (64, 37), (101, 97)):
         for dtype in (np.float32, np.float64):
@@ -272,7 +272,7 @@ def test_dct_serves_sizes_of_every_kind():
 @pytest.mark.parametrize("method", ["multigrid", "amg"])
 @pytest.mark.parametrize("level", [1e3, 1e6])
 @pytest.mark.parametrize("beta", [1e-3, 1.0])
-def test_a_far_level_does_not_hide_the_shape(method, level, beta):
+def test_a_large_offset_does_not_hide_the_shape(method, level, beta):
     weight = blobs(64)
     system, load = free_system(weight, beta), noise_load(np.random.default_rng(3), weight)
     solver = prepare(system, method)
@@ -281,7 +281,7 @@ def test_a_far_level_does_not_hide_the_shape(method, level, beta):
     assert np.abs(far - near).max() <= 1e-6 * np.ptp(near) + 1e-15 * level * 64
 
 
-def test_shapes_that_do_not_fit_are_named():
+def test_arrays_of_wrong_shapes_are_named():
     solver = prepare(free_system(np.ones((5, 6)), 0.1))
     with pytest.raises(InputError, match=r"the right-hand side must be of shape \(6, 7\), found \(1, 6, 7\)"):
         solver.solve(np.zeros((1, 6, 7)))
@@ -289,7 +289,7 @@ def test_shapes_that_do_not_fit_are_named():
         solver.solve(np.zeros((6, 7)), np.zeros((3, 3)))
 
 
-def test_auto_takes_amg_for_a_few_lines_on_a_large_picture():
+def test_auto_uses_amg_for_a_few_lines_in_a_large_image():
     weight = np.zeros((100, 100))
     weight[50] = 1
     assert prepare(free_system(weight, 0.1)).method.name == "amg"

@@ -26,7 +26,7 @@ def by_definition(system, z):
 @pytest.mark.usefixtures("small_bands")
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("shape", [(1, 1), (1, 9), (9, 1), (6, 7), (23, 12), (5, 60)])
-def test_every_band_is_the_operator(shape, dtype):
+def test_every_band_equals_the_operator(shape, dtype):
     rng = np.random.default_rng(0)
     weight = rng.random(shape).astype(dtype)
     beta = rng.random(np.add(shape, 1)).astype(dtype)
@@ -46,7 +46,7 @@ def test_every_band_is_the_operator(shape, dtype):
     assert np.allclose(around, corner_sum(system.weight), rtol=1e-15, atol=0)
 
 
-def test_weights_are_taken_as_they_are_and_never_changed():
+def test_weights_are_neither_copied_nor_changed():
     weight, beta, held = np.ones((4, 5), np.float32), np.ones((5, 6)), np.zeros((5, 6), bool)
     system = QuadSystem(weight, beta, held)
     assert system.weight is weight
@@ -62,13 +62,13 @@ def test_weights_are_taken_as_they_are_and_never_changed():
 
 
 def test_a_plane_far_up_has_no_residual():
-    """Differences come first: of heights of a million px nothing is lost."""
+    """Differences are computed first, so heights of a million px lose nothing."""
     row, col = np.mgrid[0:50, 0:60]
     system = free_system(np.ones((49, 59)))
     assert np.abs(system.apply(1e6 + 0.25 * col - 0.5 * row))[1:-1, 1:-1].max() == 0
 
 
-def test_float32_and_float64_weights_give_one_answer():
+def test_float32_and_float64_weights_give_the_same_result():
     rng = np.random.default_rng(1)
     single = random_system(rng, 40, 50, np.float32)
     double = QuadSystem(single.weight.astype(float), single.beta.astype(float), single.held)
@@ -106,7 +106,7 @@ def test_islands_are_those_of_the_faces_that_share_a_vertex(share, seed):
 
 
 @pytest.mark.usefixtures("small_bands")
-def test_norms_and_means_are_those_of_each_island():
+def test_norms_and_means_are_computed_per_island():
     rng = np.random.default_rng(2)
     weight = np.zeros((20, 30))
     weight[2:8, 2:9], weight[2:8, 12:28], weight[12:18, 3:25] = 1, 2, 3
@@ -144,11 +144,11 @@ def test_many_tiny_islands_are_each_solved():
         alone = np.flatnonzero(np.bincount(single.ravel())[single.ravel()] == 1)[0]
         row, col = divmod(int(alone), 200)
         corners = solution.z[row : row + 2, col : col + 2]
-        # one pixel: its heights are its slopes
+        # a single pixel: its slopes determine its heights
         assert np.allclose(corners, load[row : row + 2, col : col + 2], rtol=0, atol=1e-7)
 
 
-def test_every_height_weight_counts_outside_all_faces_too():
+def test_height_weights_outside_all_faces_count_too():
     system = QuadSystem(np.pad(np.ones((2, 2)), 3), np.full((9, 9), 0.5), np.zeros((9, 9), bool))
     load = np.random.default_rng(0).normal(size=(9, 9))
     for method in ("amg", "multigrid"):
@@ -168,7 +168,7 @@ def test_one_bad_weight_anywhere_is_found(bad, dtype):
         array[287, 13] = 1
 
 
-def test_a_uniform_system_is_known_and_nothing_else_is():
+def test_only_a_uniform_system_is_recognised_as_uniform():
     ones, held = np.ones((6, 8)), np.zeros((7, 9), bool)
     for dtype in (np.float32, np.float64):
         beta = corner_sum(ones).astype(dtype) * 0.3

@@ -1,4 +1,4 @@
-"""Base and detail of maps that have no mesh: the verb and its command."""
+"""Base and detail of maps without a mesh: the function and its command."""
 
 import json
 
@@ -12,7 +12,7 @@ from nmaptool.core.vectors import mean_abs_curl, unit
 
 @pytest.fixture
 def bumpy():
-    """A dome with fine waves on a disc: the map, its dome alone, and where it is."""
+    """A dome with fine waves on a disc: the map, the dome alone, and the mask of the disc."""
     y, x = (np.mgrid[0:128, 0:128] + 0.5 - 64) / 64 * [[[1]], [[1]]]
     y = -y
     inside = np.hypot(x, y) < 0.8
@@ -53,7 +53,7 @@ def test_a_flat_background_that_is_part_of_the_map_does_not_bleed_in(bumpy):
     assert one.report.mixture.theta == other.report.mixture.theta
 
 
-def test_grnf_keeps_what_changed_little(bumpy):
+def test_grnf_keeps_normals_that_changed_little(bumpy):
     whole, _, inside = bumpy
     layers = nm.split(whole, nm.SplitOptions(filter="grnf"))
     theta = layers.report.mixture.theta
@@ -64,7 +64,7 @@ def test_grnf_keeps_what_changed_little(bumpy):
     assert np.array_equal(layers.detail.normals[kept & inside][:, 2], np.ones((kept & inside).sum()))
 
 
-def test_sizes_in_px_mm_and_percent(bumpy):
+def test_sizes_may_be_in_px_mm_or_percent(bumpy):
     whole = bumpy[0]
     by_px, by_mm, by_share = (
         nm.split(whole, nm.SplitOptions(sigma_s=nm.length(text))).report.sigma_s_px
@@ -72,15 +72,13 @@ def test_sizes_in_px_mm_and_percent(bumpy):
     )
     assert by_px == pytest.approx(by_mm) == pytest.approx(by_share)
     unknown = nm.NormalMap(whole.normals, whole.coverage, nm.Frame(128, 128), name="dome.png")
-    with pytest.raises(
-        nm.UsageError, match=r"`sigma_s='2mm'`: dome.png does not say how large a pixel is; give px or %"
-    ):
+    with pytest.raises(nm.UsageError, match=r"`sigma_s='2mm'`: the pitch of dome.png is unknown; give px or %"):
         nm.split(unknown, nm.SplitOptions(sigma_s=nm.length("2mm")))
-    with pytest.raises(nm.UsageError, match=r"`sigma_s='0.1px'`: is 0.1 px here; use at least 0.3px"):
+    with pytest.raises(nm.UsageError, match=r"`sigma_s='0.1px'`: is only 0.1 px here; use at least 0.3px"):
         nm.split(whole, nm.SplitOptions(sigma_s=nm.length("0.1px")))
 
 
-def test_options_that_cannot_be_meant():
+def test_invalid_options_are_refused():
     for changes, message in (
         ({"filter": "blur"}, "`filter='blur'`: use one of rnf, grnf"),
         ({"sigma_r": 0.0}, "`sigma_r=0`: must lie between 0.01 and 10"),
@@ -94,18 +92,18 @@ def test_options_that_cannot_be_meant():
 def test_a_map_that_covers_nothing_is_refused():
     flat = np.zeros((4, 4, 3), np.float32) + np.float32([0, 0, 1])
     empty = nm.NormalMap(flat, np.zeros((4, 4), np.float32), nm.Frame(4, 4), name="empty.exr")
-    with pytest.raises(nm.InputError, match=r"empty.exr: covers nothing; there is nothing to split"):
+    with pytest.raises(nm.InputError, match=r"empty.exr: no pixel is covered, so there is nothing to split"):
         nm.split(empty)
 
 
-def test_a_map_without_detail_is_left_alone():
+def test_a_map_without_detail_is_not_changed():
     flat = np.zeros((40, 50, 3), np.float32) + np.float32([0, 0, 1])
     layers = nm.split(nm.NormalMap(flat, np.ones((40, 50), np.float32), nm.Frame(40, 50)))
     assert np.array_equal(layers.detail.normals, flat)
     assert layers.report.mixture.form == "none"
 
 
-def test_the_command_writes_layers_that_relief_takes(run, bumpy, tmp_path):
+def test_the_command_writes_layers_that_relief_reads(run, bumpy, tmp_path):
     source = tmp_path / "dome.exr"
     nm.write_normal_map(bumpy[0], source)
     out = tmp_path / "layers"
@@ -134,7 +132,7 @@ def test_one_file_holds_all_layers(run, bumpy, tmp_path):
         assert np.array_equal(part.coverage, bumpy[0].coverage)
 
 
-def test_the_command_refuses(refused, bumpy, tmp_path):
+def test_the_command_refuses_wrong_arguments(refused, bumpy, tmp_path):
     source = tmp_path / "dome.exr"
     nm.write_normal_map(bumpy[0], source)
     (tmp_path / "full").mkdir()
@@ -144,9 +142,9 @@ def test_the_command_refuses(refused, bumpy, tmp_path):
     refused(2, "--sigma-s wide: expected", "compose", "split", source, "-o", out, "--sigma-s", "wide")
     refused(2, "must lie between 0.01 and 10", "compose", "split", source, "-o", out, "--sigma-r", "-1")
     refused(3, "nothing.png: no such file", "compose", "split", tmp_path / "nothing.png", "-o", out)
-    refused(5, "base.exr: exists already", "compose", "split", source, "-o", tmp_path / "full")
+    refused(5, "base.exr: already exists", "compose", "split", source, "-o", tmp_path / "full")
     refused(2, "layers are written into a folder", "compose", "split", source, "-o", tmp_path / "a.png")
-    refused(5, "the folder .* does not exist; make it first", "compose", "split", source, "-o", tmp_path / "a" / "b")
+    refused(5, "the folder .* does not exist; create it first", "compose", "split", source, "-o", tmp_path / "a" / "b")
 
 
 def test_curl_is_reported_and_shown(bumpy, tmp_path, run):

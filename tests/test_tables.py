@@ -1,4 +1,4 @@
-"""Tables: an entry added to one is offered by flags, help, recipes and messages, and missed by the README check."""
+"""Tables: an added entry appears in flags, help, recipes and messages, and the README check reports it missing."""
 
 import numpy as np
 import pytest
@@ -13,14 +13,14 @@ from nmaptool.options.formats import MapFormat
 README = readme_tables.README.read_text(encoding="utf-8")
 
 
-def test_the_lists_in_the_readme_are_those_of_the_tables():
+def test_the_lists_in_the_readme_match_the_tables():
     assert readme_tables.stale(README) == []
     assert readme_tables.filled(README) == README
 
 
 @pytest.fixture
 def darker(monkeypatch):
-    """A mode that takes the steeper of two normals."""
+    """A blend mode that picks the steeper of two normals."""
 
     def kernel(base, detail, result, work):
         steeper = detail[2] < base[2]
@@ -45,8 +45,7 @@ def test_a_blend_mode_added_at_run_time_blends(darker, tmp_path, run):
     assert run("compose", "paste", *files, "--mode", "steeper", "-o", tmp_path / "pasted.exr").code == 0
 
 
-def test_a_blend_mode_added_at_run_time_is_offered(darker, run, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "2000")
+def test_a_blend_mode_added_at_run_time_is_offered(darker, run, wide_help):
     for command in ("blend", "paste", "pack"):
         assert "steeper" in run("compose", command, "--help").out, command
     assert '"steeper" takes the steeper normal.' in run("compose", "blend", "--help").out
@@ -63,15 +62,16 @@ def test_a_blend_mode_added_at_run_time_is_offered(darker, run, monkeypatch):
     assert "| `steeper` | takes the steeper normal |" in readme_tables.filled(README)
 
 
-def test_a_mode_that_was_taken_away_is_refused_again(run):
+def test_a_removed_mode_is_refused_again(run):
     with pytest.raises(UsageError, match=r"`mode='steeper'`: use one of rnm"):
         nm.BlendOptions(mode="steeper")
     assert "steeper normal" not in run("compose", "blend", "--help").out
 
 
-def test_a_map_format_added_at_run_time_is_offered(run, monkeypatch, tmp_path):
-    monkeypatch.setenv("COLUMNS", "2000")
-    entry = MapFormat("numbers as text", lambda normal_map, path, *_: path.write_text("ours"), bits=("8",))
+def test_a_map_format_added_at_run_time_is_offered(run, wide_help, monkeypatch, tmp_path):
+    entry = MapFormat(
+        "numbers as text", lambda normal_map, path, *_: path.write_text("ours", encoding="utf-8"), bits=("8",)
+    )
     monkeypatch.setitem(nm.NORMAL_MAP_FORMATS, ".txt", entry)
     for command in ("blend", "paste", "stack", "transform", "convert", "depth"):
         assert ".txt numbers as text" in run("compose", command, "--help").out, command
@@ -79,10 +79,10 @@ def test_a_map_format_added_at_run_time_is_offered(run, monkeypatch, tmp_path):
     done = run("compose", "transform", tmp_path / "a.exr", "-o", tmp_path / "b.jpg")
     assert (done.code, done.err.rstrip().endswith("written as .png, .exr, .tif, .tiff, .txt")) == (2, True)
     assert run("compose", "transform", tmp_path / "a.exr", "-o", tmp_path / "b.txt").code == 0
-    assert (tmp_path / "b.txt").read_text() == "ours"
+    assert (tmp_path / "b.txt").read_text(encoding="utf-8") == "ours"
     assert readme_tables.stale(README) == ["normal maps"]
 
 
-def test_a_list_of_another_name_is_no_list():
+def test_an_unknown_list_name_is_refused():
     with pytest.raises(KeyError, match="colours"):
         readme_tables.filled("<!-- list: colours -->\n<!-- end of list -->")

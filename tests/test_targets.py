@@ -1,4 +1,4 @@
-"""The system in float32 and in bands against its definition in float64, at once."""
+"""The system, built in float32 bands, against its definition in float64 in one piece."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from nmaptool.solver import slope_load
 
 
 def randoms(rows, cols, seed=0):
-    """Two maps, a motif, its soft share and maps of weights."""
+    """Two random maps, a motif, its soft coverage and weight maps."""
     rng = np.random.default_rng(seed)
     maps = [normal_map(*rng.normal(size=(2, rows, cols))) for _ in range(2)]
     motif = rng.random((rows, cols)) > 0.3
@@ -22,7 +22,7 @@ def randoms(rows, cols, seed=0):
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (33, 17), (420, 500)])
 @pytest.mark.parametrize("energy", ["eq6", "eq4"])
-def test_bands_and_float32_state_the_same_system(shape, energy):
+def test_bands_in_float32_give_the_system_of_the_definition(shape, energy):
     (original, detail), motif, share, mu, beta, delta = randoms(*shape)
     base = np.random.default_rng(1).normal(size=np.add(shape, 1))
     motif.flat[0] = True
@@ -52,7 +52,7 @@ def test_bands_and_float32_state_the_same_system(shape, energy):
     assert found.steep_share == pytest.approx(steep[motif].mean(), abs=2 / motif.sum() * (steep.size > 1000))
 
 
-def test_no_base_is_a_base_of_0_and_no_delta_map_one_of_1():
+def test_a_missing_base_counts_as_0_and_missing_weight_maps_as_1():
     (original, detail), motif, share, *_ = randoms(50, 60)
     ones = np.ones((50, 60), np.float32)
     bare = build_targets(
@@ -66,7 +66,7 @@ def test_no_base_is_a_base_of_0_and_no_delta_map_one_of_1():
     assert np.array_equal(bare.shape_load(None), full.shape_load(zero.base_px))
 
 
-def test_slopes_that_are_known_are_not_changed():
+def test_given_slopes_are_not_changed():
     original, _, detail = dome(64, bumps=1)
     known = capped_slopes(original.normals, 3.0), capped_slopes(detail.normals, 3.0)
     before = [a.copy() for each in known for a in (each.p, each.q, each.steep)]
@@ -80,7 +80,7 @@ def test_slopes_that_are_known_are_not_changed():
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 9), (9, 1), (4, 5), (40, 60)])
 @pytest.mark.parametrize("px", [1, 2, 6])
-def test_a_mask_grows_in_both_directions(shape, px):
+def test_dilation_matches_scipy(shape, px):
     mask = np.random.default_rng(2).random(shape) > 0.97
     mask.flat[-1] = True
     assert np.array_equal(dilated(mask, px), ndimage.binary_dilation(mask, np.ones((3, 3)), iterations=px))

@@ -1,4 +1,4 @@
-"""Training: resumed to the same result, and what cannot be learned from."""
+"""Training: resumed runs give the same result, and invalid training data are refused."""
 
 import dataclasses
 
@@ -11,14 +11,14 @@ import nmaptool as nm
 
 
 def states():
-    """What is kept of the training of `small_filter`, network after network."""
+    """The saved training states of `small_filter`, one per network."""
     kept = []
     model = nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR, keep=kept.append)
     assert same(model, small_filter())
     return kept
 
 
-def test_a_training_goes_on_from_every_state_to_the_same_filter(tmp_path):
+def test_training_resumed_from_any_state_gives_the_same_filter(tmp_path):
     kept = states()
     assert [(len(s.stages), len(s.networks)) for s in kept] == [(0, 1), (1, 0), (1, 1), (2, 0)]
     for number, state in enumerate(kept):
@@ -32,20 +32,20 @@ def test_a_training_goes_on_from_every_state_to_the_same_filter(tmp_path):
         again = nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR, state=read, keep=more.append)
         assert same(again, small_filter())
         assert again.metadata == small_filter().metadata
-        assert len(more) == len(kept) - number - 1  # nothing that is finished is done again
+        assert len(more) == len(kept) - number - 1  # finished networks are not trained again
 
 
-def test_a_state_of_another_training_is_refused():
+def test_a_state_from_another_training_is_refused():
     state = states()[0]
     for others, changes in ((examples(1), {}), (examples(), {"hidden": 5}), (examples(), {"seed": 4})):
         with pytest.raises(
             nm.InputError,
-            match="the state: is of a training with other meshes or options; give the same again, or another `state`",
+            match="the state: belongs to a training with other meshes or options; use the same ones, or another",
         ):
             nm.train(others, dataclasses.replace(OPTIONS, **changes), descriptor=DESCRIPTOR, state=state)
 
 
-def test_the_account_says_how_a_filter_was_made():
+def test_the_metadata_state_how_a_filter_was_made():
     metadata = small_filter().metadata
     assert metadata["options"]["seed"] == OPTIONS.seed
     assert [mesh["name"] for mesh in metadata["meshes"]] == ["roof 0", "roof 1"]
@@ -55,7 +55,7 @@ def test_the_account_says_how_a_filter_was_made():
     assert len(metadata["mean_angle_deg"]) == 1 + OPTIONS.stages
 
 
-def test_examples_are_the_base_of_grnf():
+def test_the_targets_of_an_example_are_the_grnf_base():
     mesh = examples()[0].mesh
     options = nm.FilterOptions(filter="grnf")
     base = nm.decompose_normals(mesh, options).base
@@ -63,7 +63,7 @@ def test_examples_are_the_base_of_grnf():
     assert not np.array_equal(nm.training_example(mesh, nm.FilterOptions(filter="grnf", sigma_s=1.5)).targets, base)
 
 
-def test_progress_rises_to_the_end():
+def test_progress_increases_to_the_end():
     told = []
     nm.train(examples(), OPTIONS, descriptor=DESCRIPTOR, progress=lambda word, share: told.append((word, share)))
     shares = [share for _, share in told]
@@ -73,12 +73,14 @@ def test_progress_rises_to_the_end():
     assert {word for word, _ in told} == {f"stage {k}, {work}" for k in (1, 2) for work in ("describing", "fitting")}
 
 
-def test_what_cannot_be_learned_from():
+def test_invalid_training_data_are_refused():
     mesh = nm.clean_mesh(sheet(lambda x, y: 0 * x, 4, 4))[0]
     flat = nm.TrainingExample(mesh, np.tile([0, 0, 1.0], (32, 1)))
-    with pytest.raises(nm.InputError, match="32 faces in all: too few to learn from; give more meshes, or denser ones"):
+    with pytest.raises(
+        nm.InputError, match="the meshes have only 32 faces in total, but training needs at least 500; give more"
+    ):
         nm.train([flat])
-    with pytest.raises(nm.InputError, match=r"mesh: targets are \(31, 3\), expected \(32, 3\)"):
+    with pytest.raises(nm.InputError, match=r"mesh: targets must have shape \(32, 3\); found \(31, 3\)"):
         nm.TrainingExample(mesh, flat.targets[1:])
     with pytest.raises(nm.InputError, match="mesh: targets must be finite and of unit length"):
         nm.TrainingExample(mesh, flat.targets * 1.1)
@@ -98,7 +100,7 @@ def test_what_cannot_be_learned_from():
         ({"seed": -1}, "`seed=-1`: must lie between 0 and 4294967295"),
     ],
 )
-def test_train_options_that_cannot_be_meant(changes, message):
+def test_invalid_train_options_are_refused(changes, message):
     with pytest.raises(nm.UsageError, match=message):
         nm.TrainOptions(**changes)
 
@@ -106,12 +108,12 @@ def test_train_options_that_cannot_be_meant(changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"sigma_s": ()}, "sigma_s: 0 values, expected 1 to 16"),
+        ({"sigma_s": ()}, "`sigma_s`: found 0 values, expected 1 to 16"),
         ({"sigma_s": (0.0,)}, "`sigma_s=0`: must lie between 0.1 and 1000"),
         ({"sigma_r": (0.2, np.nan)}, "`sigma_r=nan`: must lie between 0.01 and 10"),
         ({"passes": 0}, "passes 0: must lie between 1 and 20"),
     ],
 )
-def test_descriptors_that_cannot_be_meant(changes, message):
+def test_invalid_descriptors_are_refused(changes, message):
     with pytest.raises(nm.UsageError, match=message):
         nm.DescriptorOptions(**changes)

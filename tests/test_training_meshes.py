@@ -1,4 +1,4 @@
-"""The meshes to train a filter with: sound, the same for the same seed, and filtered well by their parameters."""
+"""The training meshes: sound, reproducible from the seed, and filtered well with their parameters."""
 
 import sys
 from functools import cache
@@ -20,7 +20,7 @@ from surface import Surface, angle_deg, neighbours, smooth_step
 
 del sys.path[:2]
 
-# a few of each, so that the test stays quick; all of them are looked at by choose_parameters
+# a few of each kind keep the test quick; choose_parameters covers all of them
 QUICK = (
     *("box bricks", "letter fractal", "crystal chased", "small box bosses", "mask pores", "pebble fractal"),
     *("cloth woven", "gear", "steps", "cross scales", "crystal"),
@@ -42,7 +42,7 @@ def base_of(mesh):
 
 
 def off(mesh, normals):
-    """Mean angle to the normals of the form without its ornament, by area."""
+    """Area-weighted mean angle to the normals of the form without ornament."""
     areas = nm.Mesh(mesh.vertices, mesh.faces).geometry.areas
     return np.average(angle_deg(normals, mesh.clean_normals), weights=areas)
 
@@ -80,10 +80,10 @@ def test_meshes_are_sound(quick):
         if "cloth" not in mesh.name:
             assert len(neighbours(mesh.faces)[0]) * 2 == 3 * len(mesh.faces), mesh.name
             surface = Surface(mesh.vertices, mesh.faces)
-            assert (mesh.vertices[mesh.faces[:, 0]] * surface.crosses).sum() > 0, mesh.name  # the outside is out
+            assert (mesh.vertices[mesh.faces[:, 0]] * surface.crosses).sum() > 0, mesh.name  # normals point outwards
 
 
-def test_a_seed_gives_the_same_mesh_whatever_is_made_before_it(quick):
+def test_a_seed_gives_the_same_mesh_regardless_of_earlier_meshes(quick):
     for name in ("letter fractal", "pebble fractal", "cross scales"):
         (again,), (other,) = made(ENTRIES[name], 3), made(ENTRIES[name], 4)
         np.testing.assert_array_equal(again.vertices, quick[name].vertices)
@@ -91,7 +91,7 @@ def test_a_seed_gives_the_same_mesh_whatever_is_made_before_it(quick):
         assert not np.array_equal(other.vertices, again.vertices)
 
 
-def test_ornament_is_lost_and_plain_forms_stay(quick):
+def test_ornament_is_removed_and_plain_forms_are_kept(quick):
     for mesh in (quick[name] for name in QUICK):  # the finer versions are slow
         before, after = off(mesh, original(mesh)), off(mesh, base_of(mesh))
         if mesh.group == "plain":
@@ -103,7 +103,7 @@ def test_ornament_is_lost_and_plain_forms_stay(quick):
 
 
 @pytest.mark.parametrize("name", ["box bricks", "gear", "crystal chased"])
-def test_creases_survive(quick, name):
+def test_creases_are_kept(quick, name):
     mesh = quick[name]
     pairs, _ = neighbours(mesh.faces)
     true = angle_deg(*(mesh.clean_normals[pairs[:, k]] for k in (0, 1)))
@@ -120,7 +120,7 @@ def test_a_finer_version_is_the_same_surface(quick):
     assert two.sigma_s == 2 * one.sigma_s
 
 
-def test_slopes_are_those_of_the_height():
+def test_slopes_match_the_height():
     surface = Surface(np.array([(0.0, 0, 0), (2, 0, 0), (0, 3, 0)]), np.array([(0, 1, 2)], np.int32))
     assert surface.slopes(np.array([0.0, 1.0, 0.0])) == pytest.approx(0.5)
     assert smooth_step(np.array([0.5]), 0, 1) == pytest.approx(0.5)

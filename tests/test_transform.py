@@ -1,4 +1,4 @@
-"""Maps moved with their vectors: exact where pixels go to pixels, near the surface's own normals elsewhere."""
+"""Maps transformed with their normals: exact where pixels map to pixels, elsewhere close to the true normals."""
 
 import numpy as np
 import pytest
@@ -32,16 +32,16 @@ def test_quarter_turns_and_back_are_exact(noise, degrees):
 
 
 @pytest.mark.parametrize("how", [{"flip_h": True}, {"flip_v": True}])
-def test_mirroring_twice_is_exact(noise, how):
+def test_mirroring_twice_restores_the_map(noise, how):
     assert same(moved(moved(noise, **how), **how), noise)
     assert not same(moved(noise, **how), noise)
 
 
-def test_two_mirrors_are_half_a_turn(noise):
+def test_two_mirrorings_equal_a_half_turn(noise):
     assert same(moved(noise, flip_h=True, flip_v=True), moved(noise, rotate=180))
 
 
-def test_a_quarter_turn_moves_pixels_and_vectors(noise):
+def test_a_quarter_turn_moves_pixels_and_normals(noise):
     turned = moved(noise, rotate=90)
     expected = np.rot90(noise.normals)
     assert np.array_equal(turned.normals[..., 0], -expected[..., 1])
@@ -50,7 +50,7 @@ def test_a_quarter_turn_moves_pixels_and_vectors(noise):
 
 
 @pytest.mark.parametrize("degrees", [30, -45, 7, 90, 213])
-def test_turning_a_map_is_turning_the_surface(degrees):
+def test_rotating_a_map_equals_rotating_the_surface(degrees):
     turned = moved(bump_map(), rotate=degrees, keep_size=True)
     error = angles_deg(turned.normals, bump_map(turned_deg=degrees).normals)[turned.coverage == 1]
     assert error.size > 10_000
@@ -58,7 +58,7 @@ def test_turning_a_map_is_turning_the_surface(degrees):
     assert error.max() < 0.7
 
 
-def test_mirroring_a_map_is_mirroring_the_surface():
+def test_mirroring_a_map_equals_mirroring_the_surface():
     for how, stretch in (({"flip_h": True}, (-1, 1)), ({"flip_v": True}, (1, -1))):
         assert angles_deg(moved(bump_map(), **how).normals, bump_map(stretch=stretch).normals).max() < 1e-4
 
@@ -100,7 +100,7 @@ def test_a_shear_maps_gradients_by_the_inverse_transpose():
     assert np.allclose(-y / z, q + p / 2, atol=1e-5)
 
 
-def test_turning_vectors_alone_repairs_a_map_that_was_mirrored_without_them(noise):
+def test_mirroring_only_the_normals_repairs_a_map_mirrored_without_them(noise):
     wrong = as_map(noise.normals[:, ::-1], noise.coverage[:, ::-1], noise.frame.pitch_mm)
     assert same(moved(wrong, flip_h=True, vectors_only=True), moved(noise, flip_h=True))
     turned = as_map(np.rot90(noise.normals), np.rot90(noise.coverage), noise.frame.pitch_mm)
@@ -112,7 +112,7 @@ def test_crop_and_pad_are_exact_and_undo_each_other(noise):
     assert np.array_equal(part.normals, noise.normals[5:15, 4:24])
     assert np.array_equal(moved(part, pad="4px,5px,20px,16px").coverage[5:15, 4:24], part.coverage)
     assert same(moved(moved(noise, pad="3px"), crop="3px,3px,44px,31px"), noise)
-    in_mm = moved(noise, crop="0.8mm,1mm,4mm,2mm")  # 0.2 mm a pixel
+    in_mm = moved(noise, crop="0.8mm,1mm,4mm,2mm")  # 0.2 mm per pixel
     assert same(in_mm, part)
 
 
@@ -141,14 +141,14 @@ def test_a_soft_edge_stays_within_its_coverage():
     assert (turned.normals[turned.coverage == 0] == (0, 0, 1)).all()
 
 
-def test_a_jump_within_a_map_does_not_ring():
+def test_a_jump_in_a_map_does_not_cause_ringing():
     step = np.where((np.arange(80) < 40)[None, :, None], [0.6, 0, 0.8], [-0.6, 0, 0.8])
     turned = moved(as_map(np.broadcast_to(step, (80, 80, 3)).astype(np.float32)), rotate=20, keep_size=True)
     steepest = np.degrees(np.arccos(turned.normals[turned.coverage == 1][:, 2].min()))
     assert steepest < np.degrees(np.arccos(0.8)) + 3
 
 
-def test_a_shrunk_map_is_averaged_not_sampled():
+def test_a_reduced_map_is_averaged_not_sampled():
     checker = np.where((np.indices((64, 64)).sum(axis=0) % 2 == 0)[..., None], [0.6, 0, 0.8], [-0.6, 0, 0.8])
     small = moved(as_map(checker.astype(np.float32)), scale=0.25)
     assert angles_deg(small.normals, np.array([0, 0, 1])).max() < 1e-3
@@ -162,26 +162,26 @@ def test_a_shrunk_map_is_averaged_not_sampled():
         ({"scale": "0.001"}, None),
     ],
 )
-def test_what_does_not_fit_is_an_input_error(noise, how, message):
+def test_transforms_that_do_not_fit_are_refused(noise, how, message):
     if message is None:
-        assert moved(noise, **how).frame.shape == (1, 1)  # never nothing
+        assert moved(noise, **how).frame.shape == (1, 1)  # at least one pixel
         return
     with pytest.raises(nm.InputError, match=message):
         moved(noise, **how)
 
 
-def test_millimetres_need_a_pitch_and_results_a_limit():
-    with pytest.raises(nm.UsageError, match="3mm: the size of a pixel is not known; say `width='100mm'`"):
+def test_millimetres_need_a_pitch_and_results_are_limited():
+    with pytest.raises(nm.UsageError, match="3mm: the size of a pixel is not known; give `width='100mm'`"):
         moved(bump_map(), crop="3mm,0,3mm,3mm")
     with pytest.raises(nm.UsageError, match="`scale='3mm'`: the size of a pixel is not known"):
         moved(bump_map(), scale="3mm")
-    with pytest.raises(nm.LimitError, match="a result of 24000 x 20000 px is more than the limit of 270 megapixels"):
+    with pytest.raises(nm.LimitError, match="the result of 24000 x 20000 px exceeds the limit of 270 megapixels"):
         moved(bump_map(), scale=100)
 
 
-def test_a_stretched_picture_says_what_becomes_of_its_slopes():
+def test_stretching_a_map_gives_a_warning_about_its_slopes():
     stretched = nm.transform(bump_map(), nm.TransformOptions(resize="480x200")).report.warnings
     assert len(stretched) == 1
-    assert "slopes change by 0.5 across and 1 down; `height_factor=1.41` keeps" in stretched[0]
+    assert "slopes are multiplied by 0.5 across and 1 down; `height_factor=1.41` keeps" in stretched[0]
     for how in ({"resize": "480x400"}, {"scale": "2,1", "height_factor": 1.0}, {"rotate": 20, "flip_h": True}):
         assert nm.transform(bump_map(), nm.TransformOptions(**how)).report.warnings == ()

@@ -20,7 +20,7 @@ def maps(tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["psd", "psb", "ora", "tif", "exr"])
-def test_there_and_back(maps, run, ending):
+def test_packed_layers_are_unpacked_unchanged(maps, run, ending):
     work = maps / f"work.{ending}"
     places = ("--at", "0,0", "--at", "-12px,40px")
     done = run("compose", "pack", maps / "base.exr", maps / "detail.png", "-o", work, *places)
@@ -34,7 +34,7 @@ def test_there_and_back(maps, run, ending):
     back = nm.read_normal_map(maps / "out" / "base.exr")
     assert np.abs(back.normals - bumpy().normals)[bumpy().coverage > 0].max() < 2 / 65535
     assert np.abs(back.coverage - bumpy().coverage).max() < 1 / 65535
-    recipe = tomllib.loads((maps / "out" / "recipe.toml").read_text())
+    recipe = tomllib.loads((maps / "out" / "recipe.toml").read_text(encoding="utf-8"))
     assert recipe["canvas"] == {"size": "180x160", "width": "18mm"}
     assert [(one["name"], one["file"], one["at"]) for one in recipe["layer"]] == [
         ("base", "base.exr", "0px,0px"),
@@ -43,7 +43,7 @@ def test_there_and_back(maps, run, ending):
     assert all(one["anchor"] == "top-left" and one.get("mode", "over") == "over" for one in recipe["layer"])
 
 
-def test_png_masks_names_and_the_report(maps, run, png):
+def test_png_format_masks_names_and_report_are_written(maps, run, png):
     png(maps / "mask.png", np.full((60, 50), 32768, np.uint16))
     flags = ("--name", "Grund", "--name", "Blatt", "--mask", "none", "--mask", maps / "mask.png", "--bits", "8")
     done = run("compose", "pack", maps / "base.exr", maps / "detail.png", "-o", maps / "w.psd", *flags, "--json")
@@ -55,9 +55,12 @@ def test_png_masks_names_and_the_report(maps, run, png):
     assert {p.name for p in (maps / "out").iterdir()} == {"Grund.png", "Blatt.png", "Blatt.mask.png", "recipe.toml"}
     assert nm.read_raster(maps / "out" / "Grund.png").bits == 16
     assert nm.read_grey(maps / "out" / "Blatt.mask.png") == pytest.approx(128 / 255, abs=1e-4)
-    metadata = json.loads(report.read_text())
+    metadata = json.loads(report.read_text(encoding="utf-8"))
     assert (metadata["bits"], metadata["findings"], metadata["has_words"]) == (8, [], True)
-    assert tomllib.loads((maps / "out" / "recipe.toml").read_text())["layer"][1]["mask"] == "Blatt.mask.png"
+    assert (
+        tomllib.loads((maps / "out" / "recipe.toml").read_text(encoding="utf-8"))["layer"][1]["mask"]
+        == "Blatt.mask.png"
+    )
 
 
 def test_findings_are_printed_and_the_exit_code_is_1(tmp_path, run):
@@ -65,8 +68,8 @@ def test_findings_are_printed_and_the_exit_code_is_1(tmp_path, run):
     nm.write_workspace(packed(pixels=pixels), tmp_path / "w.psd")
     done = run("compose", "unpack", tmp_path / "w.psd", "-o", tmp_path / "out")
     assert done.code == 1
-    assert "! bumpy: was mirrored left to right without its vectors" in done.out
-    assert "    -> turn its vectors, too: transform the map with --flip-h --vectors-only" in done.out
+    assert "! bumpy: was mirrored left to right, but its vectors were not" in done.out
+    assert "    -> change its vectors too: transform the map with --flip-h --vectors-only" in done.out
     assert (tmp_path / "out" / "bumpy.exr").exists()
     done = run("compose", "unpack", tmp_path / "w.psd", "-o", tmp_path / "out", "--overwrite", "--json")
     assert done.code == 1
@@ -80,7 +83,7 @@ def test_groups_become_nested_layers(tmp_path):
     last = replace(upper, name="last", groups=(outer,), visible=False)
     workspace = replace(workspace, layers=(lower, replace(upper, groups=(outer, inner)), last))
     nm.write_unpacked(nm.unpack(workspace), tmp_path / "out")
-    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
+    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text(encoding="utf-8"))
     (group,) = recipe["layer"]
     assert (group["name"], group.get("strength", 1.0), group.get("mode", "over")) == ("outer", 0.5, "over")
     assert [one["name"] for one in group["layer"]] == ["bumpy", 'in"ner', "last"]
@@ -89,10 +92,10 @@ def test_groups_become_nested_layers(tmp_path):
     assert group["layer"][2]["hidden"] is True
 
 
-def test_groups_that_only_keep_layers_together_are_none_in_the_recipe(tmp_path, run):
+def test_pass_through_groups_are_dissolved_in_the_recipe(tmp_path, run):
     group = nm.WorkspaceGroup("kept together", blend_mode="pass through", opacity=0.5, visible=False)
     nm.write_unpacked(nm.unpack(packed(groups=(group,))), tmp_path / "out")
-    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
+    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text(encoding="utf-8"))
     assert [(one["name"], one.get("strength", 1.0), one.get("hidden", False)) for one in recipe["layer"]] == [
         ("bumpy", 0.5, True),
         ("small", 1.0, False),
@@ -100,7 +103,7 @@ def test_groups_that_only_keep_layers_together_are_none_in_the_recipe(tmp_path, 
 
 
 @pytest.mark.parametrize("ending", ["psd", "ora", "tif", "exr"])
-def test_the_recipe_composes_the_layers_again(tmp_path, run, ending):
+def test_the_recipe_recomposes_the_layers(tmp_path, run, ending):
     maps = [bumpy(), nm.PackedMap(bumpy(60, 50, 1, "small.png"), left=-7, top=20, mode="rnm", group=("kept", "deep"))]
     nm.write_workspace(nm.pack(maps, nm.PackOptions(bits=32 if ending == "exr" else 16)), tmp_path / f"w.{ending}")
     assert run("compose", "unpack", tmp_path / f"w.{ending}", "-o", tmp_path / "out").code == 0
@@ -113,7 +116,7 @@ def test_the_recipe_composes_the_layers_again(tmp_path, run, ending):
     assert np.abs(found.normals - expected.normals)[bumpy().coverage > 0.1].max() < 1e-3
 
 
-def test_names_that_a_file_must_not_have():
+def test_unsafe_layer_names_become_safe_file_names():
     hostile = [
         "../x",
         "a/b",
@@ -148,7 +151,7 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
     layers = [replace(layer, name=name) for layer, name in zip(workspace.layers, names, strict=True)]
     nm.write_unpacked(nm.unpack(replace(workspace, layers=tuple(layers))), tmp_path / "out")
     assert all(name == "out" or name.startswith("out/") for name in tree())
-    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text())
+    recipe = tomllib.loads((tmp_path / "out" / "recipe.toml").read_text(encoding="utf-8"))
     assert [layer["name"] for layer in recipe["layer"]] == ["../../evil", 'a"]b = "']
     assert all((tmp_path / "out" / layer["file"]).is_file() for layer in recipe["layer"])
 
@@ -158,29 +161,33 @@ def test_hostile_layer_names_stay_in_the_folder(tmp_path, tree):
     [
         (("pack", "base.exr"), 2, "no output given: add one, such as -o work.psd"),
         (("pack", "base.exr", "-o", "w.png"), 2, r"ends in \.png; a workspace is written as"),
-        (("pack", "base.exr", "-o", "w.psd", "--bits", "32"), 2, r"--bits 32 is not offered"),
+        (("pack", "base.exr", "-o", "w.psd", "--bits", "32"), 2, r"--bits 32 is not supported"),
         (("pack", "base.exr", "-o", "w.psd", "--bits", "12"), 2, "--bits 12: use 8 or 16"),
         (("pack", "base.exr", "-o", "w.psd", "--half"), 2, "--half is for EXR"),
-        (("pack", "base.exr", "-o", "w.exr", "--half", "--bits", "16"), 2, "--half: is for EXR"),
+        (("pack", "base.exr", "-o", "w.exr", "--half", "--bits", "16"), 2, "--half: applies to EXR only"),
         (("pack", "base.exr", "-o", "w.psd", "--at", "3"), 2, "--at 3: expected 2 distances"),
-        (("pack", "base.exr", "-o", "w.psd", "--at", "999999px,0"), 2, "accepted are places within 30000 px"),
+        (
+            ("pack", "base.exr", "-o", "w.psd", "--at", "999999px,0"),
+            2,
+            "is placed at 999999, 0; positions must be within 30000 px",
+        ),
         (("pack", "base.exr", "-o", "w.psd", "--name", "a", "--name", "b"), 2, "--name: given 2 times for 1 maps"),
-        (("pack", "base.exr", "-o", "no/w.psd"), 5, "the folder no does not exist|does not exist; make it first"),
-        (("pack", "base.exr", "-o", "base.exr"), 5, "exists already"),
+        (("pack", "base.exr", "-o", "no/w.psd"), 5, "the folder no does not exist|does not exist; create it first"),
+        (("pack", "base.exr", "-o", "base.exr"), 5, "already exists"),
         (("pack", "missing.exr", "-o", "w.psd"), 3, "no such file"),
         (("pack", "base.exr", "-o", "w.psd", "--mask", "detail.png"), 3, "coloured|colour picture"),
         (("unpack", "base.exr"), 2, "no output given: add one, such as -o maps"),
         (("unpack", "missing.psd", "-o", "out"), 3, "no such file"),
         (("unpack", "base.exr", "-o", "detail.png"), 5, "is a file; layers are unpacked into a folder"),
-        (("unpack", "base.exr", "-o", "no/out"), 5, "does not exist; make it first"),
+        (("unpack", "base.exr", "-o", "no/out"), 5, "does not exist; create it first"),
         (("unpack", "base.exr", "-o", "out", "--report", "r.txt"), 2, r"a report is written as \.json"),
         (("unpack", "base.exr", "-o", "out", "--max-megapixels", "0"), 2, "must be greater than zero"),
         (("unpack", "base.exr", "-o", "out", "--max-megapixels", "0.001"), 4, "more than the limit of 0.001"),
-        (("unpack", "detail.png", "-o", "out"), 3, "is no workspace that can be read here"),
+        (("unpack", "detail.png", "-o", "out"), 3, "is not a workspace in a supported format"),
         (("unpack", "-", "-o", "out"), 2, "a layered file cannot be read from standard input"),
     ],
 )
-def test_refusals(maps, refused, monkeypatch, words, code, message):
+def test_wrong_arguments_are_refused(maps, refused, monkeypatch, words, code, message):
     monkeypatch.chdir(maps)
     refused(code, message, "compose", *words)
 
@@ -190,13 +197,13 @@ def test_inputs_are_not_overwritten(maps, run, refused):
     refused(2, "is also an input", "compose", "pack", maps / "base.exr", *flags)
     run("compose", "pack", maps / "base.exr", "-o", maps / "work.exr", "--name", "work")
     words = ("unpack", maps / "work.exr", "-o", maps, "--overwrite")
-    refused(5, "is what is unpacked; unpack it into another folder", "compose", *words)
+    refused(5, "is both input and output; unpack it into another folder", "compose", *words)
 
 
 def test_nothing_is_overwritten_and_nothing_half_written(maps, run, refused):
     run("compose", "pack", maps / "base.exr", "-o", maps / "w.psd")
     assert run("compose", "unpack", maps / "w.psd", "-o", maps / "out").code == 0
-    refused(5, "exists already", "compose", "unpack", maps / "w.psd", "-o", maps / "out")
+    refused(5, "already exists", "compose", "unpack", maps / "w.psd", "-o", maps / "out")
     (maps / "out" / "recipe.toml").unlink()
-    refused(5, "exists already", "compose", "unpack", maps / "w.psd", "-o", maps / "out")
+    refused(5, "already exists", "compose", "unpack", maps / "w.psd", "-o", maps / "out")
     assert run("compose", "unpack", maps / "w.psd", "-o", maps / "out", "--overwrite").code == 0

@@ -1,4 +1,4 @@
-"""Faces that disagree with their neighbours on which side is out."""
+"""Faces whose winding disagrees with that of their neighbours."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ def flipped(mesh, which):
 
 
 @pytest.mark.parametrize("share", [0.01, 0.3, 0.49])
-def test_faces_wound_the_other_way_are_turned(share):
+def test_faces_wound_the_other_way_are_flipped(share):
     mesh = clean_mesh(sphere(12))[0]
     which = np.random.default_rng(4).random(len(mesh.faces)) < share
     clean, source, found = clean_mesh(flipped(mesh, which))
@@ -27,7 +27,7 @@ def test_faces_wound_the_other_way_are_turned(share):
     assert (outward > 0).all()
 
 
-def test_each_piece_is_turned_for_itself_and_a_mesh_inside_out_stays():
+def test_each_piece_is_oriented_separately_and_an_inside_out_piece_is_kept():
     mesh = joined(sphere(6), flipped(sphere(5, 3.0), slice(None)))
     clean, _, found = clean_mesh(mesh)
     outward = (clean.geometry.normals * clean.geometry.centroids).sum(axis=1)
@@ -37,7 +37,7 @@ def test_each_piece_is_turned_for_itself_and_a_mesh_inside_out_stays():
     assert found.turned_faces == 0
 
 
-def test_a_strip_with_one_side_is_left_as_it_is():
+def test_a_moebius_strip_is_not_changed():
     turn = np.linspace(0, 2 * np.pi, 41)[:-1]
     side = np.stack([np.cos(turn / 2) * np.cos(turn), np.cos(turn / 2) * np.sin(turn), np.sin(turn / 2)], -1) * 0.3
     middle = np.stack([np.cos(turn), np.sin(turn), 0 * turn], -1)
@@ -51,7 +51,7 @@ def test_a_strip_with_one_side_is_left_as_it_is():
     assert found.turned_faces == 0
 
 
-def test_faces_that_are_there_twice_count_once():
+def test_repeated_faces_are_kept_once():
     mesh = sphere(4)
     double = nm.Mesh(mesh.vertices, np.vstack([mesh.faces, mesh.faces[::-1, ::-1], mesh.faces[:7]]).astype(np.int32))
     clean, source, found = clean_mesh(double)
@@ -60,7 +60,7 @@ def test_faces_that_are_there_twice_count_once():
     assert np.array_equal(clean.faces, clean_mesh(mesh)[0].faces)
 
 
-def test_three_faces_at_an_edge_do_not_turn_each_other():
+def test_three_faces_at_an_edge_do_not_flip_each_other():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1]], float)
     faces = np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4]], np.int32)
     clean, _, found = clean_mesh(nm.Mesh(vertices, faces))

@@ -1,4 +1,4 @@
-"""Workspaces as files: what an independent reader finds in them, bit for bit."""
+"""Workspace files as independent readers see them, bit for bit."""
 
 import itertools
 import json
@@ -38,7 +38,7 @@ def same(first, second):
         ("a.exr", np.float32),
     ],
 )
-def test_everything_comes_back(tmp_path, name, kind):
+def test_everything_is_read_back(tmp_path, name, kind):
     workspace = random_workspace(kind)
     nm.write_workspace(workspace, tmp_path / name)
     back = nm.read_workspace(tmp_path / name)
@@ -49,7 +49,7 @@ def test_everything_comes_back(tmp_path, name, kind):
     assert [p.name for p in tmp_path.iterdir()] == [name]
 
 
-def test_a_psd_through_psd_tools(tmp_path):
+def test_psd_tools_reads_a_psd(tmp_path):
     workspace = random_workspace()
     nm.write_workspace(workspace, tmp_path / "a.psd")
     document = psd_tools.PSDImage.open(tmp_path / "a.psd")
@@ -68,7 +68,7 @@ def test_a_psd_through_psd_tools(tmp_path):
     assert (mask.left, mask.top, mask.width, mask.height) == (3, 71, 22, 20)
 
 
-def test_the_preview_in_a_psd_is_the_layers_painted_over_each_other(tmp_path):
+def test_the_preview_in_a_psd_shows_the_layers_over_each_other(tmp_path):
     workspace = nm.pack([bumpy(), nm.PackedMap(bumpy(60, 50, 1), left=30, top=20)])
     nm.write_workspace(workspace, tmp_path / "a.psd")
     merged = psd_tools.PSDImage.open(tmp_path / "a.psd").numpy()
@@ -76,7 +76,7 @@ def test_the_preview_in_a_psd_is_the_layers_painted_over_each_other(tmp_path):
     assert np.abs(merged[40:60, 45:65] - inside / 65535).max() < 1e-4
 
 
-def test_an_ora_through_a_zip_reader(tmp_path):
+def test_a_zip_reader_reads_an_ora(tmp_path):
     workspace = random_workspace()
     nm.write_workspace(workspace, tmp_path / "a.ora")
     with zipfile.ZipFile(tmp_path / "a.ora") as archive:
@@ -100,7 +100,7 @@ def test_an_ora_through_a_zip_reader(tmp_path):
             source.close()
 
 
-def test_a_tiff_through_tifffile(tmp_path):
+def test_tifffile_reads_a_tiff(tmp_path):
     workspace = random_workspace()
     nm.write_workspace(workspace, tmp_path / "a.tif")
     with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
@@ -108,7 +108,7 @@ def test_a_tiff_through_tifffile(tmp_path):
         layers = {layer.name: layer for layer in workspace.layers}
         assert len(names) == 5
         for page in tiff.pages[:2]:
-            assert int(page.tags["ExtraSamples"].value[0]) == 2  # unassociated
+            assert int(page.tags["ExtraSamples"].value[0]) == 2  # unassociated alpha
         assert np.array_equal(tiff.pages[0].asarray(), layers["base"].pixels)
         assert np.array_equal(tiff.pages[1].asarray(), layers["détail"].pixels)
         assert np.array_equal(tiff.pages[2].asarray(), layers["détail"].mask.values)
@@ -116,7 +116,7 @@ def test_a_tiff_through_tifffile(tmp_path):
 
 
 @pytest.mark.parametrize("half", [False, True])
-def test_an_exr_through_openimageio(tmp_path, half):
+def test_openimageio_reads_an_exr(tmp_path, half):
     workspace = nm.pack(
         [bumpy(), nm.PackedMap(bumpy(60, 50, 1, "b.png"), left=-7, top=20)], nm.PackOptions(bits=32, half=half)
     )
@@ -133,7 +133,7 @@ def test_an_exr_through_openimageio(tmp_path, half):
 
 
 @pytest.mark.parametrize(("name", "bits"), [("a.psd", 16), ("a.ora", 16), ("a.tif", 16), ("a.exr", 32)])
-def test_own_words_come_back(tmp_path, name, bits):
+def test_metadata_are_read_back(tmp_path, name, bits):
     workspace = nm.pack([nm.PackedMap(bumpy(), mode="pd", strength=0.5)], nm.PackOptions(bits=bits))
     nm.write_workspace(workspace, tmp_path / name)
     back = nm.read_workspace(tmp_path / name)
@@ -143,22 +143,22 @@ def test_own_words_come_back(tmp_path, name, bits):
     assert (layer.mode, layer.strength) == ("pd", 0.5)
 
 
-def test_the_same_workspace_is_the_same_file(tmp_path):
+def test_the_same_workspace_gives_the_same_file(tmp_path):
     for name in ("a.psd", "b.psd", "a.ora", "b.ora"):
         nm.write_workspace(random_workspace(), tmp_path / name)
     assert (tmp_path / "a.psd").read_bytes() == (tmp_path / "b.psd").read_bytes()
     assert (tmp_path / "a.ora").read_bytes() == (tmp_path / "b.ora").read_bytes()
 
 
-def test_what_a_format_cannot_hold(tmp_path):
+def test_content_that_a_format_cannot_hold_is_refused(tmp_path):
     with pytest.raises(nm.UsageError, match=r"a\.png: ends in \.png; a workspace is written as \.psd"):
         nm.write_workspace(random_workspace(), tmp_path / "a.png")
-    with pytest.raises(nm.UsageError, match=r"`bits=32` is not offered; \.psd holds 8 or 16 bits"):
+    with pytest.raises(nm.UsageError, match=r"`bits=32` is not supported; \.psd holds 8 or 16 bits"):
         nm.write_workspace(random_workspace(np.float32), tmp_path / "a.psd")
-    with pytest.raises(nm.UsageError, match=r"`bits=16` is not offered; \.exr holds floats"):
+    with pytest.raises(nm.UsageError, match=r"`bits=16` is not supported; \.exr holds floats"):
         nm.write_workspace(random_workspace(), tmp_path / "a.exr")
     nm.write_workspace(random_workspace(), tmp_path / "a.psd")
-    with pytest.raises(nm.OutputError, match="exists already"):
+    with pytest.raises(nm.OutputError, match="already exists"):
         nm.write_workspace(random_workspace(), tmp_path / "a.psd")
     wide = nm.Workspace(nm.Frame(2, 30_001), (nm.WorkspaceLayer("a", np.zeros((2, 30_001, 4), np.uint8)),), bits=8)
     with pytest.raises(nm.OutputError, match=r"too large for PSD; write a \.psb"):

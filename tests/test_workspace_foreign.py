@@ -1,4 +1,4 @@
-"""Workspaces as editors write them, without a word of nmaptool's own."""
+"""Workspaces as editors write them, without nmaptool's metadata."""
 
 import zipfile
 from xml.sax.saxutils import quoteattr
@@ -18,7 +18,7 @@ import nmaptool as nm
 
 
 def rewritten(path, change):
-    """The PSD with its structures changed."""
+    """Rewrite the PSD with its structures changed."""
     with path.open("rb") as stream:
         document = PSD.read(stream)
     change(document)
@@ -39,7 +39,7 @@ def same_pixels(workspace, other):
 
 
 @pytest.mark.parametrize("compression", list(Compression))
-def test_sixteen_bits_where_photoshop_keeps_them(psd, compression):
+def test_sixteen_bit_layers_are_read_where_photoshop_stores_them(psd, compression):
     def change(document):
         info = document.layer_and_mask_information.layer_info
         for record, channels in zip(info.layer_records, info.channel_image_data, strict=True):
@@ -67,7 +67,7 @@ def test_layers_without_pixels_are_named_and_left_out(psd):
     assert {("skipped", "base"), ("skipped", "détail")} <= codes
 
 
-def test_clipping_effects_and_opacity_of_the_fill(psd):
+def test_clipping_and_effects_are_reported_and_fill_opacity_is_applied(psd):
     def change(document):
         record = document.layer_and_mask_information.layer_info.layer_records[0]
         record.clipping = 1
@@ -78,8 +78,8 @@ def test_clipping_effects_and_opacity_of_the_fill(psd):
     assert workspace.layers[0].opacity == pytest.approx(0.2)
     told = [finding.message for finding in nm.unpack(workspace).findings if finding.code == "not-kept"]
     assert told == [
-        "has clipping to the layer below, which is not in its pixels",
-        "has layer effects, which is not in its pixels",
+        "has clipping to the layer below, which its pixels do not include",
+        "has layer effects, which its pixels do not include",
     ]
 
 
@@ -98,7 +98,7 @@ def test_a_layer_without_transparency_is_opaque_and_grey_is_grey(psd):
     assert np.array_equal(top[..., 0], top[..., 2])
 
 
-def test_a_colour_profile_is_named(psd):
+def test_a_colour_profile_is_reported(psd):
     name = b"sRGB IEC61966-2.1\0"
     body = b"desc\0\0\0\0" + len(name).to_bytes(4, "big") + name
     table = (1).to_bytes(4, "big") + b"desc" + (144).to_bytes(4, "big") + len(body).to_bytes(4, "big")
@@ -113,7 +113,7 @@ def test_a_colour_profile_is_named(psd):
     assert (finding.code, finding.layer) == ("color-profile", None)
 
 
-def test_a_flattened_psd(tmp_path):
+def test_a_flattened_psd_is_read_and_reported(tmp_path):
     from PIL import Image
 
     PSDImage.frompil(Image.new("RGB", (12, 9), (128, 128, 255))).save(tmp_path / "a.psd")
@@ -124,7 +124,7 @@ def test_a_flattened_psd(tmp_path):
     assert (unpacked.layers[0].normal_map.normals == (0, 0, 1)).all()
 
 
-def test_floats_of_an_editor_are_unsigned(tmp_path):
+def test_floats_from_an_editor_are_unsigned(tmp_path):
     normals = bumpy().normals
     codes = np.dstack([(normals + 1) / 2, np.ones(normals.shape[:2])]).astype(np.float32)
     layer = nm.WorkspaceLayer("a", codes)
@@ -132,7 +132,7 @@ def test_floats_of_an_editor_are_unsigned(tmp_path):
     assert np.abs(found.normal_map.normals - normals).max() < 1e-5
 
 
-def test_an_ora_as_krita_writes_it(tmp_path, png):
+def test_an_ora_from_krita_is_read(tmp_path, png):
     pixels = np.random.default_rng(0).integers(0, 256, (6, 7, 4)).astype(np.uint8)
     data = png(tmp_path / "l.png", pixels).read_bytes()
     mask = png(tmp_path / "m.png", np.dstack([pixels[..., :1]] * 3 + [np.full((6, 7, 1), 255, np.uint8)])).read_bytes()
@@ -153,12 +153,12 @@ def test_an_ora_as_krita_writes_it(tmp_path, png):
     assert (layer.left, layer.top, layer.opacity, layer.blend_mode) == (2, 3, 0.25, "multiply")
     assert (layer.groups[0].blend_mode, layer.groups[0].visible) == ("soft light", False)
     assert np.array_equal(layer.mask.values, pixels[..., 0])
-    assert workspace.skipped == (("vector", "layer of kind .svg"),)
+    assert workspace.skipped == (("vector", "layer with .svg source"),)
     assert workspace.metadata is None
     assert not nm.unpack(workspace).has_metadata
 
 
-def test_a_tiff_as_gimp_writes_it(tmp_path):
+def test_a_tiff_from_gimp_is_read(tmp_path):
     pixels = np.random.default_rng(0).integers(0, 65536, (6, 7, 4)).astype(np.uint16)
     with tifffile.TiffWriter(tmp_path / "a.tif") as writer:
         for name, left in (("a", 0), ("b", 30)):
@@ -178,7 +178,7 @@ def test_a_tiff_as_gimp_writes_it(tmp_path):
     assert workspace.frame.shape == (6, 37)
 
 
-def test_a_layer_moved_in_a_tiff_that_kept_its_words(tmp_path):
+def test_a_layer_moved_in_a_tiff_with_old_metadata_has_its_new_position(tmp_path):
     nm.write_workspace(nm.pack([nm.PackedMap(bumpy(), left=-5, top=4)]), tmp_path / "a.tif")
     assert (nm.read_workspace(tmp_path / "a.tif").layers[0].left) == -5
     raw = (tmp_path / "a.tif").read_bytes()
@@ -188,7 +188,7 @@ def test_a_layer_moved_in_a_tiff_that_kept_its_words(tmp_path):
     assert (layer.left, layer.top) == (-5, 9)
 
 
-def test_without_words_most_faults_are_told_all_the_same(tmp_path):
+def test_most_faults_are_found_even_without_metadata(tmp_path):
     pixels = turned_freely(nm.pack([bumpy()]).layers[0].pixels, 25)
     workspace = nm.Workspace(nm.Frame(160, 180), (nm.WorkspaceLayer("a", np.rint(pixels / 257).astype(np.uint8)),), 8)
     nm.write_workspace(workspace, tmp_path / "a.psd")

@@ -1,4 +1,4 @@
-"""Random damage to workspace files: they are read or refused in one line, never anything else."""
+"""Randomly damaged workspace files are read, or refused in one line."""
 
 import random
 
@@ -17,7 +17,7 @@ def damaged(data, chance):
     if kind < 0.5:
         for _ in range(chance.choice((1, 2, 5, 20))):
             raw[chance.randrange(len(raw))] = chance.randrange(256)
-    elif kind < 0.75:  # where the structure is
+    elif kind < 0.75:  # in the file structure
         for _ in range(chance.choice((1, 2, 4))):
             raw[chance.randrange(min(len(raw), 600))] = chance.choice((0, 1, 127, 128, 255))
     elif kind < 0.9:
@@ -33,7 +33,7 @@ def damaged(data, chance):
 @pytest.mark.parametrize(
     ("name", "bits"), [("a.psd", 16), ("a.psd", 8), ("a.psb", 16), ("a.ora", 16), ("a.tif", 16), ("a.exr", 32)]
 )
-def test_random_damage(tmp_path, capfd, trials, name, bits):
+def test_damaged_workspaces_are_read_or_refused_in_one_line(tmp_path, capfd, trials, name, bits):
     runs = trials(150)
     mask = np.random.default_rng(0).random((30, 20)).astype(np.float32)
     maps = [bumpy(40, 50), nm.PackedMap(bumpy(30, 20, 1), left=-5, top=20, mask=mask, group=("a", "b"))]
@@ -51,4 +51,4 @@ def test_random_damage(tmp_path, capfd, trials, name, bits):
             assert str(error).startswith(str(path))
             assert "\n" not in str(error)
     assert refused > runs / 10
-    assert capfd.readouterr() == ("", "")  # no decoder says a word of its own
+    assert capfd.readouterr() == ("", "")  # no decoder prints anything

@@ -1,4 +1,4 @@
-"""What an editor did to a layer: told from its codes, its signature and its curl, and repaired where possible."""
+"""Changes that an editor made to a layer: detected from codes, signature and curl, and repaired where possible."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ def message(workspace, code):
     return next(finding for finding in nm.unpack(workspace).findings if finding.code == code)
 
 
-def test_a_workspace_that_nobody_touched():
+def test_an_untouched_workspace_has_no_finding():
     workspace = packed()
     unpacked = nm.unpack(workspace)
     assert unpacked.findings == ()
@@ -30,9 +30,13 @@ def test_a_workspace_that_nobody_touched():
 TURNS = {
     "flip-h": (lambda a: a[:, ::-1], "mirrored left to right", "`flip_h` `vectors_only`"),
     "flip-v": (lambda a: a[::-1], "mirrored top to bottom", "`flip_v` `vectors_only`"),
-    "90": (lambda a: np.rot90(a, 1), "90 degrees counter-clockwise without", "`rotate=90` `vectors_only`"),
+    "90": (
+        lambda a: np.rot90(a, 1),
+        "90 degrees counter-clockwise, but its vectors were not",
+        "`rotate=90` `vectors_only`",
+    ),
     "180": (lambda a: np.rot90(a, 2), "180 degrees", "`rotate=180` `vectors_only`"),
-    "270": (lambda a: np.rot90(a, 3), "90 degrees clockwise without", "`rotate=-90` `vectors_only`"),
+    "270": (lambda a: np.rot90(a, 3), "90 degrees clockwise, but its vectors were not", "`rotate=-90` `vectors_only`"),
     "transpose": (lambda a: a.swapaxes(0, 1), "clockwise and mirrored", "`rotate=-90` `flip_h` `vectors_only`"),
     "antitranspose": (
         lambda a: np.rot90(a, 2).swapaxes(0, 1),
@@ -43,7 +47,7 @@ TURNS = {
 
 
 @pytest.mark.parametrize("turn", TURNS)
-def test_turned_without_its_vectors(turn):
+def test_a_layer_turned_without_its_normals_is_detected(turn):
     picture, metadata, remedy = TURNS[turn]
     pixels = np.ascontiguousarray(picture(packed().layers[0].pixels))
     workspace = packed(pixels=pixels)
@@ -54,7 +58,7 @@ def test_turned_without_its_vectors(turn):
 
 
 @pytest.mark.parametrize(("turn", "x", "y"), [("flip-h", -1, 1), ("flip-v", 1, -1), ("180", -1, -1)])
-def test_turned_with_its_vectors_is_no_fault(turn, x, y):
+def test_a_layer_turned_with_its_normals_is_accepted(turn, x, y):
     pixels = TURNS[turn][0](packed().layers[0].pixels).astype(np.int64)
     for channel, sign in enumerate((x, y)):
         if sign < 0:
@@ -63,7 +67,7 @@ def test_turned_with_its_vectors_is_no_fault(turn, x, y):
 
 
 @pytest.mark.parametrize("degrees", [20, -35, 70])
-def test_turned_by_a_free_angle_without_its_vectors(degrees):
+def test_a_layer_turned_by_any_angle_without_its_normals_is_detected(degrees):
     workspace = packed(pixels=turned_freely(packed().layers[0].pixels, degrees))
     assert codes_found(workspace) == {("turned-freely", "bumpy")}
     finding = message(workspace, "turned-freely")
@@ -72,20 +76,20 @@ def test_turned_by_a_free_angle_without_its_vectors(degrees):
     assert ("counter-clockwise" in finding.message) == (degrees > 0)
 
 
-def test_a_free_angle_is_told_without_the_packed_words():
+def test_a_turn_by_any_angle_is_detected_without_metadata():
     workspace = replace(packed(pixels=turned_freely(packed().layers[0].pixels, 20)), metadata=None)
     assert codes_found(workspace) == {("turned-freely", "bumpy")}
     assert not nm.unpack(workspace).has_metadata
 
 
-def test_moved():
+def test_a_moved_layer_is_reported_and_kept():
     workspace = packed(left=13, top=-7)
     assert codes_found(workspace) == {("moved", "bumpy")}
-    assert "+13 px across and -7 px down; its vectors stay right" in message(workspace, "moved").message
+    assert "+13 px across and -7 px down; its vectors are still correct" in message(workspace, "moved").message
     assert (nm.unpack(workspace).layers[0].left, nm.unpack(workspace).layers[0].top) == (13, -7)
 
 
-def test_trimmed_to_its_content_is_not_moved():
+def test_a_layer_trimmed_to_its_content_is_not_reported_as_moved():
     pixels = packed().layers[0].pixels
     seen = np.argwhere(pixels[..., 3] > 0)
     (top, left), (bottom, right) = seen.min(axis=0), seen.max(axis=0) + 1
@@ -93,16 +97,16 @@ def test_trimmed_to_its_content_is_not_moved():
     assert codes_found(workspace) == set()
 
 
-def test_scaled():
+def test_only_uneven_scaling_is_reported():
     pixels = packed().layers[0].pixels
     uneven = packed(pixels=cv2.resize(pixels, (180, 100), interpolation=cv2.INTER_AREA))
     assert codes_found(uneven) == {("stretched", "bumpy")}
-    assert "times across and 0.6" in message(uneven, "stretched").message
+    assert "was scaled by 1.00 across and 0.63 down" in message(uneven, "stretched").message
     even = packed(pixels=cv2.resize(pixels, (90, 80), interpolation=cv2.INTER_AREA))
-    assert codes_found(even) == set()  # slopes stay
+    assert codes_found(even) == set()  # even scaling keeps slopes
 
 
-def test_eight_bits():
+def test_eight_bit_codes_are_detected():
     _, pixels = codes_of(packed())
     eight = np.rint(pixels / 257)
     assert codes_found(packed(pixels=eight.astype(np.uint8))) == {("eight-bit", "bumpy")}
@@ -122,11 +126,11 @@ def encode_srgb(x):
     [
         (encode_srgb, "linear to sRGB"),
         (lambda x: x**2.2, "sRGB to linear|gamma 2.2"),
-        (lambda x: 0.5 + 0.8 * (x - 0.5), "a curve of its own"),
-        (lambda x: (x * x * (3 - 2 * x) + x) / 2, "a curve of its own"),
+        (lambda x: 0.5 + 0.8 * (x - 0.5), "an unknown curve"),
+        (lambda x: (x * x * (3 - 2 * x) + x) / 2, "an unknown curve"),
     ],
 )
-def test_a_tone_curve(curve, expected):
+def test_a_tone_curve_is_detected(curve, expected):
     workspace = packed(pixels=recolored(packed(), curve))
     assert codes_found(workspace) == {("tone-curve", "bumpy")}
     found = message(workspace, "tone-curve").message
@@ -149,7 +153,7 @@ def test_premultiplied_edges_are_divided_by_alpha():
     assert np.abs(normals - bumpy().normals)[edge].max() < 1e-3
 
 
-def test_short_vectors_become_unit_and_are_told():
+def test_short_normals_are_reported_and_normalised():
     pixels = packed().layers[0].pixels.copy()
     pixels[60:100, 60:100, :3] = (40000, 32768, 50000)
     workspace = packed(pixels=pixels)
@@ -158,7 +162,7 @@ def test_short_vectors_become_unit_and_are_told():
     assert np.abs(lengths - 1).max() < 1e-6
 
 
-def test_flat_that_was_dithered_is_flat_again():
+def test_dithered_flat_areas_become_flat():
     rows, cols = 128, 128
     normals = np.zeros((rows, cols, 3), np.float32)
     normals[..., 2] = 1
@@ -173,13 +177,13 @@ def test_flat_that_was_dithered_is_flat_again():
     flat = (found.normal_map.normals == (0, 0, 1)).all(axis=-1)
     assert flat[:32].all()
     assert not flat[42:58, 42:58].any()
-    # a shallow slope that was packed as one stays one
+    # a slope that was shallow when packed is kept
     shallow = np.broadcast_to(np.float32([0.01, 0, np.sqrt(1 - 1e-4)]), normals.shape).copy()
     sheet = nm.NormalMap(shallow, plate.coverage, plate.frame)
     assert np.abs(nm.unpack(nm.pack([sheet])).layers[0].normal_map.normals - shallow).max() < 2 / 65535
 
 
-def test_editor_settings_that_are_no_vector_blends():
+def test_editor_settings_without_a_meaning_for_normals_are_reported():
     group = nm.WorkspaceGroup("g", opacity=0.5, blend_mode="soft light")
     workspace = packed(blend_mode="multiply", opacity=0.5, visible=False, groups=(group,))
     unpacked = nm.unpack(workspace)
@@ -192,7 +196,7 @@ def test_editor_settings_that_are_no_vector_blends():
     assert (layer.mode, layer.strength, layer.visible) == ("rnm", 0.5, False)
 
 
-def test_layers_that_are_new_gone_or_renamed():
+def test_added_missing_and_renamed_layers_are_reported():
     workspace = packed()
     lower, upper = workspace.layers
     other = replace(upper, name="new", pixels=lower.pixels[:40, :40].copy())
@@ -201,14 +205,14 @@ def test_layers_that_are_new_gone_or_renamed():
     assert codes_found(renamed) == {("renamed", "sky")}
 
 
-def test_profiles_skipped_layers_and_what_holds_for_all_is_said_once():
+def test_findings_that_concern_all_layers_are_reported_once():
     workspace = packed()
     eight = [replace(layer, pixels=np.rint(layer.pixels / 257).astype(np.uint8)) for layer in workspace.layers]
     workspace = replace(workspace, layers=tuple(eight), color_profile="sRGB", skipped=(("levels", "adjustment layer"),))
     assert codes_found(workspace) == {("color-profile", None), ("skipped", "levels"), ("eight-bit", None)}
 
 
-def test_values_that_are_no_numbers():
+def test_nonfinite_values_are_reported_and_uncovered():
     workspace = nm.pack([bumpy()], nm.PackOptions(bits=32))
     pixels = workspace.layers[0].pixels.copy()
     pixels[80, 90, 0] = np.nan
@@ -219,7 +223,7 @@ def test_values_that_are_no_numbers():
 
 
 @pytest.mark.parametrize("degrees", [0, 25, -60])
-def test_texture_does_not_hide_a_free_turn(degrees):
+def test_texture_does_not_hide_a_turn_by_any_angle(degrees):
     smooth = bumpy()
     grain = np.random.default_rng(5).normal(0, 0.03, smooth.normals.shape).astype(np.float32)
     rough = replace(smooth, normals=unit(np.where(smooth.coverage[..., None] > 0, smooth.normals + grain, (0, 0, 1))))
@@ -228,4 +232,4 @@ def test_texture_does_not_hide_a_free_turn(degrees):
     turned = replace(layer, pixels=turned_freely(layer.pixels, degrees) if degrees else layer.pixels)
     found = [f.message for f in nm.unpack(replace(workspace, layers=(turned,))).findings if f.code == "turned-freely"]
     assert len(found) == (degrees != 0)
-    assert all(f"looks turned by {abs(degrees)} degrees" in message for message in found)
+    assert all(f"looks rotated by {abs(degrees)} degrees" in message for message in found)

@@ -1,4 +1,4 @@
-"""Workspaces and the damage that editors do to their layers."""
+"""Workspaces, and the changes that editors make to their layers."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from nmaptool.core.vectors import unit
 
 
 def bumpy(rows=160, cols=180, seed=0, name="bumpy.png"):
-    """A smooth random height field's map on a disc with a soft edge; flat outside."""
+    """The map of a smooth random height field on a disc with a soft edge; flat outside."""
     noise = np.random.default_rng(seed).standard_normal((rows, cols)).astype(np.float32)
     z = cv2.GaussianBlur(noise, (0, 0), 9) * 120
     p, q = np.gradient(z, axis=1), -np.gradient(z, axis=0)
@@ -52,14 +52,14 @@ def random_workspace(kind=np.uint16):
 
 
 def packed(**changes):
-    """Two packed layers, of which the lower is changed as an editor might."""
+    """Two packed layers; the lower one is changed as an editor might change it."""
     workspace = nm.pack([bumpy(), nm.PackedMap(bumpy(60, 50, 1, "small.png"), left=30, top=20, mode="rnm")])
     lower = replace(workspace.layers[0], facts={}, **changes)
     return replace(workspace, layers=(lower, replace(workspace.layers[1], facts={})))
 
 
 def codes_of(workspace):
-    """The lower layer's colours as shares, and its pixels."""
+    """The lower layer's colours as fractions, and its pixels."""
     pixels = workspace.layers[0].pixels
     return pixels[..., :3] / 65535, pixels
 
@@ -70,7 +70,7 @@ def recolored(workspace, curve):
 
 
 def turned_freely(pixels, degrees):
-    """The picture turned counter-clockwise as an editor does it; the vectors in it stay."""
+    """The image turned counter-clockwise as by an editor, which does not rotate its normals."""
     rows, cols = pixels.shape[:2]
     turn = cv2.getRotationMatrix2D((cols / 2 - 0.5, rows / 2 - 0.5), degrees, 1)
     alpha = pixels[..., 3:].astype(np.float32)
@@ -82,5 +82,5 @@ def turned_freely(pixels, degrees):
 
 
 def codes_found(workspace):
-    """Kinds of findings, with the layer each is about."""
+    """The codes of the findings, each with its layer."""
     return {(finding.code, finding.layer) for finding in nm.unpack(workspace).findings}

@@ -37,7 +37,7 @@ def blend(run: Run, base: str, detail: str, /) -> None:
     base:
         Normal map of the forms; the result has the same coverage. - reads standard input.
     detail:
-        Normal map of the detail, flat where nothing is to change, such as the detail map of nmap bake.
+        Normal map of the detail, flat where nothing should change, such as the detail map of nmap bake.
     """
     mask = run[BlendMask].mask
     outputs = run[MapOutputs].plan(run[WriteOptions], run.options.json)

@@ -15,7 +15,9 @@ from nmaptool.options.blend_modes import layer_meanings
 from nmaptool.options.fields import Options, option
 from nmaptool.options.formats import WORKSPACE_FORMATS
 from nmaptool.options.kinds import Kind, Numeric, SignedText, Switch
+from nmaptool.types.shown import counted
 from nmaptool_cli.command import command
+from nmaptool_cli.compose.recipes import errors_of
 from nmaptool_cli.inputs import read_grey, read_map
 from nmaptool_cli.mentions import flag_of
 from nmaptool_cli.outputs import FileOf
@@ -52,7 +54,7 @@ class WorkspaceOutput(Options, group="Outputs"):
 
 
 @dataclass(frozen=True)
-class Layering(Options, group="Composing"):
+class Layering(Options, group="Layers"):
     """How the maps are placed in the layered file; each flag once for every map, bottom to top.
 
     Parameters
@@ -77,7 +79,7 @@ class Layering(Options, group="Composing"):
     mask: tuple[str, ...] = option(())
 
     def of_each(self, count: int, *, recipe: bool) -> list[LayerOptions]:
-        """Name, mode, strength and place of each of ``count`` maps.
+        """Name, mode, strength and position of each of ``count`` maps.
 
         Raises
         ------
@@ -100,7 +102,7 @@ class Layering(Options, group="Composing"):
 def pack(run: Run, /, *maps: str) -> None:
     """Pack normal maps as the layers of one file for an image editor.
 
-    A recipe (.toml) is packed with its layers in place and their vectors turned.
+    A recipe (.toml) is packed with its layers in place and their normals rotated.
 
     Example: nmap compose pack base.exr detail.exr --mode over --mode rnm -o work.psd, and after editing nmap compose
     unpack work.psd -o maps
@@ -149,7 +151,8 @@ def _recipe(run: Run, name: str) -> _Placed:
     recipe = nm.read_recipe(name, max_megapixels=run[ReadOptions].max_megapixels)
     run.refuse_inputs(name, *(str(Path(recipe.folder) / file) for file in recipe.files))
     stack = nm.read_stack(recipe, run[ReadOptions])
-    placed, frame = nm.place_layers(stack.layers, stack.canvas)
+    with errors_of(stack):
+        placed, frame = nm.place_layers(stack.layers, stack.canvas)
     return list(stack.maps), placed, frame, stack.canvas.ground
 
 
@@ -179,7 +182,7 @@ def _pixels(place: tuple[Offset, Offset], frame: nm.Frame) -> tuple[int, int]:
 
 def _describe(workspace: nm.Workspace) -> Iterator[str]:
     kind = "half" if workspace.half else f"{workspace.bits} bit"
-    yield f"  {len(workspace.layers)} layers on {workspace.frame}, {kind}, bottom to top:"
+    yield f"  {counted(len(workspace.layers), 'layer')} on {workspace.frame}, {kind}, bottom to top:"
     for layer in workspace.layers:
         rows, cols = layer.size
         yield f"    {layer.name}: {cols} x {rows} at {layer.left},{layer.top}{', with a mask' if layer.mask else ''}"

@@ -28,7 +28,7 @@ PLACING = PerInput(
 
 
 @dataclass(frozen=True)
-class PasteOptions(Options, group="Composing"):
+class PasteOptions(Options, group="Layers"):
     """Masks of the layers, and the width of the canvas.
 
     Parameters

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.units import Length
 from nmaptool.options import CanvasOptions, ReadOptions, WriteOptions
 from nmaptool.options.fields import Options, option
@@ -16,13 +15,13 @@ from nmaptool.options.kinds import SignedText
 from nmaptool.options.length_kinds import LengthText
 from nmaptool_cli.command import command
 from nmaptool_cli.compose.edits import finish_edit
+from nmaptool_cli.compose.recipes import errors_of
 from nmaptool_cli.outputs import PlacedOutputs
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import STREAM
 
 if TYPE_CHECKING:
     import nmaptool as nm
-    from nmaptool.core.progress import Progress
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class RecipeFolder(Options, group="Inputs"):
 
 
 @dataclass(frozen=True)
-class StackCanvas(Options, group="Composing"):
+class StackCanvas(Options, group="Canvas"):
     """Replaces the canvas of the recipe.
 
     Parameters
@@ -83,7 +82,9 @@ def stack(run: Run, recipe: str, /) -> None:
 
     with run.progress() as progress:
         layers = nm.read_stack(read, reading)
-        result = _composed(layers, reading.max_megapixels, progress)
+        with errors_of(layers):
+            limit = reading.max_megapixels
+            result = nm.compose(layers.layers, layers.canvas, max_megapixels=limit, progress=progress)
     written = composed_map(result, nm.to_toml(layers.recipe))
     files = {"recipe": recipe, "recipes": list(read.sources), "layers": list(read.files)}
     facts = {"outside": list(layers.outside), "hidden": list(read.hidden), "notes": list(read.notes)}
@@ -102,17 +103,6 @@ def _read(run: Run, recipe: str) -> nm.Recipe:
     with run.work() as (files, _):
         limit = run[ReadOptions].max_megapixels
         return nm.read_recipe(files["recipe"], folder=folder, name=recipe, max_megapixels=limit)
-
-
-def _composed(layers: nm.Stack, max_megapixels: float, progress: Progress | None) -> nm.Composition:
-    """The composition; errors use the recipe's keys, such as ``at`` for ``--at``."""
-    import nmaptool as nm
-
-    try:
-        return nm.compose(layers.layers, layers.canvas, max_megapixels=max_megapixels, progress=progress)
-    except NmaptoolError as error:
-        text = str(error).replace("--at", "at").replace("--scale", "scale")
-        raise type(error)(f"{layers.recipe.name}: {text}") from None
 
 
 def _notes(layers: nm.Stack) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+from nmaptool.types.shown import counted
 from nmaptool_cli.wording.maps import COMPONENTS
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def describe_depth_report(report: DepthReport) -> Iterator[str]:
     if report.jump_px is None:
         yield "  jumps: not searched for"
     else:
-        mixed = f", {report.mixed_pixels} mixed pixels assigned to one side" if report.mixed_pixels else ""
+        mixed = f", {counted(report.mixed_pixels, 'mixed pixel')} assigned to one side" if report.mixed_pixels else ""
         yield f"  jumps: {report.jump_px:.3g} px or more, beside {report.jump_share:.1%} of the surface{mixed}"
     yield f"  background {report.background}, {report.background_share:.0%} of the picture"
     yield f"  mean |curl| {report.curl:.4f} slope per px"
@@ -70,9 +71,9 @@ def describe_conversion(report: ConvertReport) -> Iterator[str]:
     else:
         yield "  all vectors have unit length within rounding"
     if report.rim_pixels:
-        yield f"  {report.rim_pixels} anti-aliased pixels took the normals next to them inside the motif"
+        yield f"  {counted(report.rim_pixels, 'anti-aliased pixel')} took their normals from inside the motif"
     if report.flattened:
-        yield f"  {report.flattened} noisy pixels in the flat background were made flat"
+        yield f"  {counted(report.flattened, 'noisy pixel')} in the flat background made flat"
     if now["alpha"]:
         yield f"  background {was['background']}: coverage is stored in alpha"
 
@@ -85,7 +86,8 @@ def _kind(facts: Mapping[str, Any]) -> str:
 
 def describe_unpacked(unpacked: UnpackResult) -> Iterator[str]:
     """An unpacked file, one line each."""
-    yield f"{unpacked.name}: {unpacked.frame}, {unpacked.bits} bit, {len(unpacked.layers)} layers, bottom to top"
+    size = f"{unpacked.frame}, {unpacked.bits} bit, {counted(len(unpacked.layers), 'layer')}"
+    yield f"{unpacked.name}: {size}, bottom to top"
     for layer in unpacked.layers:
         groups = f" in {' / '.join(group.name for group in layer.groups)}" if layer.groups else ""
         more = f"{', mask' if layer.mask is not None else ''}{'' if layer.visible else ', hidden'}"

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from nmaptool.types.shown import counted
+
 if TYPE_CHECKING:
     from nmaptool import LayerReport, LayerSet, Mesh, MeshFindings
     from nmaptool_cli.run import Run
@@ -23,16 +25,17 @@ def describe_layers(run: Run, source: Mesh, layer_sets: Sequence[LayerSet]) -> N
 
 def describe_findings(mesh: Mesh, found: MeshFindings) -> str:
     """A mesh as it was read and cleaned, in one line."""
-    counted = (
-        (found.welded_vertices, "vertices welded"),
-        (found.degenerate_faces, "faces without area"),
-        (found.nonfinite_faces, "faces with NaN"),
-        (found.repeated_faces, "duplicate faces"),
-        (found.turned_faces, "faces flipped to match their neighbours"),
-        (found.unreferenced_vertices, "unused vertices"),
+    changes = (
+        (found.welded_vertices, "vertex", " welded"),
+        (found.degenerate_faces, "face", " without area"),
+        (found.nonfinite_faces, "face", " with NaN"),
+        (found.repeated_faces, "duplicate face", ""),
+        (found.turned_faces, "face", " flipped to match neighbouring faces"),
+        (found.unreferenced_vertices, "vertex", " unused"),
     )
-    dropped = ", ".join(f"{count} {words}" for count, words in counted if count)
-    return f"{mesh.name}: {found.vertices} vertices, {found.faces} faces{f'; {dropped}' if dropped else ''}"
+    dropped = ", ".join(f"{counted(count, what)}{more}" for count, what, more in changes if count)
+    size = f"{counted(found.vertices, 'vertex')}, {counted(found.faces, 'face')}"
+    return f"{mesh.name}: {size}{f'; {dropped}' if dropped else ''}"
 
 
 def describe_split(report: LayerReport) -> Iterator[str]:
@@ -42,7 +45,7 @@ def describe_split(report: LayerReport) -> Iterator[str]:
     if report.curl:
         yield f"  mean |curl| {', '.join(f'{name} {size:.4f}' for name, size in report.curl.items())} slope per px"
     if m.form == "none":
-        yield "  no detail finer than that: the filter turns no normal by half a degree"
+        yield "  no detail finer than that: the filter changes every normal by less than half a degree"
         return
     whole = "the surface" if report.faces else "the picture"
     threshold = f"theta {m.theta:.4f} ({m.form}{'' if m.form == 'midpoint' else ' crossing'})"

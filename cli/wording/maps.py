@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from nmaptool.types.shown import counted
+
 if TYPE_CHECKING:
     from nmaptool import Decoding, Inspection, NormalMap
     from nmaptool_cli.run import Run
@@ -46,7 +48,7 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
     yield f"  background   {d.background} ({d.background_from}); motif {seen.foreground_share:.1%} of the picture"
     yield f"  coverage     {seen.coverage_mean:.1%} of the picture has normals"
     if d.rim_pixels:
-        yield f"  rim          {d.rim_pixels} anti-aliased pixels take the normals next to them inside the motif"
+        yield f"  rim          {counted(d.rim_pixels, 'anti-aliased pixel')}, with normals taken from inside the motif"
     yield f"  unit length  off by {seen.unit_length_error:.4f} on average; {seen.off_length_share:.2%} by more than 0.1"
     yield f"  facing away  {seen.away_share:.2%} (nz <= 0)"
     yield f"  mean |curl|  {seen.mean_abs_curl:.4f} slope per px"

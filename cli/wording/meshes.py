@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from nmaptool.types.shown import counted
 from nmaptool_cli.wording.layers import describe_findings
 
 if TYPE_CHECKING:
@@ -27,10 +28,10 @@ def describe_reconstruction(report: ReconstructReport, gain: float) -> Iterator[
     """How a mesh was rebuilt, one line each."""
     o, size = report.options, report.diagonal_mm or 1.0
     pull = "" if o.scheme == "gsfg" else f", closeness {o.closeness:g}"
-    yield f"  detail gain {gain:g}, scheme {o.scheme}: {o.steps} steps{pull}, {report.seconds:.2f} s"
+    yield f"  detail gain {gain:g}, scheme {o.scheme}: {counted(o.steps, 'step')}{pull}, {report.seconds:.2f} s"
     folded = ""
     if report.folded_before or report.folded_after:
-        folded = f"; {report.folded_before} folded faces before, {report.folded_after} after"
+        folded = f"; {counted(report.folded_before, 'folded face')} before, {report.folded_after} after"
     yield (
         f"  normals {report.normal_deviation_before_deg:.2f} degrees from their targets before, "
         f"{report.normal_deviation_deg:.2f} after{folded}"
@@ -41,7 +42,7 @@ def describe_reconstruction(report: ReconstructReport, gain: float) -> Iterator[
     )
     if report.boundary_vertices:
         what = "held" if o.boundary == "hold" else "free"
-        yield f"  {report.boundary_vertices} vertices on open edges, {what}"
+        yield f"  {counted(report.boundary_vertices, 'vertex')} on open edges, {what}"
 
 
 def _volume(report: ReconstructReport) -> str:
@@ -55,13 +56,13 @@ def _volume(report: ReconstructReport) -> str:
 def describe_comparison(comparison: Comparison) -> Iterator[str]:
     """Two schemes, one line each, and the verdict."""
     before = f"normals {comparison.normal_before_deg:.2f} degrees from the base"
-    yield f"{comparison.name}: {comparison.faces} faces, {before}"
+    yield f"{comparison.name}: {counted(comparison.faces, 'face')}, {before}"
     for each in comparison.contenders.values():
         o, share = each.options, 100 / comparison.diagonal_mm
         pull = "" if o.scheme == "gsfg" else f", closeness {o.closeness:g}"
         yield (
-            f"  {o.scheme}, {o.steps} steps{pull}: normals {each.normal_mean_deg:.3f} degrees off, vertices rms "
-            f"{each.rms_mm:.4g} mm ({each.rms_mm * share:.3f}%), largest {each.max_mm:.4g} mm, Hausdorff "
+            f"  {o.scheme}, {counted(o.steps, 'step')}{pull}: normals {each.normal_mean_deg:.3f} degrees off, vertices "
+            f"rms {each.rms_mm:.4g} mm ({each.rms_mm * share:.3f}%), largest {each.max_mm:.4g} mm, Hausdorff "
             f"{each.hausdorff_mm:.4g} mm ({each.hausdorff_mm * share:.3f}%)"
         )
     for verdict in comparison.verdicts:
@@ -73,13 +74,15 @@ def describe_curves(comparison: Comparison) -> Iterator[str]:
     for name, points in comparison.curves.items():
         for p in points:
             pull = "" if p.closeness is None else f", closeness {p.closeness:g}"
-            yield f"  {name}: {p.steps} steps{pull}: {p.normal_deg:.3f} degrees, {p.rms_mm:.4g} mm, {p.folded} folded"
+            steps = f"{counted(p.steps, 'step')}{pull}"
+            yield f"  {name}: {steps}: {p.normal_deg:.3f} degrees, {p.rms_mm:.4g} mm, {p.folded} folded"
 
 
 def describe_training(run: Run, examples: Sequence[TrainingExample], model: FilterModel) -> None:
     """A filter that was trained, one line each."""
     faces = sum(len(example.mesh.faces) for example in examples)
-    run.say(f"trained on {len(examples)} meshes, {faces} faces: filter {model.digest}")
+    meshes = f"{len(examples)} {'mesh' if len(examples) == 1 else 'meshes'}"
+    run.say(f"trained on {meshes}, {counted(faces, 'face')}: filter {model.digest}")
     before, *after = model.metadata["mean_angle_deg"]
     stages = ", ".join(f"{angle:.2f}" for angle in after)
     run.say(f"  mean angle to the targets: {before:.2f} degrees before, {stages} after each stage")

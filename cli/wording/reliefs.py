@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from nmaptool.core.units import memory_text
 from nmaptool.types.relief import MOSTLY_FLAT
+from nmaptool.types.shown import counted
 from nmaptool_cli.wording.maps import say_map
 
 if TYPE_CHECKING:
@@ -39,8 +40,8 @@ def describe_solve(report: ReliefReport) -> Iterator[str]:
     yield f"  {o.background}: {detail}beta {o.beta:g}, delta {delta:.4g}{fitted}, keeps forms {reach}"
     seconds = sum(report.seconds.get(stage, 0) for stage in ("setup", "solve"))
     yield (
-        f"  {report.solver}: {report.unknowns} unknowns, {report.iterations} iterations, residual "
-        f"{report.residual:.1e}, {seconds:.2f} s"
+        f"  {report.solver}: {counted(report.unknowns, 'unknown')}, {counted(report.iterations, 'iteration')}, "
+        f"residual {report.residual:.1e}, {seconds:.2f} s"
     )
     low, high = report.height_min_mm, report.height_max_mm
     size = f"pitch {report.pitch_mm:.4g} mm ({report.pitch_from})"

@@ -1,1 +1,1 @@
-"""Meshes to original, base and detail normal maps."""
+"""Render meshes as original, base and detail normal maps."""

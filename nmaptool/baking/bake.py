@@ -1,4 +1,4 @@
-"""A mesh to original, base and detail normal maps."""
+"""Render a mesh as original, base and detail normal maps."""
 
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ from nmaptool.types.layer_set import LayerReport, LayerSet
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
+from nmaptool.types.shown import counted
 
-# sizes in mm beyond which a mesh's units are hardly millimetres
+# outside this range of sizes in mm, the units of a mesh are probably not millimetres
 _SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
 
 
@@ -43,8 +44,8 @@ def bake(
 ) -> LayerSet:
     """Render the original, base and detail normal maps of a mesh (paper, Sec. 3 and 4.2.1).
 
-    The face normals of the cleaned mesh are split as by `decompose_normals`; one drawing of the mesh then says which
-    face each pixel sees, and every layer takes its normals from there.
+    The face normals of the cleaned mesh are split as by `decompose_normals`. The mesh is drawn once to find the visible
+    face of each pixel, and every layer looks up its normals by face.
 
     Parameters
     ----------
@@ -55,7 +56,7 @@ def bake(
     filter : FilterOptions, optional
         What counts as detail.
     model : FilterModel, optional
-        For the filter ``learned`` only. Default: the one that comes with the package.
+        Model for the filter ``learned``. Default: the one that comes with the package.
     progress : callable, optional
         Called with the stage, "filtering" up to 0.7, then "drawing", and the share done, 0 to 1.
 
@@ -68,7 +69,7 @@ def bake(
     Raises
     ------
     UsageError
-        If options contradict each other or name several views; use `bake_views` for those.
+        If options contradict each other or name several views; for several views, use `bake_views`.
     InputError
         If no face of the mesh is usable, or none is visible.
     RendererError
@@ -84,7 +85,7 @@ def bake(
     """
     options = options or BakeOptions()
     if len(options.views) > 1:
-        raise UsageError(f"`view={options.view!r}`: is several views; use bake_views, which gives a set for each")
+        raise UsageError(f"`view={options.view!r}`: bake renders one view; use bake_views to render several")
     return bake_views(mesh, options, filter, model=model, progress=progress)[0]
 
 
@@ -110,12 +111,12 @@ def bake_views(
     Returns
     -------
     tuple of LayerSet
-        One for each view of ``options.view``, in that order.
+        One set per view of ``options.view``, in that order.
 
     Raises
     ------
     UsageError, InputError, RendererError
-        As `bake`, which refuses several views.
+        As for `bake`, except that several views are allowed.
 
     Examples
     --------
@@ -132,7 +133,7 @@ def bake_views(
         cameras = [frame_camera(prepared.mesh, options, *direction) for direction in options.directions]
         prepared = _sized(prepared, cameras, options.width)
     made = []
-    # the renderer first: where nothing can be drawn, nobody waits for the filter
+    # open the renderer first: if it fails, the error comes before the slow filter
     with rendering(options.renderer) as renderer:
         draw, platform = renderer
         with stages.stage("filter"):
@@ -154,7 +155,7 @@ def bake_views(
 
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """A drawing of a mesh, and what it came from."""
+    """A drawing of a mesh and its inputs."""
 
     prepared: PreparedMesh
     options: BakeOptions
@@ -164,28 +165,28 @@ class _Drawn:
 
 
 def _sized(prepared: PreparedMesh, cameras: list[Camera], width: Length | None) -> PreparedMesh:
-    """The mesh in the millimetres that the picture's width gives it, so that lengths in mm mean those."""
+    """Set the units of the mesh by the width of the picture, which lengths in mm then refer to."""
     if width is None:
         return prepared
     sizes = [width.to_mm(1.0, 1) / camera.cols / camera.unit_per_px for camera in cameras]
     sigma_s = prepared.filter.sigma_s
     if isinstance(sigma_s, Length) and sigma_s.is_absolute and not np.allclose(sizes, sizes[0], rtol=1e-6):
         raise UsageError(
-            f"`sigma_s='{sigma_s}'`: these views have different scales at `width='{width}'`; give it in %, or one view"
+            f"`sigma_s='{sigma_s}'`: the views differ in scale at `width='{width}'`; give it in %, or use one view"
         )
     sized = dataclasses.replace(prepared.mesh, mm_per_unit=sizes[0], unit_from="given")
     return dataclasses.replace(prepared, mesh=sized)
 
 
 def _updated(mesh: Mesh, split: Decomposition) -> tuple[Mesh, Decomposition]:
-    """The mesh rebuilt to its base normals, and the split whose base is the normals that resulted (paper, Fig. 10)."""
+    """Return the mesh rebuilt to its base normals, and the split with the new normals as base (paper, Fig. 10)."""
     rebuilt = reconstruct(mesh, split.base).mesh
     base = rebuilt.geometry.normals
     return rebuilt, dataclasses.replace(split, base=base, residual=split.normals - base)
 
 
 def _fields(mesh: Mesh, split: Decomposition, options: BakeOptions) -> tuple[Float64, Float64]:
-    """Original and base directions, one a face or one a corner."""
+    """Return original and base normals, per face or per corner."""
     if options.shading == "flat":
         return split.normals, split.base
     return corner_normals(mesh, split.normals, options.crease), corner_normals(mesh, split.base, options.crease)
@@ -197,7 +198,7 @@ def _layer_set(drawn: _Drawn, split: Decomposition, fields: tuple[Float64, Float
     original, coverage = face_buffer.normal_layer(fields[0])
     if not coverage.any():
         raise InputError(
-            f"{mesh.name}: nothing of it is seen in the {drawn.view} view; choose another `view`, `pitch` or `target`"
+            f"{mesh.name}: is not visible in the {drawn.view} view; choose another `view`, `pitch` or `target`"
         )
     base, _ = face_buffer.normal_layer(fields[1])
     seen = coverage > 0
@@ -251,16 +252,13 @@ def _share(split: Decomposition, mesh: Mesh) -> float:
 
 def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:
     f, options, mesh = drawn.prepared.findings, drawn.options, drawn.prepared.mesh
-    counted = (
-        (f.degenerate_faces, "faces have no area and were dropped"),
-        (f.nonfinite_faces, "faces have a vertex that is NaN or infinite and were dropped"),
-    )
-    found = [f"{count} {words}" for count, words in counted if count]
+    dropped = ((f.degenerate_faces, "without area"), (f.nonfinite_faces, "with a NaN or infinite vertex"))
+    found = [f"dropped {counted(count, 'face')} {why}" for count, why in dropped if count]
     longest = float(np.ptp(mesh.vertices, axis=0).max())
     size_mm = longest * mesh.mm_per_unit
     if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
-        found.append(f"is {size_mm:.3g} mm large if its units are mm; say `width='100mm'`, or its `unit`")
+        found.append(f"the mesh is {size_mm:.3g} mm large if its units are mm; set its `unit`, or `width='100mm'`")
     found += drawn.prepared.warnings
     if float((coverage > 0).mean()) < 0.001:
-        found.append("less than a thousandth of the picture sees the mesh")
+        found.append("the mesh covers less than 0.1% of the picture")
     return tuple(found)

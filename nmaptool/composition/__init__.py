@@ -1,1 +1,1 @@
-"""Normal maps edited as vectors: blending, placing, transforming, converting, recipes."""
+"""Edit normal maps as vectors: blend, place, transform, convert; recipes."""

@@ -1,4 +1,4 @@
-"""A detail map blended with a base map."""
+"""Blend a detail map with a base map."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ def blend(
     Parameters
     ----------
     base, detail : NormalMap or (H, W, 3) float of any type
-        The detail counts in proportion to its coverage. The result has the coverage of the base.
+        The detail acts in proportion to its coverage. The result has the coverage of the base.
     options : BlendOptions, optional
         Mode, strength, and whether to stretch a detail map of another size.
     mask : (H, W) bool or float in [0, 1], optional
-        Multiplies the strength.
+        Factor on the strength.
     mask_name : str
-        What to call the mask in messages, such as its file.
+        Name of the mask for messages, such as its file name.
 
     Returns
     -------
     Composition
-        A flat detail or a strength of 0 leaves every bit of the base as it is (in the modes linear and overlay, only a
+        A flat detail or a strength of 0 leaves the base bit-for-bit unchanged (in the modes linear and overlay, only a
         strength of 0 does).
 
     Raises
     ------
     InputError
-        If the sizes differ and ``options.fit`` is False, the mask does not fit, or a normal of an array has no
+        If the sizes differ and ``options.fit`` is False, the mask has another size, or a normal of an array has no
         direction.
     UsageError
         If a value is neither a NormalMap nor an array.
@@ -80,7 +80,7 @@ def blend(
         masked = detail.coverage if mask is None else detail.coverage * mask
         strength = detail_weight(masked, detail.coverage, base.coverage) * np.float32(options.strength)
     if not (detail.coverage * base.coverage).any():
-        warnings += (f"{detail.name}: covers nothing of {base.name}",)
+        warnings += (f"{detail.name}: does not overlap {base.name}, so it changes nothing",)
     normals = blend_normals(base.normals, detail.normals, options.mode, strength)
     normals = _flat_outside(normals, base)
     result = dataclasses.replace(base, normals=normals, name=f"{base.name} with {detail.name}")
@@ -101,7 +101,7 @@ def blend(
 
 
 def _flat_outside(normals: Float32, base: NormalMap) -> Float32:
-    """The base's own normals where it covers nothing."""
+    """Restore the normals of the base where its coverage is 0."""
     nothing = base.coverage <= 0
     if nothing.any():
         normals[nothing] = base.normals[nothing]
@@ -109,19 +109,19 @@ def _flat_outside(normals: Float32, base: NormalMap) -> Float32:
 
 
 def _warnings(base: NormalMap, detail: NormalMap) -> tuple[str, ...]:
-    """What may not be meant: heights kept under a stretched detail."""
+    """Return warnings about effects that may be unintended: heights kept when a detail is stretched."""
     across, down = (a / b for a, b in zip(detail.frame.shape[::-1], base.frame.shape[::-1], strict=True))
     if not is_uneven((across, down)):
         return ()
     stated = (
-        f"{detail.name}: is stretched unevenly, so its heights stay and its slopes change by {across:.3g} across and "
-        f"{down:.3g} down; `strength` makes up for it"
+        f"{detail.name}: is stretched unevenly and keeps its heights, so its slopes are multiplied by {across:.3g} "
+        f"across and {down:.3g} down; compensate with `strength`"
     )
     return (stated,)
 
 
 def _of_one_size(base: NormalMap, detail: NormalMap, fit: bool) -> NormalMap:
-    """The detail, stretched to the base's size where that is asked for."""
+    """Return the detail, stretched to the size of the base if ``fit``."""
     if detail.frame.shape == base.frame.shape:
         return detail
     if not fit:

@@ -1,7 +1,7 @@
-"""Ways to blend a detail normal with a base normal, on component arrays: the kernels of `nmaptool.options.BLEND_MODES`.
+"""Kernels of `nmaptool.options.BLEND_MODES`, which blend detail normals with base normals, as component arrays.
 
-Formulas: C. Barre-Brisebois and S. Hill, "Blending in Detail" (2012); a is the base, b the detail. Kernels write into
-``o`` and leave a and b as they are; ``t`` is two arrays to work in.
+Formulas: C. Barre-Brisebois and S. Hill, "Blending in Detail" (2012); a is the base, b the detail. Kernels write to
+``o`` and do not change a and b; ``t`` is two work arrays.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ def linear(a: Triple, b: Triple, o: Triple, t: Pair) -> None:
 
 
 def overlay(a: Triple, b: Triple, o: Triple, t: Pair) -> None:
-    """Overlay of the codes (n + 1)/2, as image editors do it."""
+    """Overlay of the codes (n + 1)/2, as in image editors."""
     for under, over, out in zip(a, b, o, strict=True):
-        # of codes (n + 1)/2: 2ab below the middle, 1 - 2(1-a)(1-b) above it, brought back to -1..1
+        # on the codes: 2ab below the middle, 1 - 2(1-a)(1-b) above it, mapped back to -1..1
         np.multiply(np.add(1, under, out=out), np.add(1, over, out=t[0]), out=out)
         np.subtract(out, 1, out=out)
         light = np.multiply(np.subtract(1, under, out=t[0]), np.subtract(1, over, out=t[1]), out=t[0])
@@ -58,8 +58,8 @@ def udn(a: Triple, b: Triple, o: Triple, t: Pair) -> None:
 
 def reoriented(a: Triple, b: Triple, o: Triple, t: Pair) -> None:
     """The rotation that takes flat to the base, applied to the detail."""
-    # the rotation that takes flat to the base, applied to the detail, as two mirrors; where the base faces straight
-    # away there are many: half a turn about x, as `nmaptool.maps.detail` undoes it
+    # computed as two reflections; where the base faces straight away, the rotation is ambiguous: this uses half a turn
+    # about x, which `nmaptool.maps.detail` inverts
     across, (towards, share) = o[2], t
     np.multiply(a[0], b[0], out=across)
     across += np.multiply(a[1], b[1], out=share)

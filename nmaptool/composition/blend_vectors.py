@@ -1,4 +1,4 @@
-"""A detail map's normals blended with a base map's, in one of the modes of `nmaptool.options.BLEND_MODES`."""
+"""Blend the normals of a detail map with those of a base map, in one of the modes of `nmaptool.options.BLEND_MODES`."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from nmaptool.core.arrays import Float32
 from nmaptool.core.parallel import for_each_band
 from nmaptool.options import BLEND_MODES, BlendMode
 
-# detail that grazes or faces away is brought down to this slope where slopes are added or faded
+# normals that are steeper or face away are limited to this slope before slopes are added or faded
 _STEEPEST = 50.0
 _SHORTEST = 1e-12
-# chunks that stay in the cache
+# chunks that fit in the cache
 _VECTORS_AT_ONCE = 1 << 16
 _CHUNKS_OF_A_BAND = 8
 
@@ -28,29 +28,29 @@ def blend_normals(base: Float32, detail: Float32, mode: str = "rnm", strength: f
     base, detail : (..., 3) float32
         Unit normals.
     mode : str
-        A key of `nmaptool.options.BLEND_MODES`: ``rnm`` rotates the detail with the base (undoes
-        `nmaptool.maps.detail` ``rotation``), ``pd`` adds slopes (undoes ``slope``; the sum of two surfaces is a
-        surface), ``whiteout`` and ``udn`` are its cheaper neighbours, ``linear`` is the direction of the sum,
-        ``overlay`` what image editors do to the codes.
+        A key of `nmaptool.options.BLEND_MODES`: ``rnm`` rotates the detail with the base (the inverse of ``rotation``
+        in `nmaptool.maps.detail`), ``pd`` adds slopes (the inverse of ``slope``; the sum of two surfaces is a surface),
+        ``whiteout`` and ``udn`` are cheaper approximations of it, ``linear`` is the direction of the sum, ``overlay``
+        the overlay of image editors, applied to the codes.
     strength : float or (...) float
-        0 leaves the base as it is, in every bit. In the first four modes it multiplies the detail's slopes; in
-        ``linear`` it weighs the detail, in ``overlay`` it mixes the outcome with the base.
+        0 leaves the base bit-for-bit unchanged. In the first four modes, it multiplies the slopes of the detail; in
+        ``linear`` it weights the detail, in ``overlay`` it mixes the result with the base.
 
     Returns
     -------
     (..., 3) float32
-        Unit normals. A flat detail changes nothing in the first four modes, and what lies on a flat base in rnm, pd
-        and whiteout comes out as it went in, both in every bit.
+        Unit normals. In the first four modes, a flat detail leaves the base bit-for-bit unchanged; in rnm, pd and
+        whiteout, a flat base leaves the detail bit-for-bit unchanged.
 
     Raises
     ------
     ValueError
-        If the mode is unknown, the shapes do not fit, or a strength is negative or not finite.
+        If the mode is unknown, the shapes do not match, or a strength is negative or not finite.
     """
     if mode not in BLEND_MODES:
         raise ValueError(f"unknown mode {mode!r}: use one of {', '.join(BLEND_MODES)}")
     if base.shape != detail.shape or base.shape[-1] != 3:
-        raise ValueError(f"base {base.shape} and detail {detail.shape} must have one shape (..., 3)")
+        raise ValueError(f"base {base.shape} and detail {detail.shape} must have the same shape (..., 3)")
     kind, weight = BLEND_MODES[mode], np.asarray(strength, np.float32)
     if weight.size and not (weight.min() >= 0 and weight.max() < np.inf):  # also for NaN
         raise ValueError("strength must be finite and zero or more")
@@ -72,7 +72,7 @@ def blend_normals(base: Float32, detail: Float32, mode: str = "rnm", strength: f
 def _blend_chunk(
     base: Float32, detail: Float32, mode: BlendMode, strength: NDArray[Any], out: Float32, work: NDArray[np.float32]
 ) -> None:
-    """Blend (N, 3) vectors into ``out``, with (11, N) to work in: taking memory anew costs more than the sums."""
+    """Blend (N, 3) vectors into ``out``; ``work`` (11, N) is reused, since allocation costs more than arithmetic."""
     a, b, o = ((work[i], work[i + 1], work[i + 2]) for i in (0, 3, 6))
     t = work[9], work[10]
     for axis in range(3):
@@ -100,12 +100,12 @@ def _blend_chunk(
         size = _length(o, t)
     for axis, component in enumerate(o):
         np.divide(component, size, out=out[:, axis])
-    if flat_base is not None:  # what must come out as it went in
+    if flat_base is not None:  # these must be bit-for-bit unchanged
         _copy_where(flat_base & (strength == 1), detail, out)
     _copy_where(strength == 0, base, out)
     if flat_detail is not None:
         _copy_where(flat_detail, base, out)
-    if size.min() <= _SHORTEST:  # opposite normals leave no direction
+    if size.min() <= _SHORTEST:  # opposite normals have no direction
         _copy_where(size <= _SHORTEST, base, out)
 
 
@@ -127,7 +127,7 @@ def _flat(v: Triple) -> NDArray[np.bool_]:
 
 
 def _length(v: Triple, t: Pair) -> Component:
-    """Lengths, in the first of ``t``, none less than the shortest."""
+    """Return the lengths, in the first array of ``t``, limited below by the shortest."""
     size, square = t
     np.multiply(v[0], v[0], out=size)
     size += np.multiply(v[1], v[1], out=square)
@@ -139,14 +139,14 @@ def _length(v: Triple, t: Pair) -> Component:
 
 
 def _make_upright(v: Triple, t: Pair) -> None:
-    """The same directions in the picture, no steeper than the steepest slope; steeper ones change length."""
+    """Limit slopes to the steepest one, in place; directions in the picture stay, but steeper vectors change length."""
     x, y, z = v
     least, limit = t
     np.multiply(x, x, out=least)
     least += np.multiply(y, y, out=limit)
     np.abs(z, out=limit)
     limit *= z
-    limit *= np.float32(_STEEPEST**2 * 0.999)  # a little less: roots decide
+    limit *= np.float32(_STEEPEST**2 * 0.999)  # slightly less: the exact test follows
     if (limit > least).all():
         return
     np.sqrt(least, out=least)
@@ -156,7 +156,7 @@ def _make_upright(v: Triple, t: Pair) -> None:
 
 
 def _fade(v: Triple, strength: NDArray[Any], t: Pair, *, upright: bool) -> None:
-    """Slopes times strength, unit length; where strength is 1, as they are."""
+    """Multiply slopes by the strength and normalise, in place; where the strength is 1, nothing changes."""
     kept = strength == 1
     whole = [component.copy() for component in v] if kept.any() else []
     if upright:

@@ -1,4 +1,4 @@
-"""Layers composed on one canvas; a paste is a stack whose lowest layer is the background."""
+"""Compose layers on one canvas; pasting is composing on a background as the lowest layer."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from nmaptool.types.layers import Layer, LayerGroup, LayerLike, as_layers
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
 
-# pitches that differ by more are no rounding
+# pitches that differ by more differ by more than rounding
 _SAME_PITCH = 0.01
 _SAME_PLACE_PX = 1e-3
 
@@ -40,11 +40,11 @@ def compose(
     ----------
     layers : sequence of Layer, LayerGroup, NormalMap or (h, w, 3) float
         A map alone is a layer with the default options. The lowest layer becomes the ground of the others if it has the
-        size of the canvas, the mode "over", no mask, and is not moved.
+        size of the canvas, the mode "over" and no mask, and is not moved.
     canvas : CanvasOptions, optional
         Size, width in mm and ground. Default: the size of the lowest layer.
     max_megapixels : float
-        Refuse a larger canvas.
+        Limit of the canvas size.
     progress : callable, optional
         Called with the name of the stage and the share done, 0 to 1.
 
@@ -56,9 +56,9 @@ def compose(
     Raises
     ------
     InputError
-        If there is no layer, or one lies off the canvas, covers nothing or lies on nothing.
+        If there is no layer, or a layer is outside the canvas, covers nothing or has nothing below it to change.
     UsageError
-        If a length is in mm and the size of a pixel is not known, or a layer is neither a Layer nor a map.
+        If a length is in mm and the pitch is unknown, or a layer is neither a Layer nor a map.
     LimitError
         If the canvas is larger than ``max_megapixels``.
 
@@ -77,7 +77,7 @@ def compose(
     frame = canvas_frame(layers, canvas)
     if frame.rows * frame.cols > max_megapixels * 1e6:
         raise LimitError(
-            f"a canvas of {frame} is {frame.rows * frame.cols / 1e6:.0f} megapixels, more than the limit of "
+            f"the canvas of {frame} has {frame.rows * frame.cols / 1e6:.0f} megapixels, more than the limit of "
             f"{max_megapixels:g}; make it smaller or raise `max_megapixels`"
         )
     first = layers[0]
@@ -98,12 +98,12 @@ def paste(
     Parameters
     ----------
     background : NormalMap or (H, W, 3) float of any type
-        The result has its size and, where no layer covers it, exactly its normals.
+        The result has its size and, where no layer covers it, exactly the same normals.
     layers : sequence of Layer, LayerGroup, NormalMap or (h, w, 3) float
         A map alone is a layer with the default options. Only the motif of a layer is pasted, not the flat background
         around it.
     width : Length, optional
-        Width of the whole picture in mm, for lengths given in mm. Default: by the background's pitch.
+        Width of the whole picture in mm, for lengths given in mm. Default: from the pitch of the background.
     progress : callable, optional
         Called with the name of the stage and the share done, 0 to 1.
 
@@ -115,9 +115,9 @@ def paste(
     Raises
     ------
     InputError
-        If a layer lies off the canvas, covers nothing or lies on nothing.
+        If a layer is outside the canvas, covers nothing or has nothing below it to change.
     UsageError
-        If a length is in mm and the size of a pixel is not known, or a value is neither a map nor a layer.
+        If a length is in mm and the pitch is unknown, or a value is neither a map nor a layer.
 
     Examples
     --------
@@ -183,7 +183,7 @@ def _first_map(layers: Sequence[Layer | LayerGroup]) -> NormalMap:
 
 
 def canvas_frame(layers: Sequence[Layer | LayerGroup], canvas: CanvasOptions) -> Frame:
-    """The canvas's size and pitch: what the options say, else the lowest layer's."""
+    """Return the size and pitch of the canvas: from the options, else from the lowest layer."""
     lowest = _first_map(layers).frame
     if canvas.cols_rows is None:
         return _with_pitch(lowest, canvas)
@@ -198,20 +198,20 @@ def _with_pitch(frame: Frame, canvas: CanvasOptions) -> Frame:
 
 
 def is_ground(layer: Layer | LayerGroup, frame: Frame, canvas: CanvasOptions) -> TypeGuard[Layer]:
-    """Whether a lowest layer is the canvas itself: laid as it is, however its place is put into words."""
+    """Whether the lowest layer is used unchanged as the canvas, however its options express its position."""
     if isinstance(layer, LayerGroup) or canvas.ground != "clear":
         return False
     o = layer.options
     if layer.mask is not None or layer.normal_map.frame.shape != frame.shape:
         return False
-    # the way a layer is turned and scaled about has no say where it is neither
+    # name, clip and anchor do not matter for such a layer; position and scale are checked separately
     plain = replace(o, name="", at=None, anchor="center", scale="1", clip="auto", height_factor=None)
     if plain != LayerOptions() or o.factors != (1.0, 1.0) or o.height_factor not in (None, 1.0):
         return False
     sides = (frame.cols, frame.rows)
     try:
         place = [d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, sides, strict=True)]
-    except UsageError:  # mm without a pitch: said where the layer is placed
+    except UsageError:  # mm without a pitch: placing the layer raises the error
         return False
     return all(
         abs(at - part * side) < _SAME_PLACE_PX for at, part, side in zip(place, ANCHORS[o.anchor], sides, strict=True)
@@ -219,7 +219,7 @@ def is_ground(layer: Layer | LayerGroup, frame: Frame, canvas: CanvasOptions) ->
 
 
 def _warnings(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
-    """What may not be meant: pixels of another size taken pixel for pixel, heights kept under a stretched picture."""
+    """Return warnings about effects that may be unintended: different pitches ignored, heights kept when stretched."""
     found: list[str] = []
     for layer in layers:
         if isinstance(layer, LayerGroup):
@@ -230,14 +230,15 @@ def _warnings(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
             factor = own / frame.pitch_mm
             if abs(factor - 1) > _SAME_PITCH:
                 found.append(
-                    f"{layer.name}: its pixels are {own:.4g} mm, the canvas's {frame.pitch_mm:.4g} mm; to keep its "
-                    f"size in mm, give it the scale {factor:.4g}"
+                    f"{layer.name}: its pixels are {own:.4g} mm, those of the canvas {frame.pitch_mm:.4g} mm; to keep "
+                    f"its size in mm, set its scale to {factor:.4g}"
                 )
         factors = o.factors
         if not isinstance(factors, Length) and o.height_factor is None and is_uneven(factors):
             even = (factors[0] * factors[1]) ** 0.5
             found.append(
-                f"{layer.name}: is stretched, so its heights stay and its slopes change by {1 / factors[0]:.3g} across "
-                f"and {1 / factors[1]:.3g} down; the height factor {even:.3g} keeps them on the whole"
+                f"{layer.name}: is stretched unevenly and keeps its heights, so its slopes are multiplied by "
+                f"{1 / factors[0]:.3g} across and {1 / factors[1]:.3g} down; a height factor of {even:.3g} keeps them "
+                "on average"
             )
     return found

@@ -1,4 +1,4 @@
-"""The order, coverage and groups of layers on one canvas."""
+"""Compose layers and groups on one canvas: order, coverage, clipping."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.vectors import FLAT, unit
 from nmaptool.maps.masks import motif_coverage
 from nmaptool.options.compose import ANCHORS
-from nmaptool.types.layers import Layer, LayerGroup, check_mask
+from nmaptool.types.layers import Layer, LayerGroup, check_mask, errors_about
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
 
 
 @dataclass(eq=False)
 class Canvas:
-    """What lies on a canvas so far; changed by `lay` alone.
+    """The state of a canvas; only `_lay` changes it.
 
     Attributes
     ----------
@@ -39,11 +39,11 @@ class Canvas:
     normals, coverage, foreground
         As in `nmaptool.NormalMap`.
     flat_background : bool
-        As in `nmaptool.NormalMap`: that of the map or plate that the layers were laid on.
+        As in `nmaptool.NormalMap`, for the map or plate below the layers.
     placed : (H, W) float32
-        Coverage of what was laid on, without the lowest.
+        Coverage of the layers above the lowest one.
     layer_reports : list of dict
-        What became of each layer.
+        Report of each layer.
     """
 
     frame: Frame
@@ -56,7 +56,7 @@ class Canvas:
 
 
 def clear_canvas(frame: Frame, ground: str) -> Canvas:
-    """A canvas with nothing on it: transparent, or a flat plate."""
+    """Return an empty canvas: transparent, or a flat plate."""
     normals = np.empty((*frame.shape, 3), np.float32)
     normals[...] = FLAT
     coverage = np.full(frame.shape, 1 if ground == "flat" else 0, np.float32)
@@ -65,7 +65,7 @@ def clear_canvas(frame: Frame, ground: str) -> Canvas:
 
 
 def canvas_of(base: NormalMap, frame: Frame) -> Canvas:
-    """A canvas with a map of its size on it, as it is."""
+    """Return a canvas with a copy of a map of the same size."""
     copies = (base.normals.copy(), base.coverage.copy(), base.foreground.copy())
     return Canvas(frame, *copies, base.flat_background, np.zeros(frame.shape, np.float32), [])
 
@@ -78,41 +78,37 @@ def compose_onto(
     lowest: bool = False,
     progress: Callable[[str], None] = lambda name: None,
 ) -> Canvas:
-    """Lay layers on a canvas, which is changed, from the lowest to the topmost.
+    """Compose layers onto a canvas, in place, from the lowest to the topmost.
 
     Parameters
     ----------
     canvas : Canvas
     layers : sequence of Layer or LayerGroup
     in_group : bool
-        Details inside a group are not clipped, since the group is.
+        Whether the layers are in a group; "auto" then does not clip them, since the group is clipped.
     lowest : bool
-        The first of the layers is the ground of the others.
+        Whether the first layer is the ground of the others.
     progress : callable
-        Told the name of each layer.
+        Called with the name of each layer.
 
     Raises
     ------
     InputError
-        If a layer lies off the canvas, covers nothing or lies on nothing.
+        If a layer is outside the canvas, covers nothing or has nothing below it to change.
     UsageError
-        If a length is in mm and the canvas's pitch is not known.
+        If a length is in mm and the pitch of the canvas is unknown.
     """
     for number, layer in enumerate(layers):
         progress(layer.name)
         if isinstance(layer, LayerGroup):
             inner = compose_onto(clear_canvas(canvas.frame, "clear"), layer.layers, in_group=True, progress=progress)
-            own = shown = inner.coverage
-            if layer.mask is not None:
-                check_mask(layer.mask, layer.name, canvas.frame.shape, layer.mask_name)
-                shown = own * layer.mask
-            piece = Piece(inner.normals, shown, inner.foreground)
-            within = {"layers": inner.layer_reports}
+            piece, own, within = group_piece(inner, layer), inner.coverage, {"layers": inner.layer_reports}
         else:
             (piece, own), within = place(layer, canvas.frame), {}
         o = layer.options
         clip = o.clip == "yes" or (o.clip == "auto" and o.mode != "over" and not in_group)
-        share = _lay(canvas, piece, own, layer, clip, counts=number > 0 or not lowest)
+        with errors_about(layer):
+            share = _lay(canvas, piece, own, layer, clip, counts=number > 0 or not lowest)
         rows, cols = piece.coverage.shape
         box = [piece.left, piece.top, cols, rows]
         metadata = {"name": layer.name, "mode": o.mode, "strength": o.strength, "box_px": box, "share": share}
@@ -120,22 +116,43 @@ def compose_onto(
     return canvas
 
 
+def group_piece(inner: Canvas, group: LayerGroup) -> Piece:
+    """What a group lays on a canvas: its layers, composed on a canvas of their own, under its mask.
+
+    Raises
+    ------
+    InputError
+        If the mask does not have the size of the canvas.
+    """
+    coverage = inner.coverage
+    if group.mask is not None:
+        with errors_about(group):
+            check_mask(group.mask, group.name, inner.frame.shape, group.mask_name)
+        coverage = coverage * group.mask
+    return Piece(inner.normals, coverage, inner.foreground)
+
+
 def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
-    """A layer on its place: moved, turned, masked, feathered, cut to the canvas.
+    """Move, rotate, mask and feather a layer, and crop it to the canvas.
 
     Returns
     -------
     piece : Piece
     own : (h, w) float32
-        Its coverage without mask and feather, which modes other than "over" ask for.
+        Its coverage without mask and feather, which modes other than "over" need.
 
     Raises
     ------
     InputError
-        If it lies off the canvas.
+        If it is outside the canvas.
     UsageError
-        If a length is in mm and the canvas's pitch is not known.
+        If a length is in mm and the pitch of the canvas is unknown.
     """
+    with errors_about(layer):
+        return _place(layer, frame)
+
+
+def _place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
     source, o = layer.normal_map, layer.options
     coverage = motif_coverage(source)
     rows, cols = source.frame.shape
@@ -145,7 +162,7 @@ def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
         across, down = (
             d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, (frame.cols, frame.rows), strict=True)
         )
-        longer = float(np.max(np.linalg.norm(linear, axis=0) * (cols, rows)))  # as it lies on the canvas
+        longer = float(np.max(np.linalg.norm(linear, axis=0) * (cols, rows)))  # on the canvas
         feather = 0.0 if o.feather is None else o.feather.to_px(frame.pitch_mm, round(longer))
     except UsageError as error:
         raise UsageError(f"{layer.name}: {error}") from None
@@ -153,12 +170,12 @@ def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
     left, top, right, bottom = bounds(matrix, cols, rows)
     if left >= frame.cols or top >= frame.rows or right <= 0 or bottom <= 0:
         raise InputError(
-            f"{layer.name}: lies fully off the canvas of {frame} px: from {left},{top} to {right},{bottom} px; "
-            "place it with `at`"
+            f"{layer.name}: its area from {left},{top} to {right},{bottom} px is outside the canvas of {frame} px; "
+            "move it with `at`"
         )
-    # a soft edge looks beyond the canvas: what goes on there has no edge
+    # feathering needs the coverage beyond the canvas: a layer that continues there has no edge at the canvas border
     beyond = int(np.ceil(feather)) + 1 if feather else 0
-    rim = 0 if is_exact(linear) else 1  # interpolation reaches half a pixel farther
+    rim = 0 if is_exact(linear) else 1  # interpolation reaches half a pixel further
     left, top = max(left - rim, -beyond), max(top - rim, -beyond)
     right, bottom = min(right + rim, frame.cols + beyond), min(bottom + rim, frame.rows + beyond)
     window = (left, top, right - left, bottom - top)
@@ -174,7 +191,7 @@ def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
 
 
 def _cut(piece: Piece, frame: Frame) -> Piece:
-    """The part of a piece on the canvas."""
+    """Return the part of a piece that is on the canvas."""
     y0, x0 = max(0, -piece.top), max(0, -piece.left)
     rows, cols = piece.coverage.shape
     part = np.s_[y0 : min(rows, frame.rows - piece.top), x0 : min(cols, frame.cols - piece.left)]
@@ -182,18 +199,18 @@ def _cut(piece: Piece, frame: Frame) -> Piece:
 
 
 def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, clip: bool, *, counts: bool) -> float:
-    """Lay a piece on the canvas, which is changed; the share of the canvas that it covers."""
+    """Compose a piece onto the canvas, in place; return the share of the canvas that it covers."""
     name, mode, strength = layer.name, layer.options.mode, layer.options.strength
     rows, cols = piece.coverage.shape
     window = np.s_[piece.top : piece.top + rows, piece.left : piece.left + cols]
     below, above = canvas.coverage[window], piece.coverage
     if not above.any():
         raise InputError(
-            f"{name}: covers nothing where it lies; look at its mask, its alpha, its place and its scale; a flat "
-            "background is not brought along"
+            f"{name}: covers no pixel of the canvas; check its mask, alpha, position and scale (a flat background is "
+            "not part of a layer)"
         )
     if clip and not (above * below).any():
-        raise InputError(f'{name}: lies on nothing: mode "{mode}" changes what is below; use mode "over", or clip "no"')
+        raise InputError(f'{name}: mode "{mode}" needs a surface below it, found none; use mode "over", or clip "no"')
     if strength == 0:
         return 0.0
     if mode == "over":
@@ -206,7 +223,7 @@ def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, 
         canvas.normals[window] = mix_normals(canvas.normals[window], piece.normals, share)
         motif = np.where(share >= 0.5, piece.foreground, canvas.foreground[window])
     else:
-        # what is not clipped widens the surface by what reaches beyond it
+        # without clipping, the parts of the layer beyond the surface extend it
         weight = detail_weight(above, own if clip else above, below)
         canvas.normals[window] = blend_normals(
             canvas.normals[window], piece.normals, mode, weight * np.float32(strength)
@@ -226,7 +243,7 @@ def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, 
 
 
 def mix_normals(below: Float32, above: Float32, share: Float32) -> Float32:
-    """Unit normals on the way from ``below`` to ``above``; the ends in every bit."""
+    """Return unit normals interpolated from ``below`` to ``above``; exact for shares of 0 and 1."""
     out = np.where((share >= 1)[..., None], above, below)
     soft = (share > 0) & (share < 1)
     if soft.any():

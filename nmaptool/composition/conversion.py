@@ -1,4 +1,4 @@
-"""A stored picture as a normal map for another kind of file: what is sound keeps its codes, the rest is repaired."""
+"""Convert a stored normal map to another kind of file: valid pixels keep their codes, the others are repaired."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from nmaptool.types.conversion import ConvertReport
 from nmaptool.types.normal_map import Decoding
 from nmaptool.types.picture import RasterImage
 
-# lengths of unit vectors stored in 16 bits (floats may have been that) and as half floats are off by less
+# largest error of the lengths of unit vectors stored in 16 bits (floats may come from those), and as half floats
 _ROUNDED, _HALF_ROUNDED = 3e-5, 6e-4
-# what is written stays so many codes from where it was rounded to, so that rounding it again changes nothing; the
-# narrower, the less it minds being stored as half floats on the way
+# half widths, in codes, of the box around a code in which its unit vector is chosen: rounding it again gives the same
+# code; with a narrower box, this is also true after storage as half floats
 _CODE_BOXES = (0.44, 0.49, 0.498)
 _NEARLY_UNIT = 3e-6
-# the middle is zero after all where it makes the mean length so much better
+# the zero code is the middle if that reduces the mean length error below this share
 _BETTER_LENGTH = 0.8
 _SAMPLE = 100_000
 
@@ -35,28 +35,28 @@ _SAMPLE = 100_000
 def convert_image(
     image: RasterImage, bits: Bits, reading: ReadOptions | None = None, writing: WriteOptions | None = None
 ) -> tuple[Composition, WriteOptions]:
-    """Read a picture so that writing it loses nothing, and say what is done to it.
+    """Read a picture for lossless writing, and report what is changed.
 
     Parameters
     ----------
     image : RasterImage
     bits : str
-        "8", "16", "half" or "float": what will be written.
+        "8", "16", "half" or "float": the depth to write.
     reading : ReadOptions, optional
     writing : WriteOptions, optional
 
     Returns
     -------
     composition : Composition
-        Its report is a `ConvertReport`. A vector whose length is off by no more than rounding stays as stored (of 8-bit
-        codes: becomes the unit vector that rounds to them), so that its codes come back.
+        Its report is a `ConvertReport`. A vector whose length is off by no more than rounding keeps its stored value
+        (for 8-bit codes: the unit vector that rounds to them), so writing it gives the same codes.
     writing : WriteOptions
-        With ``bits`` and the zero code settled.
+        Options with ``bits`` and the zero code set.
 
     Raises
     ------
     InputError, UsageError
-        As `nmaptool.decode_normal_map`.
+        As for `nmaptool.decode_normal_map`.
     """
     reading, writing = reading or ReadOptions(), writing or WriteOptions()
     start = time.perf_counter()
@@ -97,9 +97,9 @@ def convert_image(
 
 
 def _read(image: RasterImage, reading: ReadOptions) -> Decoded:
-    """A picture read; where only its flat code told its zero, the lengths of all the others are heard, too.
+    """Read a picture; if its zero code was inferred from flat pixels only, check it by the lengths of the others.
 
-    Writers that round store flat as 128 although their zero is the middle, 127.5.
+    Writers that round store flat as 128 although their zero code is the middle, 127.5.
     """
     decoded = decode_image(image, reading)
     if decoded.normal_map.decoding.zero_code_from != "found" or not _middle_fits_better(decoded):
@@ -110,7 +110,7 @@ def _read(image: RasterImage, reading: ReadOptions) -> Decoded:
 
 
 def _middle_fits_better(decoded: Decoded) -> bool:
-    """Whether the motif's vectors are clearly nearer to unit length with the zero in the middle."""
+    """Whether the motif's vectors are clearly closer to unit length with the zero code in the middle."""
     channels, foreground = decoded.channels, decoded.normal_map.foreground
     motif = np.flatnonzero(foreground)
     sample = np.unravel_index(motif[:: max(1, len(motif) // _SAMPLE)], foreground.shape)
@@ -121,7 +121,7 @@ def _middle_fits_better(decoded: Decoded) -> bool:
 
 
 def _mean_length_error(vectors: Float32) -> float:
-    """Mean error of the lengths of (N, 3) vectors that should be 1."""
+    """Return the mean error of the lengths of (N, 3) vectors, which should be 1."""
     return float(np.abs(np.linalg.norm(vectors.astype(np.float64), axis=1) - 1).mean()) if len(vectors) else 0.0
 
 
@@ -137,7 +137,7 @@ def _source(image: RasterImage, decoding: Decoding) -> dict[str, Any]:
 
 
 def _kept_where_sound(image: RasterImage, decoded: Decoded, untouched: Mask) -> tuple[Float32, Mask, float]:
-    """Normals that write the codes they were read from, where these are those of a unit vector; where they are not.
+    """Return normals that are written as the codes they were read from, if these encode a unit vector; and the others.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _kept_where_sound(image: RasterImage, decoded: Decoded, untouched: Mask) -> 
     off : (H, W) bool
         Where the stored vector is not of unit length.
     largest : float
-        The largest error of length there.
+        The largest length error there.
     """
     stored, read, coding = decoded.stored, decoded.normal_map, decoded.channels.coding
     error = np.abs(np.sqrt(np.einsum("ijk,ijk->ij", stored, stored, dtype=np.float64)) - 1)
@@ -169,15 +169,15 @@ def _kept_where_sound(image: RasterImage, decoded: Decoded, untouched: Mask) -> 
 
 
 def _unit_within(vectors: Float32, step: float) -> tuple[Float32, Mask]:
-    """Unit vectors that round to the same codes as (N, 3) ``vectors``, which are codes themselves; and where.
+    """Return unit vectors that round to the same codes as (N, 3) decoded ``vectors``, and where they exist.
 
-    Elsewhere the vectors are normalised.
+    Elsewhere, the vectors are normalised.
     """
     out = unit(vectors)
     found = np.ones(len(out), bool)
     left = np.flatnonzero((np.abs(out - vectors) > _CODE_BOXES[0] * step).any(axis=1))
     for size in _CODE_BOXES:
-        # from the middle of the code's box to its corner on the sphere's side, as far as the sphere
+        # from the centre of the code's box towards its corner nearest to the sphere, up to the sphere
         middle = vectors[left].astype(np.float64)
         square = np.einsum("ij,ij->i", middle, middle)
         move = -np.sign(square - 1)[:, None] * np.sign(middle) * size * step
@@ -193,7 +193,7 @@ def _unit_within(vectors: Float32, step: float) -> tuple[Float32, Mask]:
 
 
 def _as_written(normals: Float32, writing: WriteOptions) -> Float32:
-    """What a reader will make of the normals once they are stored."""
+    """Return the normals as they will be read from the written file."""
     if writing.bits == "float":
         return normals
     if writing.bits == "half":

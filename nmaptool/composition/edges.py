@@ -1,4 +1,4 @@
-"""Soft edges: made, and laid on each other."""
+"""Soft edges: feathering, and details with soft edges on bases with soft edges."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from nmaptool.core.arrays import Float32
 
 
 def feathered(coverage: Float32, width_px: float) -> Float32:
-    """Coverage that rises from 0 at its outline to full over a width inside it.
+    """Return coverage that rises from 0 at its outline to its full value over a width inside it.
 
     Parameters
     ----------
     coverage : (H, W) float32 in [0, 1]
-        The picture's own edge is an outline, too.
+        The edge of the picture is an outline, too.
     width_px : float
         Width of the soft edge, zero or more.
 
@@ -27,7 +27,7 @@ def feathered(coverage: Float32, width_px: float) -> Float32:
     if width_px <= 0:
         return coverage
     inside = cv2.copyMakeBorder((coverage >= 0.5).astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
-    # to the nearest centre outside; the outline lies half a pixel before it
+    # distance to the nearest pixel centre outside; the outline is half a pixel closer
     distance = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1] - np.float32(0.5)
     step = (distance / np.float32(width_px)).clip(0, 1)
     soft: Float32 = coverage * (step * step * (3 - 2 * step))
@@ -35,24 +35,23 @@ def feathered(coverage: Float32, width_px: float) -> Float32:
 
 
 def detail_weight(above: Float32, own: Float32, below: Float32) -> Float32:
-    """How much of a detail acts on what lies below where outlines are soft.
+    """Return the weight of a detail at soft outlines.
 
-    A pixel's share of a surface is the same share for its detail: a detail with the outline of its base acts in full
-    along it, and one that ends within the base fades out as it ends.
+    A detail with the same outline as its base acts fully along it; a detail that ends inside the base fades out there.
 
     Parameters
     ----------
     above : (H, W) float32 in [0, 1]
-        What shows of the detail: its own coverage, masked and feathered.
+        Coverage of the detail, masked and feathered.
     own : (H, W) float32 in [0, 1]
-        Its own coverage, nowhere less than ``above``.
+        Coverage of the detail without mask and feather, nowhere less than ``above``.
     below : (H, W) float32 in [0, 1]
-        Coverage of what it changes.
+        Coverage of the base.
 
     Returns
     -------
     (H, W) float32
-        ``above`` over the larger of the two others; 0 where nothing shows.
+        ``above`` divided by the larger of the two others; 0 where ``above`` is 0.
     """
     weight = np.zeros_like(above)
     np.divide(above, np.maximum(own, below), out=weight, where=above > 0)

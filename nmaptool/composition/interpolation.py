@@ -1,4 +1,4 @@
-"""Interpolation of normals with their coverage: sharp on smooth surfaces, without rings along edges and jumps."""
+"""Interpolate normals and their coverage: sharp on smooth surfaces, without ringing along edges and jumps."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _RINGING = 0.04
 def interpolated(
     mixed: Float32, inside: NDArray[np.uint8], centred: Float64, size: tuple[int, int], box: NDArray[Any] | None
 ) -> tuple[Float32, Float32]:
-    """Unit normals, not turned yet, and coverage, of (h, w, 4) vectors times coverage and coverage.
+    """Return unit normals, not yet transformed, and coverage from (h, w, 4) vectors times coverage and coverage.
 
-    Where there is a (left, top, right, bottom) box, the picture's edge is hard and lies there.
+    If a (left, top, right, bottom) box is given, the edge of the picture is hard and is the edge of the box.
     """
     import cv2
 
@@ -36,7 +36,7 @@ def interpolated(
     smooth = warp(inside, cv2.INTER_NEAREST).astype(bool)
     if smooth.any():
         sharp = warp(mixed, cv2.INTER_LANCZOS4)
-        # next to a jump within the map the sharper one would ring
+        # next to jumps within the map, the sharper interpolation would ring
         for off in cv2.split(cv2.absdiff(sharp, vectors)):
             smooth &= off < _RINGING
         np.copyto(vectors, sharp, where=smooth[..., None])
@@ -48,7 +48,7 @@ def interpolated(
 
 
 def border(box: NDArray[Any] | None) -> int:
-    """What lies beyond a picture: where its edge is hard, more of the same, so that the edge does not fade."""
+    """Return OpenCV's border mode: a hard edge is replicated beyond the picture, so it does not fade."""
     import cv2
 
     return cv2.BORDER_CONSTANT if box is None else cv2.BORDER_REPLICATE

@@ -1,4 +1,4 @@
-"""The layers of a composition, each on its place: what a workspace holds of them."""
+"""Place the layers of a composition for a layered file, without blending them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from nmaptool.composition.compose import canvas_frame, is_ground
-from nmaptool.composition.compositor import clear_canvas, compose_onto, place
+from nmaptool.composition.compositor import clear_canvas, compose_onto, group_piece, place
 from nmaptool.composition.placement import Piece
 from nmaptool.core.errors import InputError
 from nmaptool.options import CanvasOptions, GroupOptions
-from nmaptool.types.layers import Layer, LayerGroup, LayerLike, as_layers, check_mask
+from nmaptool.types.layers import Layer, LayerGroup, LayerLike, as_layers, errors_about
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.packed_map import PackedMap
 from nmaptool.types.picture import Frame
@@ -21,7 +21,7 @@ from nmaptool.types.picture import Frame
 def place_layers(
     layers: Sequence[LayerLike], canvas: CanvasOptions | None = None
 ) -> tuple[tuple[PackedMap, ...], Frame]:
-    """Move, turn, mask and feather layers for a canvas, without blending them: the input of `nmaptool.pack`.
+    """Move, rotate, mask and feather layers for a canvas, without blending them: the input of `nmaptool.pack`.
 
     Parameters
     ----------
@@ -35,16 +35,16 @@ def place_layers(
     Returns
     -------
     layers : tuple of PackedMap
-        Cropped to what they cover. Vectors are turned; masks and soft edges are part of the coverage.
+        Layers, cropped to what they cover. Their vectors are transformed; masks and soft edges are in the coverage.
     frame : Frame
         The canvas.
 
     Raises
     ------
     InputError
-        If there is no layer, or one lies off the canvas or covers nothing.
+        If there is no layer, or one is outside the canvas or covers nothing.
     UsageError
-        If a length is in mm and the size of a pixel is not known, or a layer is neither a Layer nor a map.
+        If a length is in mm and the pitch is unknown, or a layer is neither a Layer nor a map.
 
     Examples
     --------
@@ -59,7 +59,7 @@ def place_layers(
     canvas = canvas or CanvasOptions()
     frame = canvas_frame(layers, canvas)
     first = layers[0]
-    if is_ground(first, frame, canvas):  # with its flat background, which other layers do not bring along
+    if is_ground(first, frame, canvas):  # includes its flat background, unlike other layers
         ground = PackedMap(replace(first.normal_map, frame=frame), first.options.name)
         return (ground, *_placed(layers[1:], frame, ())), frame
     return tuple(_placed(layers, frame, ())), frame
@@ -74,10 +74,7 @@ def _placed(layers: Sequence[Layer | LayerGroup], frame: Frame, group: tuple[str
             found += _placed(layer.layers, frame, (*group, layer.name))
         else:
             inner = compose_onto(clear_canvas(frame, "clear"), layer.layers, in_group=True)
-            if layer.mask is not None:
-                check_mask(layer.mask, layer.name, frame.shape)
-                inner.coverage *= layer.mask
-            found.append(_packed(Piece(inner.normals, inner.coverage, inner.foreground), layer, frame, group))
+            found.append(_packed(group_piece(inner, layer), layer, frame, group))
     return found
 
 
@@ -88,10 +85,11 @@ def _all_over(group: LayerGroup) -> bool:
 
 
 def _packed(piece: Piece, layer: Layer | LayerGroup, frame: Frame, group: tuple[str, ...]) -> PackedMap:
-    """A piece cut to what it covers."""
+    """Crop a piece to what it covers."""
     rows, cols = (np.flatnonzero(piece.coverage.any(axis=axis)) for axis in (1, 0))
     if not rows.size:
-        raise InputError(f"{layer.name}: covers nothing where it lies; look at its mask, its alpha and its place")
+        with errors_about(layer):
+            raise InputError(f"{layer.name}: covers no pixel of the canvas; check its mask, alpha and position")
     part = slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
     coverage = piece.coverage[part]
     own = NormalMap(

@@ -1,7 +1,7 @@
-"""Maps moved, turned, stretched: pixels with their vectors, coverage with both.
+"""Move, rotate and stretch maps: pixels, their vectors and their coverage.
 
-Pictures are counted across and down from their top left corner, a pixel's centre at .5; a matrix takes a map's
-coordinates to the canvas's. Slopes follow as k A^-T g, A being the matrix with y up and k the factor on heights.
+Coordinates run across and down from the top left corner, with pixel centres at .5; a matrix takes coordinates of the
+map to those of the canvas. Slopes g become k A^-T g, where A is the matrix with y up and k the factor on heights.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from nmaptool.core.units import Length
 from nmaptool.core.vectors import FLAT, unit
 from nmaptool.types.picture import Frame
 
-# scales that differ by less are rounding of sizes in px, not stretching
+# scales that differ by less differ by the rounding of sizes in px, not by stretching
 _UNEVEN = 0.01
 _EXACT = 1e-7
 _WHOLE = 1e-4  # px
@@ -41,7 +41,7 @@ class Piece:
     coverage : (h, w) float32
     foreground : (h, w) bool
     left, top : int
-        Where its corner lies on the canvas.
+        Position of its corner on the canvas.
     """
 
     normals: Float32
@@ -54,7 +54,7 @@ class Piece:
 def linear_part(
     scale: tuple[float, float] = (1.0, 1.0), flip_h: bool = False, flip_v: bool = False, rotate_deg: float = 0.0
 ) -> Float64:
-    """(2, 2) matrix that scales, mirrors, then turns counter-clockwise; quarter turns are exact."""
+    """Return the (2, 2) matrix that scales, mirrors, then rotates counter-clockwise; quarter turns are exact."""
     quarters = rotate_deg / 90
     if quarters == round(quarters):
         cos, sin = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[round(quarters) % 4]
@@ -65,7 +65,7 @@ def linear_part(
 
 
 def with_fixed_point(linear: Float64, source: tuple[float, float], target: tuple[float, float]) -> Float64:
-    """(2, 3) matrix that takes ``source`` to ``target``; whole pixels stay whole where nothing else is resampled."""
+    """Return the (2, 3) matrix that takes ``source`` to ``target``, rounded to whole pixels if nothing is resampled."""
     move = np.array(target) - linear @ np.array(source)
     if is_exact(linear):
         move = np.floor(move + 0.5 + _EXACT)
@@ -73,18 +73,18 @@ def with_fixed_point(linear: Float64, source: tuple[float, float], target: tuple
 
 
 def scale_factors(scale: tuple[float, float] | Length, frame: Frame, cols: int) -> tuple[float, float]:
-    """Factors across and down of a map of ``cols`` columns; a length is its new width, % being those of ``frame``.
+    """Return the factors across and down for a map with ``cols`` columns; a length is its new width, % is of ``frame``.
 
     Raises
     ------
     UsageError
-        If a length is in mm and the frame's pitch is not known, or it is less than a thousandth or more than a thousand
-        times the map's own width.
+        If a length is in mm and the pitch of the frame is unknown, or it is less than 0.001 or more than 1000 times the
+        width of the map.
     """
     if not isinstance(scale, Length):
         return scale
     if scale.is_absolute and frame.pitch_mm is None:
-        raise UsageError(f"`scale='{scale}'`: the size of a pixel is not known; say `width='100mm'`, or give a factor")
+        raise UsageError(f"`scale='{scale}'`: the size of a pixel is not known; give `width='100mm'`, or a factor")
     pitch = frame.pitch_mm or 1.0
     factor = scale.to_mm(pitch, frame.cols) / pitch / cols
     if not 1 / _LARGEST_FACTOR <= factor <= _LARGEST_FACTOR:
@@ -93,13 +93,13 @@ def scale_factors(scale: tuple[float, float] | Length, frame: Frame, cols: int) 
 
 
 def is_exact(linear: Float64) -> bool:
-    """Whether pixels go to pixels: quarter turns and mirrors."""
+    """Whether pixels map exactly to pixels: quarter turns and mirrors."""
     whole = np.round(linear)
     return bool(np.abs(linear - whole).max() < _EXACT and np.array_equal(np.abs(whole @ whole.T), np.eye(2)))
 
 
 def default_height_factor(linear: Float64) -> float:
-    """Factor on heights in px: the scale where it is the same in all directions, so that slopes stay; else 1."""
+    """Return the factor on heights in px: the scale if it is the same in all directions, which keeps slopes; else 1."""
     stretch = np.linalg.svd(linear, compute_uv=False)
     return 1.0 if is_uneven(stretch) else float(np.sqrt(stretch.prod()))
 
@@ -111,20 +111,20 @@ def is_uneven(scales: Iterable[float]) -> bool:
 
 
 def turn_vectors(normals: Float32, linear: Float64, height_factor: float) -> Float32:
-    """Normals of a surface whose picture is mapped by ``linear`` and whose heights are multiplied.
+    """Return the normals of a surface after its picture is mapped by ``linear`` and its heights are multiplied.
 
     Parameters
     ----------
     normals : (..., 3) float32
         Unit normals.
     linear : (2, 2) float64
-        Rows down.
+        Matrix of picture coordinates, with y down.
     height_factor : float
 
     Returns
     -------
     (..., 3) float32
-        Unit normals; rotations, mirrors and even scaling with its own height factor keep lengths to rounding.
+        Unit normals; rotations, mirrors and uniform scaling with the same height factor keep lengths up to rounding.
     """
     up = linear * np.array([[1, -1], [-1, 1]])
     gradient = (height_factor * np.linalg.inv(up).T).astype(np.float32)
@@ -147,26 +147,26 @@ def map_piece(
     height_factor: float | None = None,
     name: str = "a picture",
 ) -> Piece:
-    """A map on its way to a canvas, cut to a window of it.
+    """Map a piece to a window of a canvas.
 
     Parameters
     ----------
     source : Piece
-        Its own place does not count.
+        Its ``left`` and ``top`` are ignored.
     matrix : (2, 3) float64
     window : (left, top, cols, rows)
-        Of the canvas; at least one pixel.
+        Part of the canvas; at least one pixel.
     height_factor : float, optional
         Default: `default_height_factor`.
     name : str
-        What to call it in messages.
+        Name for messages.
 
     Returns
     -------
     Piece
-        Exact, bit by bit, where pixels go to pixels; else resampled by Lanczos interpolation inside the coverage,
-        linear along its edge and next to jumps, after averaging where it shrinks. An edge of the picture that falls
-        between pixels stays hard.
+        Bit-exact if pixels map to pixels; otherwise resampled by Lanczos interpolation inside the coverage, linear
+        along its edge and next to jumps, after averaging if it shrinks. An edge of the picture that falls between
+        pixels stays hard.
 
     Raises
     ------
@@ -180,21 +180,21 @@ def map_piece(
         return Piece(turn_vectors(piece.normals, linear, k), piece.coverage, piece.foreground, piece.left, piece.top)
     if max(*source.coverage.shape, window[2], window[3]) > _LONGEST_SIDE:
         raise LimitError(
-            f"{name}: with a side of more than {_LONGEST_SIDE} px it cannot be turned or stretched; crop it, or make "
-            "it smaller"
+            f"{name}: has a side of more than {_LONGEST_SIDE} px, the limit for rotating and resizing; crop it, or "
+            "make it smaller"
         )
     return _resample(source, matrix, window, k)
 
 
 def bounds(matrix: Float64, cols: int, rows: int) -> tuple[int, int, int, int]:
-    """(left, top, right, bottom) in whole px of a mapped picture."""
+    """Return (left, top, right, bottom) of a mapped picture in whole px."""
     corners = matrix[:, :2] @ np.array([[0, cols, 0, cols], [0, 0, rows, rows]]) + matrix[:, 2:]
     low, high = np.floor(corners.min(axis=1) + 1e-6), np.ceil(corners.max(axis=1) - 1e-6)
     return int(low[0]), int(low[1]), int(high[0]), int(high[1])
 
 
 def _move_pixels(source: Piece, matrix: Float64, window: tuple[int, int, int, int]) -> Piece:
-    """Mirror, turn by quarters and shift by whole pixels."""
+    """Mirror, rotate by quarter turns and shift by whole pixels."""
     left, top, cols, rows = window
     arrays = []
     low = bounds(matrix, source.coverage.shape[1], source.coverage.shape[0])
@@ -215,7 +215,7 @@ def _move_pixels(source: Piece, matrix: Float64, window: tuple[int, int, int, in
 
 
 def _copy_in_tiles(source: NDArray[Any], out: NDArray[Any]) -> None:
-    """Copy a picture that may lie on its side: long rows would touch new memory at every pixel."""
+    """Copy a picture that may be transposed; in tiles, because whole rows would miss the cache at every pixel."""
 
     def copy(band: slice) -> None:
         for first in range(0, out.shape[1], _TILE):
@@ -239,7 +239,7 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
         motif = None if motif is None else cv2.resize(motif, shrunk[::-1], interpolation=cv2.INTER_AREA)
         matrix = matrix @ np.diag([cols / shrunk[1], rows / shrunk[0], 1])
     left, top, cols, rows = window
-    # OpenCV counts from the centre of the first pixel
+    # the origin of OpenCV is the centre of the first pixel
     centred = np.column_stack([matrix[:, :2], matrix[:, :2] @ [0.5, 0.5] + matrix[:, 2] - (left + 0.5, top + 0.5)])
     whole = _has_whole_edges(matrix, mixed.shape)
     box = np.subtract(bounds(matrix, mixed.shape[1], mixed.shape[0]), (left, top, left, top)) if whole else None
@@ -254,7 +254,7 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
     )
 
     def fill(band: slice) -> None:
-        """In bands, since what interpolation needs besides its result is several times as large."""
+        """Fill a band; in bands, because interpolation needs work arrays several times as large as its result."""
         moved = centred - np.array([[0, 0, 0], [0, 0, band.start]])
         size = (cols, band.stop - band.start)
         vectors, coverage = interpolated(mixed, inside, moved, size, None if box is None else box - (0, band.start) * 2)
@@ -270,14 +270,14 @@ def _resample(source: Piece, matrix: Float64, window: tuple[int, int, int, int],
 
 
 def _shrunk_size(matrix: Float64, shape: tuple[int, ...]) -> tuple[int, int]:
-    """Rows and columns to average to before the rest is interpolated."""
+    """Return the rows and columns to average down to before interpolation."""
     across, down = (float(np.linalg.norm(matrix[:, axis])) for axis in range(2))
     rows, cols = shape
     return max(1, round(rows * min(down, 1.0))), max(1, round(cols * min(across, 1.0)))
 
 
 def _has_whole_edges(matrix: Float64, shape: tuple[int, ...]) -> bool:
-    """Whether the picture's edges lie between pixels of the canvas, as where it is resized."""
+    """Whether the edges of the picture fall between pixels of the canvas, as after resizing."""
     linear = matrix[:, :2]
     upright = min(np.abs(np.diag(linear)).max(), np.abs(np.diag(linear[::-1])).max()) < _EXACT
     corners = np.column_stack([matrix[:, 2], linear @ [shape[1], shape[0]] + matrix[:, 2]])

@@ -9,6 +9,7 @@ from dataclasses import fields
 from pathlib import PurePath
 from typing import Any
 
+from nmaptool.composition.recipe_places import LineOf, Place
 from nmaptool.core.errors import InputError, LimitError, UsageError
 from nmaptool.core.mentions import rendered
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
@@ -24,6 +25,8 @@ _FILE_KINDS: dict[str, Kind] = {
     "mask": Text("mask.png"),
     "hidden": Switch(),
 }
+# what they name, none of which may be empty
+_NAMES = {"file": "a normal map", "recipe": "a recipe", "mask": "a grey picture"}
 _PLACE_KEYS = tuple(f.name for f in fields(LayerOptions))
 _GROUP_OPTIONS = tuple(f.name for f in fields(GroupOptions))
 _CANVAS_KEYS = tuple(f.name for f in fields(CanvasOptions))
@@ -35,7 +38,9 @@ _KEYS = frozenset((*_ALL_KEYS, *READ_KEYS, *_CANVAS_KEYS))
 _LONGEST_SHOWN = 60
 
 
-def parse_recipe(values: Mapping[str, Any], *, name: str = "recipe", folder: str = "") -> Recipe:
+def parse_recipe(
+    values: Mapping[str, Any], *, name: str = "recipe", folder: str = "", line_of: LineOf | None = None
+) -> Recipe:
     """Make a recipe of a mapping, as ``tomllib`` reads it.
 
     Parameters
@@ -47,6 +52,9 @@ def parse_recipe(values: Mapping[str, Any], *, name: str = "recipe", folder: str
         What to call the recipe in messages.
     folder : str
         What its files are relative to.
+    line_of : callable, optional
+        Gives the line of a value in the recipe's text, for messages: ``line_of(("layer", 0, "mode"))`` is that of
+        ``values["layer"][0]["mode"]``, or of the table around it. Default: messages name no lines.
 
     Returns
     -------
@@ -62,66 +70,72 @@ def parse_recipe(values: Mapping[str, Any], *, name: str = "recipe", folder: str
     Examples
     --------
     >>> nm.parse_recipe({"layer": [{"file": "plate.png"}, {"file": "leaf.png", "mode": "rnm"}]})
-    <Recipe recipe: 2 layers, 2 files, canvas that of the lowest layer>
+    <Recipe recipe: 2 layers, 2 files, canvas of the lowest layer's size>
     """
-    known = _known(values, ("canvas", "layer"), name)
+    top = Place(name, line_of)
+    known = _known(values, ("canvas", "layer"), top)
     canvas = CanvasOptions()
     if "canvas" in known:
-        where = f"{name}: canvas"
-        table = _known(_table(known["canvas"], where, "[canvas]"), _CANVAS_KEYS, where)
-        canvas = _options(CanvasOptions, _typed(CanvasOptions, table, where), where)
-    layers = _entries(known["layer"], name, "", 1) if "layer" in known else ()
+        place = top.to("canvas", title="canvas")
+        table = _known(_table(known["canvas"], place, "[canvas]"), _CANVAS_KEYS, place)
+        canvas = _options(CanvasOptions, _typed(CanvasOptions, table, place), place)
+    layers = _entries(known["layer"], top, "", 1) if "layer" in known else ()
     return Recipe(layers, canvas, name, folder)
 
 
-def _entries(found: Any, name: str, number: str, depth: int) -> tuple[Entry, ...]:
-    where = f"{name}: layer {number.rstrip('.')}" if number else name
+def _entries(found: Any, around: Place, number: str, depth: int) -> tuple[Entry, ...]:
+    """The layers in a recipe, or in the group of that number."""
+    title = f"layer {number.rstrip('.')}" if number else ""
+    place = around.to("layer", title=title)
     if depth > DEEPEST:
-        raise LimitError(f"{where}: groups lie more than {DEEPEST} deep in each other; flatten them")
+        raise LimitError(f"{place.named()}: groups lie more than {DEEPEST} deep in each other; flatten them")
     brackets = "layer." * number.count(".") + "layer"
     if isinstance(found, Mapping):
-        raise InputError(f"{where}: [{brackets}] is one table; write [[{brackets}]], with double brackets")
+        raise InputError(f"{place.named()}: [{brackets}] is one table; write [[{brackets}]], with double brackets")
     if not isinstance(found, list | tuple):
-        raise InputError(f"{where}: layer: found {_shown(found)}, expected tables [[{brackets}]]")
-    return tuple(_entry(each, name, f"{number}{i}", depth) for i, each in enumerate(found, start=1))
+        raise InputError(f"{place.named()}: layer: found {_shown(found)}, expected tables [[{brackets}]]")
+    return tuple(
+        _entry(each, place.to(i, title=f"layer {number}{i + 1}"), f"{number}{i + 1}", depth)
+        for i, each in enumerate(found)
+    )
 
 
-def _entry(found: Any, name: str, number: str, depth: int) -> Entry:
+def _entry(found: Any, place: Place, number: str, depth: int) -> Entry:
     """A layer, a group or a link, by what it holds."""
-    where = f"{name}: layer {number}"
-    table = _table(found, where, "[[layer]]")
-    where += _called(table)
-    known = _known(table, _ALL_KEYS, where)
+    table = _table(found, place, "[[layer]]")
+    place = place.to(title=place.title + _called(table))
+    known = _known(table, _ALL_KEYS, place)
     holds = [key for key in _CONTENTS if key in known]
     if len(holds) != 1 or (holds == ["layer"] and not known["layer"]):
         what = " and ".join(holds) if len(holds) > 1 else "neither file, recipe nor layers"
         remedy = "give one of them: file (a normal map), recipe (another recipe) or [[layer.layer]] (a group)"
-        raise InputError(f"{where}: holds {what}; {remedy}")
+        raise InputError(f"{place.named(*holds[:1])}: holds {what}; {remedy}")
     (kind,) = holds
     own = LAYER_KEYS if kind == "file" else GROUP_KEYS
     for key in known:
         if key not in own:
-            what = "recipe" if kind == "recipe" else "group"
-            raise InputError(f"{where}: {key}: is for a layer with a file, not for a {what}; give it to its layers")
+            what = f"is for a layer with a file, not for a {'recipe' if kind == 'recipe' else 'group'}"
+            raise InputError(f"{place.named(key)}: {key}: {what}; give it to its layers")
     class_of_options = LayerOptions if kind == "file" else GroupOptions
-    values = _typed(class_of_options, {k: v for k, v in known.items() if k not in ("read", "layer")}, where)
-    common = {"mask": values.pop("mask", None), "hidden": values.pop("hidden", False), "origin": where}
-    if common["mask"] == "":
-        raise InputError(f"{where}: mask: found nothing, expected the name of a grey picture")
+    values = _typed(class_of_options, {k: v for k, v in known.items() if k not in ("read", "layer")}, place)
+    for key, expected in _NAMES.items():
+        if values.get(key) == "":
+            raise InputError(f"{place.named(key)}: {key}: found nothing, expected the name of {expected}")
+    common = {"mask": values.pop("mask", None), "hidden": values.pop("hidden", False), "origin": place.named()}
     if kind == "file":
         file = values.pop("file")
-        read = _read(known.get("read", {}), f"{where}: read")
-        return RecipeLayer(file, _options(LayerOptions, values, where), read=read, **common)
+        read = _read(known.get("read", {}), place.to("read", title=f"{place.title}: read"))
+        return RecipeLayer(file, _options(LayerOptions, values, place), read=read, **common)
     if kind == "recipe":
         recipe = values.pop("recipe")
-        return RecipeLink(recipe, _options(GroupOptions, {"name": recipe, **values}, where), **common)
-    options = _options(GroupOptions, values, where)
-    return RecipeGroup(_entries(known["layer"], name, f"{number}.", depth + 1), options, **common)
+        return RecipeLink(recipe, _options(GroupOptions, {"name": recipe, **values}, place), **common)
+    options = _options(GroupOptions, values, place)
+    return RecipeGroup(_entries(known["layer"], place, f"{number}.", depth + 1), options, **common)
 
 
-def _read(found: Any, where: str) -> dict[str, Any]:
-    given = _typed(ReadOptions, _known(_table(found, where, "[layer.read]"), READ_KEYS, where), where)
-    _options(ReadOptions, given, where)
+def _read(found: Any, place: Place) -> dict[str, Any]:
+    given = _typed(ReadOptions, _known(_table(found, place, "[layer.read]"), READ_KEYS, place), place)
+    _options(ReadOptions, given, place)
     return given
 
 
@@ -135,13 +149,13 @@ def _called(table: Mapping[str, Any]) -> str:
     return f" ({_cut(' '.join(printable.split()))})"
 
 
-def _table(found: Any, where: str, example: str) -> Mapping[str, Any]:
+def _table(found: Any, place: Place, example: str) -> Mapping[str, Any]:
     if not isinstance(found, Mapping):
-        raise InputError(f"{where}: found {_shown(found)}, expected a table {example}")
+        raise InputError(f"{place.named()}: found {_shown(found)}, expected a table {example}")
     return found
 
 
-def _known(table: Mapping[str, Any], accepted: Iterable[str], where: str) -> dict[str, Any]:
+def _known(table: Mapping[str, Any], accepted: Iterable[str], place: Place) -> dict[str, Any]:
     """The table with _ in its keys, all of them known."""
     accepted = tuple(accepted)
     known: dict[str, Any] = {}
@@ -150,51 +164,49 @@ def _known(table: Mapping[str, Any], accepted: Iterable[str], where: str) -> dic
         if key not in accepted:
             near = difflib.get_close_matches(key.lower(), accepted, 1)
             remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(accepted)}"
-            raise InputError(f"{where}: unknown key {_cut(written)!r}; {remedy}")
+            raise InputError(f"{place.named(written)}: unknown key {_cut(written)!r}; {remedy}")
         if key in known:
-            raise InputError(f"{where}: {key}: is there twice, with _ and with -; take one out")
+            raise InputError(f"{place.named(written)}: {key}: is there twice, with _ and with -; take one out")
         known[key] = value
     return known
 
 
-def _typed(options: type[Options], table: Mapping[str, Any], where: str) -> dict[str, Any]:
+def _typed(options: type[Options], table: Mapping[str, Any], place: Place) -> dict[str, Any]:
     """The values as the options want them; the options' own fields say what each key takes."""
     kinds = {**_FILE_KINDS, **{f.name: kind for f in fields(options) if (kind := kind_of(f)) is not None}}
-    return {key: _value(kinds[key], value, f"{where}: {key}") for key, value in table.items()}
+    return {key: _value(kinds[key], value, key, place) for key, value in table.items()}
 
 
-def _value(kind: Kind, value: Any, where: str) -> Any:
+def _value(kind: Kind, value: Any, key: str, place: Place) -> Any:
     if isinstance(kind, ScaleText) and isinstance(value, str):
         return value
     if kind.toml is float:
-        return _number(kind, value, where)
-    if kind.toml is bool:
-        if not isinstance(value, bool):
-            raise InputError(f"{where}: found {_shown(value)}, expected true or false")
+        return _number(kind, value, key, place)
+    if isinstance(value, kind.toml):
         return value
-    if not isinstance(value, str):
-        raise InputError(f'{where}: found {_shown(value)}, expected text in quotes, such as "{kind.such_as}"')
-    return value
+    expected = "true or false" if kind.toml is bool else f'text in quotes, such as "{kind.such_as}"'
+    raise InputError(f"{place.named(key)}: {key}: found {_shown(value)}, expected {expected}")
 
 
-def _number(kind: Kind, value: Any, where: str) -> Any:
+def _number(kind: Kind, value: Any, key: str, place: Place) -> Any:
     is_scale = isinstance(kind, ScaleText)
     if not isinstance(value, int | float) or isinstance(value, bool):
-        more = ', text such as "0.5,0.7" or "30mm"' if is_scale else ""
-        raise InputError(f"{where}: found {_shown(value)}, expected a number such as {kind.such_as}{more}")
+        expected = f"a number such as {kind.such_as}" + (', text such as "0.5,0.7" or "30mm"' if is_scale else "")
+        raise InputError(f"{place.named(key)}: {key}: found {_shown(value)}, expected {expected}")
     try:
         number = float(value)
     except OverflowError:
-        raise InputError(f"{where}: found {_shown(value)}, which is too large") from None
+        raise InputError(f"{place.named(key)}: {key}: found {_shown(value)}, which is too large") from None
     return number_text(number) if is_scale else number
 
 
-def _options(kind: Any, given: Mapping[str, Any], where: str) -> Any:
-    """Options of that kind; what they refuse is told in the recipe's words."""
+def _options(kind: Any, given: Mapping[str, Any], place: Place) -> Any:
+    """Options of that kind; what they refuse is told in the recipe's words, with the line of the first key named."""
     try:
         return kind(**given)
     except UsageError as error:
-        raise InputError(f"{where}: {with_recipe_keys(str(error))}") from None
+        first = [name for name in error.options if name in given][:1]
+        raise InputError(f"{place.named(*first)}: {with_recipe_keys(str(error))}") from None
 
 
 def with_recipe_keys(text: str) -> str:

@@ -1,4 +1,4 @@
-"""Recipes written as TOML."""
+"""Write recipes as TOML."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _SHORT = {"\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f", "\r": "\\r", '"': 
 
 
 def to_toml(recipe: Recipe) -> str:
-    """Write a recipe as TOML text; default values are left out.
+    """Write a recipe as TOML text; default values are omitted.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def to_toml(recipe: Recipe) -> str:
     Returns
     -------
     str
-        Read by ``tomllib`` and parsed by `nmaptool.parse_recipe`, it gives an equal recipe.
+        TOML text; ``tomllib`` and `nmaptool.parse_recipe` turn it back into an equal recipe.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def _entry(layer: Entry, path: str) -> Iterator[str]:
 
 
 def _given(options: Any, default: Any) -> dict[str, Any]:
-    """The fields that differ from the default."""
+    """Return the fields that differ from the default."""
     values = {f.name: getattr(options, f.name) for f in fields(options)}
     return {key: value for key, value in values.items() if value != getattr(default, key)}
 
@@ -86,7 +86,7 @@ def _value(key: str, value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, int | float):
         return number_text(float(value))
-    if isinstance(value, Length | Offset):  # their own text is rounded for reading
+    if isinstance(value, Length | Offset):  # their own text is rounded for display
         return _text(f"{number_text(value.value)}{value.unit}")
     if key == "scale" and _is_number(value):
         return str(value)
@@ -94,7 +94,7 @@ def _value(key: str, value: Any) -> str:
 
 
 def _is_number(text: str) -> bool:
-    """Whether text is just what a number would be written as."""
+    """Whether the text is exactly how its number would be written."""
     try:
         return number_text(float(text)) == text
     except ValueError:
@@ -102,12 +102,12 @@ def _is_number(text: str) -> bool:
 
 
 def _text(value: str) -> str:
-    """A TOML basic string."""
+    """Return a TOML basic string."""
     try:
         value.encode()
     except UnicodeEncodeError:
         shown = value.encode("utf-8", "replace").decode()
-        raise InputError(f"{shown}: has a name that is not valid UTF-8; rename it") from None
+        raise InputError(f"{shown}: the file name is not valid UTF-8; rename the file") from None
     return '"' + "".join(_SHORT.get(c) or (c if c.isprintable() else _escaped(c)) for c in value) + '"'
 
 

@@ -1,4 +1,4 @@
-"""A map cropped, mirrored, resized, turned, padded: pixels and vectors together."""
+"""Crop, mirror, resize, rotate and pad a map: pixels and vectors together."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from nmaptool.types.picture import Frame
 def transform(
     normal_map: NormalsLike, options: TransformOptions | None = None, *, max_megapixels: float = 270.0
 ) -> Composition:
-    """Crop, mirror, resize, rotate and pad a map; vectors are transformed along (slopes by the inverse transpose).
+    """Crop, mirror, resize, rotate and pad a map together with its vectors (slopes by the inverse transpose).
 
     Parameters
     ----------
@@ -41,25 +41,25 @@ def transform(
     options : TransformOptions, optional
         Crop, mirrors, scale, rotation, borders.
     max_megapixels : float
-        Refuse a larger result.
+        Limit of the result's size.
 
     Returns
     -------
     Composition
-        Crops, borders, mirrors and quarter turns are exact in every bit.
+        Crops, borders, mirrors and quarter turns are bit-exact.
 
     Raises
     ------
     UsageError
-        If a length is in mm and the size of a pixel is not known, or the map is neither a NormalMap nor an array.
+        If a length is in mm and the pitch is unknown, or the map is neither a NormalMap nor an array.
     InputError
-        If the crop lies outside the picture, or nothing is left.
+        If the crop is not inside the picture, or the result is empty.
     LimitError
         If the result is larger than ``max_megapixels``.
 
     Examples
     --------
-    A mirrored slope rises the other way:
+    A mirrored slope rises in the opposite direction:
 
     >>> normals = np.zeros((4, 6, 3))
     >>> normals[...] = 0.6, 0, 0.8
@@ -110,15 +110,15 @@ def transform(
 
 
 def _warnings(linear: Float64, o: TransformOptions) -> tuple[str, ...]:
-    """What may not be meant: heights kept under a stretched picture."""
+    """Return warnings about effects that may be unintended: heights kept when the picture is stretched."""
     scales = np.linalg.svd(linear, compute_uv=False)
     if o.height_factor is not None or not is_uneven(scales):
         return ()
     across, down = (1 / float(np.linalg.norm(linear[:, axis])) for axis in range(2))
     even = float(np.sqrt(scales.prod()))
     stated = (
-        f"the picture is stretched, so its heights stay and its slopes change by {across:.3g} across and {down:.3g} "
-        f"down; `height_factor={even:.3g}` keeps them on the whole"
+        f"the picture is stretched unevenly and keeps its heights, so its slopes are multiplied by {across:.3g} across "
+        f"and {down:.3g} down; `height_factor={even:.3g}` keeps them on average"
     )
     return (stated,)
 
@@ -129,7 +129,7 @@ def _is_motif_on_plate(normal_map: NormalMap) -> bool:
 
 
 def _linear(o: TransformOptions, frame: Frame) -> Float64:
-    """Scale, mirrors, rotation and the given matrix as one, without a resize to a size in px."""
+    """Return scale, mirrors, rotation and the given matrix as one matrix, without a resize to a size in px."""
     factors = scale_factors(o.factors, frame, frame.cols)
     if o.affine is None:
         return linear_part(factors, o.flip_h, o.flip_v, o.rotate)
@@ -147,8 +147,8 @@ def _cropped(source: Piece, o: TransformOptions, frame: Frame, name: str) -> tup
     left, top, cols, rows = (round(d.to_px(frame.pitch_mm, side)) for d, side in zip(o.window, sides, strict=True))
     if min(left, top) < 0 or left + cols > frame.cols or top + rows > frame.rows or min(cols, rows) < 1:
         raise InputError(
-            f"{name}: `crop={o.crop!r}` is {cols} x {rows} px at {left},{top}, which does not lie in the picture of "
-            f"{frame} px; make a picture larger with `pad`"
+            f"{name}: `crop={o.crop!r}` is {cols} x {rows} px at {left},{top}, which is not inside the picture of "
+            f"{frame} px; to enlarge a picture, use `pad`"
         )
     part = np.s_[top : top + rows, left : left + cols]
     piece = Piece(source.normals[part], source.coverage[part], source.foreground[part])
@@ -158,12 +158,12 @@ def _cropped(source: Piece, o: TransformOptions, frame: Frame, name: str) -> tup
 def _canvas(
     linear: Float64, o: TransformOptions, frame: Frame, max_megapixels: float, name: str
 ) -> tuple[Float64, Frame]:
-    """The matrix onto the result's canvas, and its frame."""
+    """Return the matrix onto the canvas of the result, and its frame."""
     across, down = frame.cols, frame.rows
     matrix = np.column_stack([linear, np.zeros(2)])
     left, top, right, bottom = bounds(matrix, across, down)
     cols, rows = right - left, bottom - top
-    matrix[:, 2] = np.array([cols, rows]) / 2 - linear @ np.array([across, down]) / 2  # its centre in the middle
+    matrix[:, 2] = np.array([cols, rows]) / 2 - linear @ np.array([across, down]) / 2  # centred
     if o.keep_size:
         matrix[:, 2] += np.array([across - cols, down - rows]) / 2
         cols, rows = across, down
@@ -174,10 +174,10 @@ def _canvas(
     matrix[:, 2] += pad[:2]
     cols, rows = cols + pad[0] + pad[2], rows + pad[1] + pad[3]
     if cols < 1 or rows < 1:
-        raise InputError(f"{name}: nothing is left of the picture; use a larger `scale`")
+        raise InputError(f"{name}: the result would have no pixels; use a larger `scale`")
     if cols * rows > max_megapixels * 1e6:
         raise LimitError(
-            f"{name}: a result of {cols} x {rows} px is more than the limit of {max_megapixels:g} megapixels; make it "
+            f"{name}: the result of {cols} x {rows} px exceeds the limit of {max_megapixels:g} megapixels; make it "
             "smaller or raise `max_megapixels`"
         )
     pitch = frame.pitch_mm
@@ -187,7 +187,7 @@ def _canvas(
 
 
 def _on_plate(piece: Piece) -> Piece:
-    """A piece on a flat plate, which is a defined part of the map."""
+    """Return a piece on a flat plate, which is a defined part of the map."""
     flat = np.empty_like(piece.normals)
     flat[...] = FLAT
     normals = mix_normals(flat, piece.normals, piece.coverage)

@@ -1,1 +1,1 @@
-"""What every room stands on: errors, units, arrays, threads, memory, grids and vectors."""
+"""Shared by all packages: errors, units, arrays, threads, memory, grids and vectors."""

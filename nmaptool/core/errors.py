@@ -1,4 +1,4 @@
-"""Errors a user can meet, each with the exit code that the command line answers with.
+"""Errors that nmaptool raises on purpose, each with the exit code of the command line.
 
 A message is one line: the file or option, what was found, what is accepted, and the remedy. It names options as
 `nmaptool.core.mentions` describes.
@@ -12,7 +12,7 @@ from nmaptool.core.mentions import Mention, options_in, rendered
 
 
 def reason_of(error: OSError) -> str:
-    """Why the operating system refused, in its words."""
+    """The reason that the operating system gives for a failure."""
     return error.strerror or "is the disk full?"
 
 
@@ -27,11 +27,11 @@ class NmaptoolError(Exception):
 
     @property
     def options(self) -> tuple[str, ...]:
-        """The field names of the options that the message is about, in its order."""
+        """Field names of the options in the message, in order of appearance."""
         return options_in(str(self))
 
     def rendered(self, mention: Mention) -> str:
-        """The message, with each option as ``mention(name, value)`` says it."""
+        """The message, with each option replaced by ``mention(name, value)``."""
         return rendered(str(self), mention)
 
 
@@ -40,11 +40,11 @@ class UsageError(NmaptoolError, ValueError, exit_code=2):
 
 
 class InputError(NmaptoolError, ValueError, exit_code=3):
-    """A file or array that cannot be used as it is (exit code 3)."""
+    """A file or array that cannot be used (exit code 3)."""
 
 
 class LimitError(NmaptoolError, exit_code=4):
-    """An input over a limit of size or memory, refused before allocation (exit code 4)."""
+    """An input that exceeds a limit of size or memory, refused before allocation (exit code 4)."""
 
 
 class OutputError(NmaptoolError, OSError, exit_code=5):

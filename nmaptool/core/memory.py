@@ -1,4 +1,4 @@
-"""How much memory this computer has to give, asked of the operating system itself."""
+"""The memory that is available, as the operating system reports it."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import os
 import sys
 from pathlib import Path
 
-# where the system does not say what is free: so much of what is built in
+# share of the installed memory to use where the system does not report free memory
 _SHARE_OF_ALL = 0.75
 
 
 def available_bytes(root: Path = Path("/")) -> int | None:
-    """Memory that can be had without swapping; None where the system does not tell.
+    """Bytes of memory that can be used without swapping; None if the system does not report them.
 
-    Linux says what is free and what its control groups (containers) leave; Windows says what is free. Elsewhere, as on
-    macOS, it is three quarters of what is built in.
+    On Linux, the available memory or what the control groups (containers) leave, whichever is smaller. On Windows, the
+    free memory. Elsewhere, such as on macOS, three quarters of the installed memory.
 
     Parameters
     ----------
     root : Path
-        Where ``proc`` and ``sys`` are.
+        The folder that contains ``proc`` and ``sys``.
     """
     if sys.platform == "win32":
         return _free_on_windows()
@@ -39,13 +39,13 @@ def _text(path: Path) -> str:
 
 
 def _number(path: Path) -> int | None:
-    """What a file of one number says; None for ``max`` and where there is no file."""
+    """The number in a file; None for ``max`` or if there is no file."""
     text = _text(path).strip()
     return int(text) if text.isdecimal() else None
 
 
 def _fields(text: str) -> dict[str, int]:
-    """Lines of a name and a number."""
+    """Parse lines of a name and a number."""
     rows = (line.replace(":", " ").split() for line in text.splitlines())
     return {row[0]: int(row[1]) for row in rows if len(row) > 1 and row[1].isdecimal()}
 
@@ -56,7 +56,7 @@ def _meminfo(path: Path) -> int | None:
 
 
 def _groups(root: Path) -> list[int]:
-    """What each control group around this process leaves, cached files not counted as taken."""
+    """The memory that each control group of this process leaves; cached files do not count as used."""
     mount = root / "sys/fs/cgroup"
     left = []
     for line in _text(root / "proc/self/cgroup").splitlines():
@@ -68,7 +68,7 @@ def _groups(root: Path) -> list[int]:
             base, limit_name, used_name = mount / "memory", "memory.limit_in_bytes", "memory.usage_in_bytes"
         else:
             continue
-        # within a container the path may be the host's: the mount itself is the group then
+        # in a container the path may be that of the host; the mount itself is then the group
         group = base / inside.strip("/")
         for folder in (group, *group.parents):
             limit, used = _number(folder / limit_name), _number(folder / used_name)

@@ -1,7 +1,7 @@
-"""Options in messages: written as Python has them, so that every front end can say them in its own way.
+"""Option names in messages: written in Python style, and rendered by each front end in its own style.
 
 A message of the library names an option in backticks, alone or with a value: ``use a larger `beta``` or
-```fit='scale'`: needs `height```. Python shows it as it is; the command line and recipes render it.
+```fit='scale'`: needs `height```. Python shows it unchanged; the command line and recipes render it.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from typing import Any
 
 _MENTION = re.compile(r"`([a-z][a-z0-9_]*)(?:=([^`]*))?`")
 
-# the name of an option and its value; None where the option is named alone
+# called with the name of an option and its value, None if the message gives no value
 Mention = Callable[[str, Any], str]
 
 
 def rendered(text: str, mention: Mention) -> str:
-    """A message with every option as ``mention(name, value)`` says it.
+    """A message with each option replaced by ``mention(name, value)``.
 
     >>> rendered("use `fit='scale'` or a larger `height`", lambda name, value: f"{name.upper()} {value}")
     'use FIT scale or a larger HEIGHT None'
@@ -28,7 +28,7 @@ def rendered(text: str, mention: Mention) -> str:
 
 
 def options_in(text: str) -> tuple[str, ...]:
-    """The names of the options in a message, in its order.
+    """The names of the options in a message, in order of appearance.
 
     >>> options_in("`fit='height'`: needs `height`")
     ('fit', 'height')
@@ -37,7 +37,7 @@ def options_in(text: str) -> tuple[str, ...]:
 
 
 def _value(text: str) -> Any:
-    """What is written after ``name=``: a literal of Python, or inf or nan; other text stays text."""
+    """The value after ``name=``: a Python literal, inf or nan; any other text is returned unchanged."""
     for read in (ast.literal_eval, float):
         with contextlib.suppress(ValueError, SyntaxError, TypeError):
             return read(text)

@@ -1,4 +1,4 @@
-"""Large arrays in bands of rows, on all cores: NumPy and OpenCV let other threads run while they compute."""
+"""Work on large arrays in bands of rows, on all cores: NumPy and OpenCV release the GIL while they compute."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _here = threading.local()
 
 
 def for_each_band(rows: int, rows_at_once: int, work: Callable[[slice], object]) -> None:
-    """Call ``work`` with every band of ``rows``, in no order.
+    """Call ``work`` with every band of ``rows``, in any order.
 
     Parameters
     ----------
     rows : int
     rows_at_once : int
-        Of a band; the last may have fewer.
+        Rows per band; the last band may have fewer.
     work : callable
-        Given the band as a slice; its bands must not depend on each other. What it raises is raised here.
+        Called with each band as a slice; the bands must not depend on each other. Its exceptions are raised here.
     """
     map_parallel([slice(first, min(first + rows_at_once, rows)) for first in range(0, rows, rows_at_once)], work)
 
@@ -37,18 +37,18 @@ def for_each_band(rows: int, rows_at_once: int, work: Callable[[slice], object])
 def map_parallel(
     tasks: Sequence[_Task], work: Callable[[_Task], _Result], most_threads: int = _MOST_THREADS
 ) -> list[_Result]:
-    """What ``work`` gives for each task, in their order; several at a time.
+    """Call ``work`` with each task, several at a time, and return the results in the order of the tasks.
 
-    Within ``work`` the same call goes through its tasks one by one.
+    A nested call from within ``work`` runs its tasks one by one.
 
     Parameters
     ----------
     tasks : sequence
         They must not depend on each other.
     work : callable
-        What it raises is raised here, of several the first in the order of the tasks; nothing runs any more then.
+        If calls fail, the exception of the first failed task is raised here, after all running tasks have ended.
     most_threads : int
-        However many cores there are.
+        Upper limit for the number of threads, even if there are more cores.
     """
     threads = min(cores(), most_threads, len(tasks))
     if threads < 2 or getattr(_here, "busy", False):
@@ -64,12 +64,12 @@ def cores() -> int:
 
 
 class _Round:
-    """One call's tasks: whoever is free takes the next, the caller too."""
+    """The tasks of one call. Each free thread takes the next task; so does the calling thread."""
 
     def __init__(self, tasks: Sequence[_Task], work: Callable[[_Task], _Result]) -> None:
         self._tasks = tasks
         self._work = work
-        self._following = itertools.count()  # asking it for the next number is atomic
+        self._following = itertools.count()  # next() is atomic
         self._stopped = False
         self._errors: dict[int, BaseException] = {}
         self._results: list[object] = [None] * len(tasks)
@@ -77,13 +77,15 @@ class _Round:
     def run(self, threads: int) -> list[_Result]:
         others: list[Future[None]] = []
         try:
-            with contextlib.suppress(RuntimeError):  # no more threads while Python is ending: the caller does it all
+            with contextlib.suppress(
+                RuntimeError
+            ):  # no new threads while Python shuts down: the caller does all the work
                 pool = _kept.threads()
                 for _ in range(threads - 1):
                     others.append(pool.submit(contextvars.copy_context().run, self._take))  # noqa: PERF401 - see above
             self._take()
         finally:
-            self._stopped = True  # also where Ctrl-C came: what others have begun ends before arrays are let go
+            self._stopped = True  # also after Ctrl-C: running tasks must end before their arrays are freed
             for other in others:
                 if not other.cancel():
                     other.result()
@@ -107,7 +109,7 @@ class _Round:
 
 
 class _Kept:
-    """The threads beside the caller's own, made when first needed."""
+    """A pool of worker threads, created on first use."""
 
     def __init__(self) -> None:
         self._pool: ThreadPoolExecutor | None = None
@@ -123,13 +125,13 @@ class _Kept:
         return self._pool
 
     def forget(self) -> None:
-        """In a forked process, which has none of its parent's threads."""
+        """Start afresh in a forked process, which has none of its parent's threads."""
         self._pool = None
         self._making = threading.Lock()  # another thread may have been holding it
         _here.busy = False
 
 
-# making threads takes longer than a pass over a small picture: those that were made wait for the next pass
+# creating threads takes longer than a pass over a small picture, so they are kept for the next pass
 _kept = _Kept()
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_kept.forget)

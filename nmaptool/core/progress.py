@@ -1,4 +1,4 @@
-"""How work tells how far it is, and how long its stages took."""
+"""Progress and timing of the stages of a computation."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-# called with a word for the stage and the share done, 0 to 1
+# called with the name of the stage and the share done, 0 to 1
 Progress = Callable[[str, float], None]
 
 
 def part(progress: Progress | None, start: float, end: float) -> Progress | None:
-    """Progress of a part of the work: its shares 0 to 1 become ``start`` to ``end`` of the whole.
+    """Report the progress of a part: its shares 0 to 1 become ``start`` to ``end`` of the whole.
 
     >>> part(lambda word, share: print(word, share), 0.5, 1.0)("rebuilding", 0.5)
     rebuilding 0.75
@@ -22,17 +22,17 @@ def part(progress: Progress | None, start: float, end: float) -> Progress | None
 
 
 class Stages:
-    """Times work by stage and tells how far it is.
+    """Times the stages of a computation and reports its progress.
 
     Parameters
     ----------
     progress : callable, optional
-        Who wants to know.
+        Called as each stage begins.
 
     Attributes
     ----------
     elapsed : dict of str to float
-        Seconds by stage; a stage that is entered again adds up.
+        Seconds by stage, summed over repeated stages.
     """
 
     def __init__(self, progress: Progress | None = None) -> None:
@@ -41,7 +41,7 @@ class Stages:
 
     @contextmanager
     def stage(self, name: str, share: float | None = None) -> Iterator[None]:
-        """Time a stage; with the share done so far, also tell that it begins."""
+        """Time a stage; if ``share``, the share done so far, is given, also report that the stage begins."""
         if share is not None:
             self.tell(name, share)
         start = time.perf_counter()
@@ -49,7 +49,7 @@ class Stages:
         self.elapsed[name] = self.elapsed.get(name, 0.0) + time.perf_counter() - start
 
     def tell(self, name: str, share: float) -> None:
-        """Tell how far the work is."""
+        """Report the share done so far."""
         if self.progress is not None:
             self.progress(name, share)
 

@@ -1,4 +1,4 @@
-"""Lists as a sentence has them."""
+"""Lists in sentences."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 
 def listed(names: Iterable[str], word: str = "or") -> str:
-    """Names with commas and a word before the last.
+    """Join names with commas, and with ``word`` before the last.
 
     >>> listed(["PNG", "EXR", "TIFF"])
     'PNG, EXR or TIFF'

@@ -1,4 +1,4 @@
-"""Lengths with their unit: ``12mm``, ``4px``, ``3%`` (of the longer side), also ``cm`` and ``in``; places; memory."""
+"""Lengths with a unit (mm, cm, in, px, or % of the longer side), distances along one side, amounts of memory."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class _Measure:
 
     @property
     def is_absolute(self) -> bool:
-        """Whether it is in mm, cm or in: known in mm without a picture, and in px only where the pitch is known."""
+        """Whether the unit is mm, cm or in: needs no picture to convert to mm, but the pitch to convert to px."""
         return self.unit in _MM_PER_UNIT
 
 
@@ -112,12 +112,12 @@ def length(text: str) -> Length:
 
 @dataclass(frozen=True)
 class Offset(_Measure):
-    """A distance of any sign, zero too, along one side of a picture, such as where a layer lies.
+    """A distance along one side of a picture, of either sign or zero, such as the position of a layer.
 
     Parameters
     ----------
     value : float
-        At most 1e6 in size.
+        Between -1e6 and 1e6.
     unit : str
         One of ``mm``, ``cm``, ``in``, ``px``, ``%`` (of that side).
 
@@ -137,7 +137,7 @@ class Offset(_Measure):
         Raises
         ------
         UsageError
-            If it is in mm and the pitch is not known.
+            If it is in mm, cm or in and the pitch is not known.
 
         Examples
         --------
@@ -149,7 +149,7 @@ class Offset(_Measure):
         if self.unit == "%":
             return self.value / 100 * side_px
         if pitch_mm is None:
-            raise UsageError(f"{self}: the size of a pixel is not known; say `width='100mm'`, or use px or %")
+            raise UsageError(f"{self}: the size of a pixel is not known; give `width='100mm'`, or use px or %")
         return self.value * _MM_PER_UNIT[self.unit] / pitch_mm
 
 
@@ -170,21 +170,23 @@ def offset(text: str) -> Offset:
 
 
 def offsets(text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, ...]:
-    """Read distances with commas between them, such as ``30%,12mm``.
+    """Read distances separated by commas, such as ``30%,12mm``.
 
     Raises
     ------
     UsageError
-        If there are more or fewer than one of ``counts``, or one of them is none.
+        If their number is not in ``counts``, or one is not a distance.
     """
     parts = text.split(",")
     if len(parts) not in counts:
-        raise UsageError(f"{text!r}: expected {' or '.join(map(str, counts))} distances with commas, such as {such_as}")
+        raise UsageError(
+            f"{text!r}: expected {' or '.join(map(str, counts))} distances separated by commas, such as {such_as}"
+        )
     return tuple(offset(part) for part in parts)
 
 
 def memory(text: str) -> int:
-    """Bytes of an amount of memory such as ``8GB``, ``500MB`` or ``12GiB``.
+    """Read an amount of memory, in bytes, such as ``8GB``, ``500MB`` or ``12GiB``.
 
     Raises
     ------
@@ -207,7 +209,7 @@ def memory(text: str) -> int:
 
 
 def memory_text(amount: int) -> str:
-    """An amount of memory for people.
+    """An amount of memory as text.
 
     >>> memory_text(15_260_000_000), memory_text(420_000_000)
     ('15.3GB', '420MB')

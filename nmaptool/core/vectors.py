@@ -1,4 +1,4 @@
-"""Normals and slopes: the two ways to say how a surface leans, and how far a field of them is from a surface."""
+"""Normals and slopes of surfaces, their curl, and the angles between them."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.parallel import for_each_band
 
 FLAT = (0.0, 0.0, 1.0)
-# bands that stay in the cache
+# small enough for the cache
 _VECTORS_AT_ONCE = 1 << 16
 
 
 def unit(vectors: NDArray[Any]) -> Float32:
-    """Vectors scaled to unit length; those already within float32 rounding of it keep their bits, zero becomes flat.
+    """Scale vectors to unit length; those already within float32 rounding of it keep their bits, zero becomes flat.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def unit(vectors: NDArray[Any]) -> Float32:
 
 
 def _scale_to_unit(vectors: Float32) -> None:
-    """(N, 3) vectors scaled where they are."""
+    """Scale (N, 3) vectors in place."""
     length = np.zeros(len(vectors))
     for axis in range(3):
         length += np.square(vectors[:, axis], dtype=np.float64)
@@ -84,7 +84,7 @@ def slopes(normals: Float32, cap: float) -> tuple[Float32, Float32]:
         factor = np.asarray(-1 / nz, np.float32)
         if steep.any():
             factor[steep] = -cap / np.hypot(nx[steep], ny[steep])
-            factor[~np.isfinite(factor)] = 0  # (0, 0, -1) has no direction: call it flat
+            factor[~np.isfinite(factor)] = 0  # (0, 0, -1) has no direction in the picture: flat
     p, q = nx * factor, ny * factor
     p += np.float32(0)  # flat gives 0, not -0
     q += np.float32(0)
@@ -92,7 +92,7 @@ def slopes(normals: Float32, cap: float) -> tuple[Float32, Float32]:
 
 
 def curl(p: Float32, q: Float32) -> Float32:
-    """Curl dq/dx - dp/dy (y up) at the inner vertices: how far slopes are from those of a surface.
+    """Curl dq/dx - dp/dy (y up) at the inner vertices; 0 for the slopes of a surface.
 
     Parameters
     ----------
@@ -115,9 +115,9 @@ def inner_vertices(mask: Mask) -> Mask:
 
 
 def mean_abs_curl(normals: Float32, mask: Mask, cap: float = 1.0) -> float:
-    """Mean |curl| over vertices inside the mask, in slope per px; 0 where there is none.
+    """Mean |curl| over vertices inside the mask, in slope per px; 0 if there are none.
 
-    Slopes are capped low so that silhouettes and jumps inside the motif do not drown the rest.
+    Slopes are capped low so that silhouettes and jumps inside the motif do not dominate the mean.
     """
     inside = inner_vertices(mask)
     ends = np.cumsum(np.count_nonzero(inside, axis=1))

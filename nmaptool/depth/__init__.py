@@ -1,1 +1,1 @@
-"""Depth and height pictures as surfaces: heights, jumps, fitted slopes. Values in, values out; no file is touched."""
+"""Convert depth and height pictures to normals: heights, jumps, fitted slopes. No module here reads or writes files."""

@@ -1,4 +1,4 @@
-"""What a picture's steps and noise allow: which jumps are told, how far the surface may leave the heights."""
+"""Limits set by a picture's steps and noise: which jumps are detected, how far the surface may leave the heights."""
 
 from __future__ import annotations
 
@@ -7,22 +7,23 @@ from nmaptool.depth.source import FINE_SLOPE, DepthSource
 from nmaptool.depth.steps import JumpRule
 from nmaptool.options import DepthOptions
 
-# a jump is this high at least: in px, in steps of the codes, and in deviations of the noise
+# smallest jump: in px, in steps of the codes, and in standard deviations of the noise
 _JUMP_PX, _JUMP_STEPS, _JUMP_NOISE = 1.0, 4.0, 7.0
-# a pixel of a smoothed outline is off its side by so much at least: in px, in steps
+# least difference of a mixed pixel on a smoothed outline from its side: in px, in steps
 _MIXED_PX, _MIXED_STEPS = 0.02, 2.0
-# how far the surface may leave the stored heights: half a step, and the noise; lossy files are off by more than that
+# how far the surface may leave the stored heights: half a step plus _NOISE_REACH deviations of noise; lossy files have
+# larger errors
 _NOISE_REACH, _LOSSY_STEPS = 3.0, 1.5
-# steps of descent, more where the surface may leave the heights by more than so many of the steps they hold
+# limits of the descent steps; the most are used if the tolerance is more than _THOROUGH_STEPS steps of the heights
 _LEAST_DESCENT, _MOST_DESCENT, _THOROUGH_STEPS = 10, 40, 0.6
-# pictures of more pixels than this get fewer steps: their forms bend less from pixel to pixel
+# larger pictures get fewer descent steps, because their forms bend less from pixel to pixel
 _FULL_DESCENT_PIXELS = 1e6
-# pixels beside a line of jumps: a motif of one pixel has five, noise often more
+# least number of pixels beside a line of jumps: a motif of one pixel has five, noise often more
 _LEAST_LINE, _NOISY_LINE = 5, 12
 
 
 def jump_rule(options: DepthOptions, source: DepthSource) -> JumpRule | None:
-    """What counts as a jump; None where none is to be looked for."""
+    """Return the rule for jumps; None if jumps are not to be detected."""
     if options.jump == "none":
         return None
     unsure, image = source.unsure, source.image
@@ -35,7 +36,7 @@ def jump_rule(options: DepthOptions, source: DepthSource) -> JumpRule | None:
 
 
 def tolerance_of(options: DepthOptions, source: DepthSource) -> float:
-    """How far in px the surface may leave the stored heights; 0 where nothing is to be fitted."""
+    """Return how far the surface may leave the stored heights, in px; 0 if no surface is to be fitted."""
     image = source.image
     if options.smooth == "none":
         return 0.0
@@ -47,7 +48,7 @@ def tolerance_of(options: DepthOptions, source: DepthSource) -> float:
 
 
 def descent_steps(tolerance: float, source: DepthSource) -> int:
-    """Steps of descent that fit a surface."""
+    """Return the number of descent steps for fitting the surface."""
     share = (_FULL_DESCENT_PIXELS / source.heights.size) ** 0.5
     most = _MOST_DESCENT if tolerance > _THOROUGH_STEPS * source.step_px else round(_MOST_DESCENT * share)
     return min(max(most, _LEAST_DESCENT), _MOST_DESCENT)

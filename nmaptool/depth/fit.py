@@ -1,8 +1,9 @@
-"""Stepped or noisy heights to a smooth surface: the least bent one that stays within a tolerance of what is stored.
+"""Fit a smooth surface to stepped or noisy heights: the one with the least bending within a tolerance of the heights.
 
-A quantised height is known to half a step, so that among all surfaces within half a step the least bent one is the
-best guess: a ramp becomes a ramp, whatever its steps, and what stands out of the tolerance stays. Second differences
-never cross a jump. Coarse grids first: a terrace of a hundred pixels is a matter of few cells there.
+A quantised height is known to half a step, so the best estimate is the surface with the least bending among all that
+stay within half a step: a ramp becomes a ramp, whatever its steps, and features larger than the tolerance are kept.
+Second differences never cross a jump. The fit starts on coarse grids, where a terrace of a hundred pixels is only a few
+cells wide.
 """
 
 from __future__ import annotations
@@ -15,14 +16,14 @@ from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.grid import places
 from nmaptool.depth.tiles import Tile, along, for_tiles
 
-# steps of descent on the pixels, and on every coarser grid
+# descent steps on the pixels, and on each coarser grid
 _ITERATIONS, _COARSE_ITERATIONS = 12, 32
-# larger coarse grids get fewer steps: they only prepare the finer one
+# larger coarse grids get fewer steps, because they only give the start on the finer grid
 _FULL_DESCENT_CELLS = 1e6
 _LEAST_CELLS = 6
 # 1 / (largest eigenvalue of the bending energy: 16 along each axis)
 _PACE = np.float32(1 / 32)
-# one step of descent where all pixels are joined
+# kernel of a descent step where all pixels are joined
 _DESCENT = np.zeros((5, 5), np.float32)
 _DESCENT[2] -= np.array([1, -4, 6, -4, 1]) * _PACE
 _DESCENT[:, 2] -= np.array([1, -4, 6, -4, 1]) * _PACE
@@ -33,18 +34,18 @@ _EDGE = 2
 def fit_surface(
     values: Float32, tolerance: Float32, across: Mask, down: Mask, iterations: int = _ITERATIONS
 ) -> Float32:
-    """The least bent surface within a tolerance of the values, bending counted within whole links only.
+    """Return the surface with the least bending within a tolerance of the values; broken links do not bend.
 
     Parameters
     ----------
     values : (H, W) float32
         Heights.
     tolerance : (H, W) float32
-        How far the surface may leave them.
+        How far the surface may leave the heights.
     across, down : (H, W) bool
         Whether a pixel is joined to the next one to the right, or below.
     iterations : int
-        Steps of descent on the pixels themselves; a tolerance of several steps of the stored values takes more.
+        Descent steps on the pixels; a tolerance of several steps of the stored values needs more.
 
     Returns
     -------
@@ -61,12 +62,12 @@ def fit_surface(
             out[tile.core] = values[tile.core]
             return
         begin = values if start is None else start
-        # no bending is counted across the picture's edge: beyond it, pixels are joined to nothing
+        # no bending across the picture's edge: the padded pixels are not joined to any other
         around = [
             (_EDGE * (part.start == 0), _EDGE * (part.stop == side))
             for part, side in zip(window, values.shape, strict=True)
         ]
-        middle = values[tile.core][0, 0]  # small numbers keep more digits
+        middle = values[tile.core][0, 0]  # subtracted, since small numbers have smaller rounding errors
         fields = [np.pad(field[window], around, mode="edge") for field in (begin, values, tolerance)]
         fields[0] -= middle
         fields[1] -= middle
@@ -82,7 +83,7 @@ def fit_surface(
 
 
 def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) -> Float32:
-    """The fit on cells of 2 x 2 pixels, continued straight to the pixels, and on into cells that hold a jump."""
+    """Return the fit on cells of 2 x 2 pixels, extended linearly to the pixels and into cells that contain a jump."""
     rows, cols = (side // 2 * 2 for side in values.shape)
     x0, x1 = slice(0, cols, 2), slice(1, cols, 2)
     y0, y1 = slice(0, rows, 2), slice(1, rows, 2)
@@ -111,7 +112,7 @@ def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) 
 
 
 def _continue_straight(surface: Float32, missing: Mask, across: Mask, down: Mask) -> None:
-    """Give missing pixels the straight continuation of two linked ones that are there, in place."""
+    """Extrapolate missing pixels linearly from two linked known ones, in place."""
     row, col = places(missing)
     total, count = np.zeros(len(row), np.float32), np.zeros(len(row), np.float32)
     for axis, links in ((0, down), (1, across)):
@@ -138,7 +139,7 @@ def _mean_of_four(field: Float32, rows: tuple[slice, slice], cols: tuple[slice, 
 
 
 def linked_slope(values: Float32, links: Mask, axis: int) -> Float32:
-    """(H, W) float32 difference along an axis: central, one-sided beside a broken link, 0 where both are broken."""
+    """Return (H, W) float32 differences along an axis: central, one-sided at a broken link, 0 between two of them."""
     first, last = along(axis, None, -1), along(axis, 1, None)
     step = (values[last] - values[first]) * links[first]
     total = np.zeros_like(values)
@@ -155,7 +156,7 @@ def linked_slope(values: Float32, links: Mask, axis: int) -> Float32:
 def _descend(
     surface: Float32, values: Float32, tolerance: Float32, across: Mask, down: Mask, iterations: int
 ) -> Float32:
-    """Accelerated projected descent of the bending energy, ``surface`` being where it starts."""
+    """Minimise the bending energy by accelerated projected descent, starting at ``surface``."""
     low, high = values - tolerance, values + tolerance
     alone = ~(across | down)
     alone[:, 1:] &= ~across[:, :-1]
@@ -179,18 +180,18 @@ def _descend(
 
 
 def _cut_bends(links: Mask, alone: Mask, axis: int) -> tuple[NDArray[np.intp], int] | None:
-    """Pixels whose second difference along an axis crosses a broken link, and how far apart their neighbours lie."""
+    """Return the pixels whose second difference along an axis crosses a broken link, and the stride to neighbours."""
     before, middle, after = along(axis, None, -2), along(axis, 1, -1), along(axis, 2, None)
     broken = np.zeros(links.shape, bool)
     broken[middle] = ~(links[before] & links[middle])
-    # between pixels that are joined to nothing, on any side, it does not matter
+    # it does not matter between pixels without any link
     broken[middle] &= ~(alone[before] & alone[middle] & alone[after])
     found = np.flatnonzero(broken)
     return (found, links.shape[1] if axis == 0 else 1) if len(found) else None
 
 
 def _bend_at(surface: Float32, cut: tuple[NDArray[np.intp], int]) -> Float32:
-    """What the descent takes away for the bending at some pixels."""
+    """Return the change that the descent makes for the bending at the cut pixels."""
     place, stride = cut
     flat = surface.reshape(-1)
     bend: Float32 = flat[place - stride] + flat[place + stride]
@@ -200,7 +201,7 @@ def _bend_at(surface: Float32, cut: tuple[NDArray[np.intp], int]) -> Float32:
 
 
 def _give_back(surface: Float32, cut: tuple[NDArray[np.intp], int], bend: Float32) -> None:
-    """Undo the descent for the bending at some pixels, in place."""
+    """Undo the descent for the bending at the cut pixels, in place."""
     place, stride = cut
     flat = surface.reshape(-1)
     flat[place - stride] += bend

@@ -7,20 +7,20 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
 
-# the smallest patch, as pixels and as a share of the picture, and the least share of all patches together
+# the smallest patch, in pixels and as a share of the picture, and the least share of all patches together
 _PATCH_PIXELS, _PATCH_SHARE, _LEAST_SHARE = 16, 2e-4, 0.02
-# above so much it is a picture of nothing but ground
+# with a larger share, the picture is nothing but ground
 _MOST_SHARE = 0.9995
 
 
 def find_ground(heights: Float32, lowest: float, known: Mask, slack: Float32 | None) -> Mask:
-    """(H, W) bool: large patches no more than ``slack`` above the lowest height; nowhere if they are a small part.
+    """Return (H, W) bool: large patches at most ``slack`` above the lowest height; all False if their share is small.
 
     Parameters
     ----------
     heights : (H, W) float32
     lowest : float
-        Of the stored heights.
+        Lowest stored height.
     known : (H, W) bool
         Pixels that have a height.
     slack : (H, W) float32 or None

@@ -1,8 +1,8 @@
-"""Where one surface hides another: links between neighbouring pixels that no slope is taken across.
+"""Detect jumps, where one surface hides another, and cut the links between the pixels on both sides of them.
 
-A step between two pixels is a jump where it is far outside the slopes beside it. Jumps make lines: a lone one is noise,
-and what is nearly a jump is one where a line goes on. Outlines that were smoothed hold pixels that are part of both
-sides; these are moved to the side they mostly belong to.
+A step between two pixels is a jump if it is much larger than the slopes beside it. Jumps form lines: a lone one is
+noise, and a step that is nearly large enough is a jump if it continues a line. Smoothed outlines contain mixed pixels,
+which belong to both sides; they are moved to the side that they mostly belong to.
 """
 
 from __future__ import annotations
@@ -29,24 +29,24 @@ from nmaptool.depth.steps import (
 from nmaptool.depth.tiles import Tile, along, for_tiles
 
 _HALO = 6
-_SIDE = 192  # many tiles hold no jump
-# fewer candidates than this share are looked at one by one
+_SIDE = 192  # many tiles contain no jump
+# if the share of candidates is smaller, they are checked one by one
 _FEW = 0.1
 _CROSS = np.ones((3, 3), np.uint8)
 
 
 @dataclass(frozen=True, eq=False)
 class Surfaces:
-    """Heights with their jumps known.
+    """Heights with detected jumps.
 
     Attributes
     ----------
     heights : (H, W) float32
-        Mixed pixels moved to one side.
+        Heights in which mixed pixels were moved to one side.
     across, down : (H, W) bool
-        Whether a pixel is joined to the next one to the right, or below: both known, and no jump between.
+        Whether a pixel is joined to the next one to the right, or below: both are known, without a jump between them.
     mixed : int
-        Pixels moved.
+        Number of pixels moved.
     """
 
     heights: Float32
@@ -56,7 +56,7 @@ class Surfaces:
 
 
 def join_all(known: Mask) -> tuple[Mask, Mask]:
-    """Links between all known neighbours: (H, W) bool to the right, and below."""
+    """Return the links between all known neighbours: (H, W) bool to the right, and below."""
     across, down = known.copy(), known.copy()
     across[:, :-1] &= known[:, 1:]
     down[:-1] &= known[1:]
@@ -93,7 +93,7 @@ def part_surfaces(heights: Float32, known: Mask, rule: JumpRule) -> Surfaces:
 
 
 def _lines(heights: Float32, known: Mask, rule: JumpRule) -> NDArray[np.uint8] | None:
-    """(H, W) uint8, 1 beside jumps that make lines; None where there are none."""
+    """Return (H, W) uint8, 1 beside jumps that form lines; None if there are none."""
     found = np.zeros(heights.shape, np.uint8)  # 1 weak, 3 strong
 
     def work(tile: Tile) -> None:
@@ -113,7 +113,7 @@ def _lines(heights: Float32, known: Mask, rule: JumpRule) -> NDArray[np.uint8] |
 
 
 def _mark(marks: NDArray[np.uint8], heights: Float32, known: Mask, rule: JumpRule, axis: int) -> None:
-    """Mark the two pixels of each jump along an axis: 1 nearly, 3 surely; in place."""
+    """Mark the two pixels of each jump along an axis, in place: 1 for weak jumps, 3 for strong ones."""
     steps = steps_along(heights, known, axis)
     large = np.abs(steps) >= np.float32(rule.least_step)
     count = int(np.count_nonzero(large))
@@ -135,7 +135,7 @@ def _mark(marks: NDArray[np.uint8], heights: Float32, known: Mask, rule: JumpRul
 
 
 def _long_lines(found: NDArray[np.uint8], rule: JumpRule) -> NDArray[np.uint8] | None:
-    """The lines of marks that hold enough sure ones."""
+    """Return the lines of marks that contain enough strong ones."""
     count, labels = cv2.connectedComponents(found, connectivity=8, ltype=cv2.CV_32S)
     strong = np.bincount(labels[found > 1], minlength=count)
     keep = (strong >= (1 if rule.by_hand else rule.least_line)).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Pixels of smoothed outlines that are part of both sides of a jump."""
+"""Mixed pixels on smoothed outlines, which belong to both sides of a jump."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.grid import places
 from nmaptool.depth.steps import JumpRule, Places, jump_heights, moved, some_steps, steps_at
 
-# a mixed pixel's step against the slope behind it: where it is plain, and where outlines are known to be smoothed
+# least ratio of a mixed pixel's step to the slope behind it: for a clear case, and if outlines are known to be smoothed
 _PLAIN, _SMOOTHED = 3.0, 1.5
-# outlines are smoothed where so many ends of jumps are plainly mixed
+# outlines count as smoothed if this share of the ends of jumps is clearly mixed
 _SMOOTHED_SHARE = 0.15
-# how much steeper than behind it a surface may become at a mixed pixel
+# largest ratio of the slope at a mixed pixel to the slope behind it
 _STEEPEN = 1.6
 
 
@@ -28,11 +28,11 @@ class _Ends:
     pixel : pair of (K,) int
         Rows and columns of the pixels next to the jump.
     run : (K,) float32
-        Their step away from the jump, positive where it goes on in the jump's direction.
+        Their step away from the jump, positive if in the direction of the jump.
     slope : (K,) float32
-        Size of the step behind that one.
+        Size of the next step behind.
     continued : (K,) float32
-        The height that goes on from the pixels behind.
+        The height extrapolated from the pixels behind.
     jump : (K,) float32
         Height of the jump.
     """
@@ -44,12 +44,12 @@ class _Ends:
     jump: Float32
 
     def mixed(self, rule: JumpRule, ratio: float) -> Mask:
-        """Which are part of both sides: their step is far outside the slope behind it."""
+        """Return which pixels are mixed: their step is much larger than the slope behind it."""
         return np.asarray((self.run >= np.float32(rule.least_mixed)) & (self.run > np.float32(ratio) * self.slope))
 
 
 def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uint8]) -> tuple[Float32, int]:
-    """Heights with the mixed pixels of smoothed outlines moved to the side that they mostly belong to.
+    """Return heights with the mixed pixels of smoothed outlines moved to the side that they mostly belong to.
 
     Parameters
     ----------
@@ -61,9 +61,9 @@ def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uin
     Returns
     -------
     heights : (H, W) float32
-        A copy where any was moved.
+        A copy if any pixel was moved.
     count : int
-        Pixels moved.
+        Number of pixels moved.
     """
     place = places(lines)
     ends = [end for axis in (0, 1) for end in _ends(heights, known, rule, axis, (place[0], place[1]))]
@@ -77,7 +77,7 @@ def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uin
         pixel = (end.pixel[0][mixed], end.pixel[1][mixed])
         largest[pixel] = np.maximum(largest[pixel], end.jump[mixed])
     out = heights.copy()
-    for end, mixed in chosen:  # the larger jump decides; a pixel half way belongs to the side in front
+    for end, mixed in chosen:  # the larger jump decides; a pixel half-way belongs to the side in front
         decides = mixed & (end.jump >= largest[end.pixel])
         pixel = (end.pixel[0][decides], end.pixel[1][decides])
         new = end.continued[decides]
@@ -87,7 +87,7 @@ def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uin
 
 
 def _ends(heights: Float32, known: Mask, rule: JumpRule, axis: int, place: Places) -> list[_Ends]:
-    """Both sides of the jumps on lines."""
+    """Return the pixels on both sides of the jumps at these places."""
     steps = steps_at(heights, known, axis, place)
     _, main = jump_heights(some_steps(steps), rule)
     found = np.nonzero(main)[0]
@@ -98,11 +98,11 @@ def _ends(heights: Float32, known: Mask, rule: JumpRule, axis: int, place: Place
     limit = heights.shape[axis]
     ends = []
     for side in (1, -1):
-        # two pixels beyond this one must be there
+        # two pixels beyond this one must exist
         fits = (place[axis] + 4 <= limit) if side > 0 else (place[axis] >= 2)
         here = (place[0][fits], place[1][fits])
         following, slope, behind = (steps[side * by][fits] for by in (1, 2, 3))
-        # the slope that goes on is no steeper than the one behind it allows
+        # the slope behind limits the extrapolated slope
         most = np.float32(_STEEPEN) * np.abs(behind) + np.float32(rule.noise / 2 + rule.least_mixed / 8)
         beyond = moved(here, axis, 2 if side > 0 else -1)
         continued = heights[beyond] - np.float32(side) * np.clip(slope, -most, most)

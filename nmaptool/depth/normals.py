@@ -1,4 +1,4 @@
-"""A depth or height picture to normals."""
+"""Convert a depth or height picture to a normal map."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ def depth_to_normals(
 ) -> DepthResult:
     """Turn a depth or height picture into a normal map.
 
-    Jumps, where one part hides another, are detected, and no slope is taken across them. Stepped or noisy heights are
-    fitted by the smoothest surface within their tolerance; clean heights are differenced.
+    Jumps, where one part hides another, are detected, and no slope is computed across them. Stepped or noisy heights
+    are replaced by the smoothest surface within their tolerance; clean heights are differenced.
 
     Parameters
     ----------
     image : RasterImage, or (H, W) uint8, uint16 or float
-        Grey: integer codes or floats, see `nmaptool.read_raster`. NaN and infinite values mean that there is no depth.
+        Grey: integer codes or floats; see `nmaptool.read_raster`. NaN and infinite values mean that there is no depth.
     options : DepthOptions, optional
-        Which way is near, the scale of the values, jumps, smoothing, background.
+        Which end is near, the scale of the values, jumps, smoothing, background.
     mask : (H, W) bool or float in [0, 1], optional
-        Where the surface is: becomes the coverage. Pixels outside are ignored.
+        Where the surface is; it becomes the coverage. Pixels outside are ignored.
     progress : callable, optional
         Called with the name of the stage and the share done, 0 to 1.
 
@@ -54,14 +54,14 @@ def depth_to_normals(
     Raises
     ------
     InputError
-        If the picture is coloured or empty, or the mask does not fit or selects nothing.
+        If the picture is coloured or empty, or the mask has another size or selects nothing.
     UsageError
-        If a length in mm needs a pixel's size that is not known, an option contradicts what the file says, or the
-        picture is neither a RasterImage nor an array.
+        If a length is in mm and the pitch is unknown, an option contradicts the file, or the picture is neither a
+        RasterImage nor an array.
 
     Examples
     --------
-    Heights of half a pixel a pixel to the right, given in px:
+    Heights that rise by half a pixel per pixel to the right, given in px:
 
     >>> heights = 0.5 * np.arange(16) + np.zeros((16, 1))
     >>> options = nm.DepthOptions(depth_scale=nm.length("7.5px"), background="none")
@@ -122,7 +122,7 @@ def depth_to_normals(
 
 
 def _ground(options: DepthOptions, source: DepthSource, heights: Float32, slack: Float32) -> tuple[Mask | None, str]:
-    """The flat background, and what kinds of background there are."""
+    """Return the flat background, if there is one, and the kinds of background found."""
     kinds = ["empty"] if source.grey.nothing else []
     if options.background != "none":
         ground = find_ground(heights, source.lowest, source.grey.known, slack if source.unsure else None)
@@ -133,7 +133,7 @@ def _ground(options: DepthOptions, source: DepthSource, heights: Float32, slack:
 
 
 def _map(source: DepthSource, normals: Float32, ground: Mask | None, word: str) -> NormalMap:
-    """The map, its background flat; a background that is cut has no coverage."""
+    """Return the normal map; a flat background is kept as background, a cut one has no coverage."""
     image, known = source.image, source.grey.known
     coverage = known.astype(np.float32)
     if source.cover is not None:
@@ -147,7 +147,7 @@ def _map(source: DepthSource, normals: Float32, ground: Mask | None, word: str) 
         encoding="signed",
         zero_code="0",
         background="flat" if word.endswith("flat") else "none" if word == "none" else "alpha",
-        warnings=("its colours differ a little; their mean was taken for grey",) if source.grey.noisy_grey else (),
+        warnings=("the colour channels differ slightly; their mean is used as grey",) if source.grey.noisy_grey else (),
     )
     frame = Frame(*image.frame.shape, source.scale.pitch_mm)
     return NormalMap(normals, coverage, frame, foreground, image.name, decoding, word.endswith("flat"))

@@ -1,8 +1,9 @@
-"""Normals at outlines: where a surface ends at a jump, its normals go on from inside.
+"""Normals at outlines: where a surface ends at a jump, its normals are extrapolated from inside.
 
-Heights have no bounded slope at an outline where the surface turns away, and differences of them fail well before it.
-Normals go on evenly: those of a sphere are linear in the picture up to its very outline, those of a plane constant.
-So x and y of the normals beside a jump follow a line fitted to those a few pixels behind, and z follows from them.
+Where a surface turns away, its slope is unbounded at the outline, and differences of heights fail well before it. Its
+normals change evenly: those of a sphere are linear in the picture up to the outline, those of a plane are constant. So
+x and y of the normals beside a jump are extrapolated by a plane fitted to those a few pixels behind; z follows from
+them.
 """
 
 from __future__ import annotations
@@ -20,38 +21,38 @@ from nmaptool.core.vectors import unit
 from nmaptool.depth.tiles import along
 from nmaptool.depth.window import DOWN, RIGHT, WINDOW_X, WINDOW_Y, around, reached
 
-# pixels at once, which stay in the processor's cache
+# pixels per batch, which fits in the processor's cache
 _CHUNK = 1024
 _MOST_THREADS = 4
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
-# layers of pixels from a jump on that are continued; on clean heights the next one is spoilt too
+# layers of pixels next to a jump that are extrapolated; on clean heights the third layer is inaccurate, too
 _CONTINUED = 2
 _LAYER_BIT = 2
-# which layer a pixel is in, by how many of them hold it once the deeper ones hold the others
+# the layer of a pixel, by the number of nested layer masks that contain it
 _LAYER_OF_COUNT = np.zeros(256, np.uint8)
 _LAYER_OF_COUNT[1:4] = 3, 2, 1
-# px: normals count the less the further away they are; stepped heights need more of them
+# sigma in px of the weights of normals by their distance; stepped heights need more normals
 _CLEAN_SPREAD, _FITTED_SPREAD = 2.5, 3.5
-# how far (length of the difference) normals may turn from those behind, and from the very last one
+# how far (length of the difference) normals may turn from the mean of those behind, and from the last one behind
 _MOST_TURN, _MOST_STEP = np.float32(0.6), np.float32(0.3)
 _LEAST_Z = np.float32(0.02)
 _MOST_XY = np.sqrt(1 - _LEAST_Z * _LEAST_Z)
-# px^2: how far the pixels behind must be spread for a turn to be seen in them
+# px^2: regularises the fit where the pixels behind are hardly spread
 _STIFF = np.float32(1e-3)
-# fewer or narrower pixels behind do not say how normals go on
+# largest variance of an extrapolated normal: with more, the pixels behind are too few or too narrow
 _MOST_DOUBT = np.float32(2.0)
 _NO_WEIGHT = np.float32(1e-5)
-# how far normals of the last layer but one may be off the line: from here on less and less of it is taken
+# deviation of the second layer's normals from the plane at which its share begins to fall, and at which it is 0
 _BENT, _CREASED = np.float32(0.12), np.float32(0.25)
 _X, _Y = WINDOW_X, WINDOW_Y
 _DISTANCE2 = _X * _X + _Y * _Y
 _PLANE = np.stack([np.ones_like(_X), _X, _Y])
 _MOMENTS = np.concatenate([_PLANE, [_X * _X, _X * _Y, _Y * _Y]])
-_CLOSE_PLACES = int(np.flatnonzero(_DISTANCE2 < 7)[-1]) + 1  # nearer ones come first
+_CLOSE_PLACES = int(np.flatnonzero(_DISTANCE2 < 7)[-1]) + 1  # places are sorted by distance
 
 
 def _nearness(spread: float) -> Float32:
-    """(M, 1) float32 weights of the places around a pixel."""
+    """Return the (M, 1) float32 weights of the places around a pixel."""
     return np.asarray(np.exp(_DISTANCE2 / np.float32(-2 * spread * spread))[:, None])
 
 
@@ -59,7 +60,7 @@ _CLOSE = _nearness(1.5)[:_CLOSE_PLACES]
 
 
 def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | None, *, clean: bool) -> None:
-    """Give pixels beside a jump the normals that continue those behind them, in place.
+    """Extrapolate the normals beside jumps from those behind them, in place.
 
     Parameters
     ----------
@@ -67,9 +68,9 @@ def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | N
     across, down : (H, W) bool
         Links to the next pixel to the right, and below.
     flat : (H, W) bool or None
-        Pixels that stay as they are.
+        Pixels that are not changed.
     clean : bool
-        Whether normals are exact but for what differences spoil, so that few say more than many.
+        Whether normals are exact except near jumps; the fit then uses fewer and closer pixels.
     """
     layers = _layers(across, down)
     if not layers.any():
@@ -95,7 +96,7 @@ def continue_to_jumps(normals: Float32, across: Mask, down: Mask, flat: Mask | N
 
 
 def _turn_on(normals: Float32, across: Mask, down: Mask, layers: NDArray[np.uint8], flat: Mask | None) -> None:
-    """Give pixels beside a jump the turn between the two behind, which is right even at a crease, in place."""
+    """Extrapolate the normals beside a jump from the two behind, in place; this is right even at a crease."""
     wanted = layers == 1
     if flat is not None:
         wanted &= ~flat
@@ -103,7 +104,7 @@ def _turn_on(normals: Float32, across: Mask, down: Mask, layers: NDArray[np.uint
     inward = []
     for axis, links in ((0, down), (1, across)):
         place = (row, col)[axis]
-        before = (row - (axis == 0), col - (axis == 1))  # of the first, the last: joined to nothing
+        before = (row - (axis == 0), col - (axis == 1))  # -1 is the last pixel, which has no link
         forth = links[row, col] | (place == links.shape[axis] - 1)
         back = links[before] | (place == 0)
         inward.append(forth.astype(np.intp) - back.astype(np.intp))
@@ -122,7 +123,7 @@ def _turn_on(normals: Float32, across: Mask, down: Mask, layers: NDArray[np.uint
 
 
 def _layers(across: Mask, down: Mask) -> NDArray[np.uint8]:
-    """(H, W) uint8: 1 beside a jump or where no height is known, 2 and 3 behind; the picture's edge is no jump."""
+    """Return (H, W) uint8: 1 beside a jump or unknown height, 2 and 3 behind; the picture's edge is not a jump."""
     beside = np.zeros(across.shape, np.uint8)
     for axis, links in ((0, down), (1, across)):
         first, last = along(axis, None, -1), along(axis, 1, None)
@@ -140,16 +141,16 @@ def _layers(across: Mask, down: Mask) -> NDArray[np.uint8]:
 
 @dataclass(frozen=True, eq=False)
 class _Line:
-    """Planes through x and y of the normals around K pixels.
+    """Planes fitted to x and y of the normals around K pixels.
 
     Attributes
     ----------
     here : (2, K) float32
-        Their value at the pixel itself.
+        Their value at the pixel.
     slope : (2, 2, K) float32
-        How they change to the right and down.
+        Their change per pixel to the right and down.
     doubt : (K,) float32
-        Variance of the value, in that of one normal.
+        Variance of the value, relative to that of one normal.
     """
 
     here: Float32
@@ -158,7 +159,7 @@ class _Line:
 
 
 def _line(weight: Float32, values: Float32) -> _Line:
-    """Fit (2, M, K) values by (M, K) weights."""
+    """Fit planes to (2, M, K) values with (M, K) weights."""
     total, x, y, xx, xy, yy = _MOMENTS @ weight
     nothing = total < _NO_WEIGHT
     share = 1 / np.maximum(total, _NO_WEIGHT)
@@ -183,7 +184,7 @@ def _line(weight: Float32, values: Float32) -> _Line:
 def _continued(
     normals: Float32, state: NDArray[np.uint8], row: NDArray[np.intp], col: NDArray[np.intp], clean: bool
 ) -> Float32:
-    """(K, 3) float32 normals of pixels, by lines through those around."""
+    """Return the (K, 3) float32 normals of pixels, extrapolated by planes fitted to those around."""
     index, inside = around(state.shape, row, col)
     there = state.reshape(-1)[index]
     linked = reached(there, inside)
@@ -195,11 +196,11 @@ def _continued(
     nearness = _nearness(_CLEAN_SPREAD if clean else _FITTED_SPREAD)
     line = _line(np.where(behind, nearness, np.float32(0)), values)
     here, slope, doubt = line.here, line.slope, line.doubt
-    narrow = np.flatnonzero(~(doubt <= _MOST_DOUBT))  # a stem, say: as far behind as there is
+    narrow = np.flatnonzero(~(doubt <= _MOST_DOUBT))  # such as a thin stem: use all layers behind the first
     if len(narrow):
         second = _line(np.where((linked & (layer != 1))[:, narrow], nearness, np.float32(0)), values[:, :, narrow])
         here[:, narrow], slope[:, :, narrow], doubt[narrow] = second.here, second.slope, second.doubt
-    # the second layer tells whether the line holds there
+    # the second layer shows whether the plane fits up to the jump
     close = slice(_CLOSE_PLACES)
     weight = _CLOSE * (linked[close] & (layer[close] == _CONTINUED))
     off = values[:, close] - here[:, None]
@@ -211,7 +212,7 @@ def _continued(
 
 
 def _upright(xy: Float32) -> Float32:
-    """(K, 3) float32 unit normals of (2, K) x and y, turned away no more than is kept."""
+    """Return (K, 3) float32 unit normals from (2, K) x and y, with z at least _LEAST_Z."""
     size = np.maximum(np.hypot(xy[0], xy[1]), _MOST_XY)
     xy = xy * (_MOST_XY / size)
     return np.stack([xy[0], xy[1], np.sqrt(1 - xy[0] * xy[0] - xy[1] * xy[1])], axis=1)

@@ -1,4 +1,4 @@
-"""How far a fitted surface may leave the stored heights near jumps, where compression and smoothing spoil them."""
+"""The tolerance of the fitted surface near jumps, where compression and smoothing distort the stored heights."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float32
 from nmaptool.core.grid import places
 
-# of the jump's height, by distance from it in px: half mixed, then ringing
+# error as a share of the jump's height, by distance from it in px: first mixed pixels, then ringing
 _SPOILT = (0.6, 0.06, 0.03, 0.015)
 # px from a jump within which a surface may turn away
 _TURNING = 6
@@ -18,12 +18,12 @@ _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 
 
 def widen_tolerance(tolerance: Float32, jumps: Float32) -> None:
-    """Let the surface leave the heights of pixels near a jump by a share of it, in place.
+    """Increase the tolerance near each jump to a share of its height, in place.
 
     Parameters
     ----------
     tolerance, jumps : (H, W) float32
-        In px.
+        Tolerance, and height of the jump at each pixel, in px.
     """
     reach = jumps
     for share in _SPOILT:
@@ -32,15 +32,15 @@ def widen_tolerance(tolerance: Float32, jumps: Float32) -> None:
 
 
 def narrow_tolerance(tolerance: Float32, heights: Float32, jumps: Float32) -> None:
-    """Let the surface leave steep heights near a jump by less, in place.
+    """Reduce the tolerance where heights near a jump are steep, in place.
 
-    The least bent surface lags behind one that turns away. Where it is steep, a step of the stored heights turns its
-    normals by little, so that little is lost by believing them.
+    The surface with the least bending deviates from one that turns away. Where it is steep, a step of the stored
+    heights changes its normals little, so following the stored heights closely costs little.
 
     Parameters
     ----------
     tolerance, heights, jumps : (H, W) float32
-        In px.
+        Tolerance, heights, and height of the jump at each pixel, in px.
     """
     near = cv2.dilate((jumps > 0).view(np.uint8), _SQUARE)
     row, col = places(near)
@@ -49,7 +49,7 @@ def narrow_tolerance(tolerance: Float32, heights: Float32, jumps: Float32) -> No
 
 
 def _least_step(heights: Float32, row: NDArray[np.intp], col: NDArray[np.intp], axis: int) -> Float32:
-    """(K,) float32: the smaller of a pixel's steps along an axis, never that of a jump; 0 at the picture's edge."""
+    """Return each pixel's smaller step along an axis, (K,) float32, never that of a jump; 0 at the picture's edge."""
     place, limit = (row, col)[axis], heights.shape[axis]
     here = heights[row, col]
     steps = []

@@ -1,4 +1,4 @@
-"""Stored grey values to heights in pixels: which end is near, how far apart the ends are, and how the camera saw it."""
+"""Convert stored grey values to heights in pixels: which end is near, the distance of the ends, and the camera."""
 
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ _SAMPLE = 1 << 17
 
 @dataclass(frozen=True)
 class Scale:
-    """How stored values become heights, and from what it was decided.
+    """The conversion of stored values to heights, and the sources of its parameters.
 
     Attributes
     ----------
     px_per_value : float
-        Height in px to one stored unit; negative where dark or small is near.
+        Height in px per stored unit; negative if dark or small is near.
     scale_px : float
-        How far white stands above black, or the highest above the lowest float.
+        Height of white above black, or of the highest above the lowest float, in px.
     scale_from : str
         ``given``, ``file`` or ``assumed``.
     inverted : bool
     inverted_from : str
         ``given``, ``file`` or ``assumed``.
     kind : str
-        ``depth`` or ``height`` where the file says so, else ``grey``.
+        ``depth`` or ``height`` if the file declares it, else ``grey``.
     pitch_mm : float or None
-        Size of a pixel.
+        Millimetres per pixel.
     fov : float
-        Degrees across the longer side; 0 where orthographic.
+        Field of view across the longer side, in degrees; 0 if orthographic.
     fov_from : str
         ``given``, ``file`` or ``assumed``.
     distance_px : float
-        From the eye to the picture plane; infinite where orthographic.
+        Distance from the eye to the picture plane; infinite if orthographic.
     eye_value : float
         Stored value at the eye of a perspective camera.
     """
@@ -62,36 +62,35 @@ class Scale:
 
 
 def in_px(length: Length, cols: int, pitch_mm: float | None, field: str, name: str) -> float:
-    """A height in px; % is of the picture's width.
+    """Return a height in px; % means percent of the picture's width.
 
     Raises
     ------
     UsageError
-        If it is in mm and the size of a pixel is not known.
+        If it is in mm and the pitch is unknown.
     """
     if length.is_absolute:
         if pitch_mm is None:
             raise UsageError(
-                f"`{field}='{length}'`: {name} does not say how large a pixel is; "
-                "give px or %, or the picture's `width`"
+                f"`{field}='{length}'`: the pitch of {name} is unknown; give px or %, or the `width` of the picture"
             )
         return length.to_mm(1.0, 1) / pitch_mm
     return length.to_mm(1.0, cols)
 
 
 def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) -> Scale:
-    """What the options, the file or the default say of a picture's heights.
+    """Return the scale of a picture's heights from the options, the file or the default.
 
     Raises
     ------
     UsageError
-        If a length in mm has no pixel to measure it with, or --invert contradicts the file.
+        If a length is in mm and the pitch is unknown, or ``invert`` contradicts the file.
     InputError
-        If the file's own account of its range is damaged, or depths do not fit a perspective camera.
+        If the range in the file is damaged, or depths are not in front of a perspective camera.
     """
     kind = kind_of(image)
     if kind != "grey" and options.invert:
-        raise UsageError(f"`invert`: {image.name} says itself that it holds {kind}; leave it out")
+        raise UsageError(f"`invert`: {image.name} declares that it holds {kind}, which fixes the direction; omit it")
     cols = image.frame.cols
     pitch = options.width.to_mm(1.0, 1) / cols if options.width is not None else image.frame.pitch_mm
     black, white, mm_per_value = _range(image, grey)
@@ -101,13 +100,13 @@ def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) ->
     eye = _measured_eye(image, grey, options, inverted, mm_per_value) if fov else None
     if options.depth_scale is not None:
         scale_px, source = in_px(options.depth_scale, cols, pitch, "depth_scale", image.name), "given"
-    elif eye is not None:  # only the ratios of depths count: life-size in the middle
+    elif eye is not None:  # only ratios of depths are known: magnification 1 at the median depth
         middle = float(np.median(grey.values[grey.known][:: max(1, grey.values.size // _SAMPLE)]))
         scale_px, source = abs(white - black) * focal / abs(eye - middle), "file"
     elif mm_per_value is not None:
         if pitch is None:
             raise UsageError(
-                f"{image.name}: holds {kind} in mm but does not say how large a pixel is; give the picture's `width`"
+                f"{image.name}: holds {kind} in mm, but its pitch is unknown; give the `width` of the picture"
             )
         scale_px, source = (white - black) * mm_per_value / pitch, "file"
     else:
@@ -122,25 +121,25 @@ def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) ->
 
 
 def kind_of(image: RasterImage) -> str:
-    """``depth`` or ``height`` where the file says so, else ``grey``."""
+    """Return ``depth`` or ``height`` if the file declares it, else ``grey``."""
     return "grey" if image.depth_facts is None else image.depth_facts.kind
 
 
 def _check_in_front(scale_px: float, focal: float, fov: float) -> None:
-    """Refuse a white that would stand behind the camera."""
+    """Raise an error if white would be behind the camera."""
     if scale_px >= focal:
         raise UsageError(
-            f"`depth_scale`: white would stand {scale_px:.4g} px in front of black, behind a camera of `fov` "
-            f"{fov:g} that is {focal:.4g} px away; use a smaller one"
+            f"`depth_scale`: white is {scale_px:.4g} px in front of black, but with `fov={fov:g}` the camera is only "
+            f"{focal:.4g} px away; use a smaller `depth_scale`"
         )
 
 
 def _fov(image: RasterImage, options: DepthOptions) -> tuple[float, str]:
-    """Degrees across the longer side: as given, else those of the camera that a file of depths was drawn with."""
+    """Return the field of view in degrees across the longer side and its source: the option, else the file."""
     facts = image.depth_facts
     if options.fov is not None:
         if options.fov and facts is not None and facts.kind == "height":
-            raise UsageError(f"`fov`: {image.name} holds heights, which no camera sees in perspective; leave it out")
+            raise UsageError(f"`fov`: {image.name} holds heights, which have no perspective; omit `fov`")
         return options.fov, "given"
     if facts is None or facts.fov_deg is None or not NARROWEST_FOV <= facts.fov_deg <= WIDEST_FOV:
         return 0.0, "assumed"
@@ -150,7 +149,7 @@ def _fov(image: RasterImage, options: DepthOptions) -> tuple[float, str]:
 def _measured_eye(
     image: RasterImage, grey: GreyValues, options: DepthOptions, inverted: bool, mm_per_value: float | None
 ) -> float | None:
-    """The stored value at the eye, where depths are measured from there; None where only their differences count.
+    """Return the stored value at the eye if depths are measured from the eye; None if only differences are known.
 
     Raises
     ------
@@ -169,20 +168,20 @@ def _measured_eye(
     nearest = float(grey.values.min(where=grey.known, initial=np.inf)) if inverted else eye - grey.top
     if nearest <= 0:
         raise InputError(
-            f"{image.name}: holds a depth of {nearest:g}, which a camera with `fov` cannot see; depths count from the "
-            "eye and are greater than 0"
+            f"{image.name}: has a depth of {nearest:g}; with `fov`, depths are distances from the eye and must be "
+            "greater than 0"
         )
     return eye
 
 
 def _range(image: RasterImage, grey: GreyValues) -> tuple[float, float, float | None]:
-    """Values of black and white, and millimetres to a stored unit where the file says it."""
+    """Return the values of black and white, and the millimetres per stored unit if the file states them."""
     facts = image.depth_facts
     if facts is not None and not grey.is_float:
         if facts.black_mm is None or facts.white_mm is None:
             raise InputError(
-                f"{image.name}: says that it holds {facts.kind} but not from where to where; write it again as EXR, or "
-                "save it without that note and give `depth_scale`"
+                f"{image.name}: declares that it holds {facts.kind}, but not its range; export it again as EXR, or "
+                "remove that metadata and give `depth_scale`"
             )
         return 0.0, grey.top, abs(facts.white_mm - facts.black_mm) / grey.top
     if not grey.is_float:
@@ -195,7 +194,7 @@ def _range(image: RasterImage, grey: GreyValues) -> tuple[float, float, float | 
 
 
 def magnification(heights: Float32, scale: Scale) -> Float32 | None:
-    """(H, W) float32 factor of slopes that a perspective camera makes: its distance over the depth; None without one.
+    """Return the (H, W) float32 factor of slopes in perspective, camera distance over depth; None if orthographic.
 
     Parameters
     ----------
@@ -206,19 +205,19 @@ def magnification(heights: Float32, scale: Scale) -> Float32 | None:
     if not scale.fov or not scale.px_per_value:
         return None
     depth = np.float32(scale.eye_value * scale.px_per_value) - heights
-    # unknown pixels may lie anywhere
+    # unknown pixels may have any height
     np.maximum(depth, np.float32(1e-3 * scale.distance_px), out=depth)
     np.divide(np.float32(scale.distance_px), depth, out=depth)
     return depth
 
 
 def without_empty(image: RasterImage, grey: GreyValues, options: DepthOptions) -> GreyValues:
-    """The values without those that stand for nothing in a float picture of depths.
+    """Return the values without those that mean "empty" in a float picture of depths.
 
     Raises
     ------
     InputError
-        If nothing is left.
+        If no value remains.
     """
     kind = kind_of(image)
     is_depth = kind == "depth" or (kind == "grey" and options.invert)

@@ -1,4 +1,4 @@
-"""Slopes and normals of heights, by differences that never cross a jump."""
+"""Compute slopes and normals from heights, by differences that never cross a jump."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ONE = np.ones(1, np.float32)
 
 
 def slope_along(heights: Float32, links: Mask, axis: int, fine: bool) -> Float32:
-    """Slopes along an axis of the array.
+    """Return the slopes along an axis of the array.
 
     Parameters
     ----------
@@ -27,13 +27,13 @@ def slope_along(heights: Float32, links: Mask, axis: int, fine: bool) -> Float32
         Whether a pixel is joined to the next one along the axis.
     axis : int
     fine : bool
-        Of fourth order where two pixels on either side are joined, which keeps detail of few pixels.
+        Use fourth-order differences where two pixels on either side are joined; they keep detail of few pixels.
 
     Returns
     -------
     (H, W) float32
-        Central differences; beside a jump one-sided, bent as the next step says where there is one; 0 where a pixel
-        is alone.
+        Central differences; one-sided beside a jump, corrected by the next bend if there is one; 0 for a pixel without
+        links.
     """
     out = linked_slope(heights, links, axis)
     if heights.shape[axis] < 3:
@@ -43,7 +43,7 @@ def slope_along(heights: Float32, links: Mask, axis: int, fine: bool) -> Float32
     step = (heights[last] - heights[first]) * links[first]
     bend = step[last] - step[first]
     both = links[first][last] & links[first][first]
-    # one-sided: half the next bend, but never beyond the step itself
+    # one-sided: subtract half the next bend, but no more than the step
     starts, ends = both.copy(), both.copy()
     starts[last] &= ~links[before][first]  # the pixel before is across a jump
     ends[first] &= ~links[after][first]
@@ -64,12 +64,12 @@ def slope_along(heights: Float32, links: Mask, axis: int, fine: bool) -> Float32
 def normals_of(
     heights: Float32, across: Mask, down: Mask, flat: Mask | None, *, fine: bool, factor: Float32 | None = None
 ) -> Float32:
-    """Unit normals of heights, y up.
+    """Return the unit normals of heights, y up.
 
     Parameters
     ----------
     heights : (H, W) float32
-        In px.
+        Heights in px.
     across, down : (H, W) bool
         Links to the next pixel to the right, and below.
     flat : (H, W) bool or None
@@ -77,7 +77,7 @@ def normals_of(
     fine : bool
         See `slope_along`.
     factor : (H, W) float32, optional
-        What slopes are multiplied by.
+        Factor on the slopes.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def normals_of(
     def work(tile: Tile) -> None:
         part = heights[tile.outer]
         right, below = across[tile.outer], down[tile.outer]
-        if right.all() and below.all():  # inside the picture, and no jump
+        if right.all() and below.all():  # inside the picture, without a jump
             kernel = _FINE if fine else _CENTRAL
             p = cv2.sepFilter2D(part, -1, kernel, _ONE)[tile.inner]
             q = cv2.sepFilter2D(part, -1, _ONE, kernel)[tile.inner]
@@ -117,7 +117,7 @@ def normals_of(
 
 
 def jump_sizes(heights: Float32, known: Mask, across: Mask, down: Mask) -> Float32:
-    """(H, W) float32: at each pixel the largest jump to a known neighbour, 0 where there is none."""
+    """Return (H, W) float32: the largest jump from each pixel to a known neighbour, 0 if there is none."""
     out = np.zeros_like(heights)
     for axis, links in ((0, down), (1, across)):
         cut = ~links[along(axis, None, -1)]
@@ -126,17 +126,17 @@ def jump_sizes(heights: Float32, known: Mask, across: Mask, down: Mask) -> Float
         first = places(cut)
         last = (first[0] + (axis == 0), first[1] + (axis == 1))
         size = np.abs(heights[last] - heights[first])
-        for place in (first, last):  # no pixel is in one of them twice
+        for place in (first, last):  # neither contains a pixel twice
             out[place] = np.maximum(out[place], size)
     return out
 
 
 def mean_curl(normals: Float32, mask: Mask) -> float:
-    """`nmaptool.core.vectors.mean_abs_curl` in tiles."""
+    """Return the same as `nmaptool.core.vectors.mean_abs_curl`, computed in tiles."""
     sums: list[tuple[float, int]] = []
 
     def work(tile: Tile) -> None:
-        # vertices between this tile's pixels and the next ones
+        # includes the vertices between this tile and the next ones
         rows, cols = (slice(part.start, part.stop + 1) for part in tile.core)
         count = int(np.count_nonzero(inner_vertices(mask[rows, cols])))
         if count:

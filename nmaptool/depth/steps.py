@@ -1,4 +1,4 @@
-"""Steps between neighbouring pixels along one axis, and which of them are far outside the slopes beside them."""
+"""Steps between neighbouring pixels along one axis, and which of them are much larger than the slopes beside them."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.depth.tiles import along
 
-# a step is a jump where it exceeds both slopes beside it so many times, or the flatter one and the steeper one; the
-# second set is for what only goes on with a line of jumps
+# least ratios of a jump to both slopes beside it, or to the flatter and the steeper one; the second of each pair is for
+# weak jumps, which only continue a line of jumps
 _BOTH, _FLAT, _STEEP = (3.0, 2.0), (8.0, 5.0), (1.4, 1.15)
-# a jump may take three steps, of which the largest holds this share
+# a jump may spread over three steps, of which the largest has at least this share
 _PEAK = np.float32(0.42)
 _SOFT = 2.6
-# and it is so much higher than the least of one step, since fine texture is nearly as steep
+# such a jump must be higher by this factor than one of a single step, since fine texture is nearly as steep
 _SOFT_LEAST = 1.6
 Places = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 @dataclass(frozen=True)
 class JumpRule:
-    """What counts as a jump.
+    """The criteria for a jump.
 
     Attributes
     ----------
     least : float
-        Smallest jump, in the heights' own unit.
+        Smallest jump, in the unit of the heights.
     least_mixed : float
-        Smallest step by which a pixel is taken for a mixture of two sides.
+        Smallest step for which a pixel counts as a mixture of two sides.
     noise : float
-        What slopes are uncertain by.
+        Uncertainty of the slopes.
     least_line : int
-        Pixels beside a line of jumps at least.
+        Least number of pixels beside a line of jumps.
     by_hand : bool
-        Every step of ``least`` is a jump, whatever the slopes beside it.
+        Every step of at least ``least`` is a jump, whatever the slopes beside it.
     """
 
     least: float
@@ -47,18 +47,18 @@ class JumpRule:
 
     @property
     def least_step(self) -> float:
-        """Smallest step that is the largest of a jump, or nearly so."""
+        """Smallest possible size of the largest step in a jump, including weak ones."""
         return float(_PEAK) / 2 * self.least * (1.0 if self.by_hand else _SOFT_LEAST)
 
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """Steps from pixels to the next along an axis, and the two steps before and after each; 0 where there is none.
+    """Steps from pixels to the next along an axis, and the two steps before and after each; 0 where a step is missing.
 
     Attributes
     ----------
     here : float32
-        Of any shape; so are ``before``, ``after`` (one further) and ``before2``, ``after2`` (two further).
+        Steps, of any shape; ``before`` and ``after`` are one further, ``before2`` and ``after2`` two further.
     """
 
     here: Float32
@@ -69,7 +69,7 @@ class Steps:
 
 
 def steps_along(heights: Float32, known: Mask, axis: int) -> Float32:
-    """Steps to the next pixel along an axis, one less than there are pixels; 0 to or from an unknown one."""
+    """Return the steps to the next pixel along an axis, one fewer than pixels; 0 to or from an unknown pixel."""
     first, last = along(axis, None, -1), along(axis, 1, None)
     steps: Float32 = heights[last] - heights[first]
     steps *= known[last] & known[first]
@@ -77,7 +77,7 @@ def steps_along(heights: Float32, known: Mask, axis: int) -> Float32:
 
 
 def all_steps(steps: Float32, axis: int) -> Steps:
-    """Every step with those beside it."""
+    """Return every step with those beside it."""
 
     def shifted(by: int) -> Float32:
         out = np.zeros_like(steps)
@@ -91,18 +91,18 @@ def all_steps(steps: Float32, axis: int) -> Steps:
 
 
 def moved(place: Places, axis: int, by: int) -> Places:
-    """Places shifted along an axis."""
+    """Return places shifted along an axis."""
     rows, cols = place
     return (rows + by, cols) if axis == 0 else (rows, cols + by)
 
 
 def steps_at(heights: Float32, known: Mask, axis: int, place: Places) -> dict[int, Float32]:
-    """Steps three before to three after the one that starts at each of some places; 0 where there is none.
+    """Return the step at each place and the three before and after it; 0 where a step is missing.
 
     Returns
     -------
     dict of int to (K,) float32
-        By how many steps they are shifted.
+        Steps by their shift, -3 to 3.
     """
     limit = heights.shape[axis]
     values, there = [], []
@@ -116,12 +116,12 @@ def steps_at(heights: Float32, known: Mask, axis: int, place: Places) -> dict[in
 
 
 def some_steps(steps: dict[int, Float32]) -> Steps:
-    """What `steps_at` found, as `Steps`."""
+    """Convert the result of `steps_at` to `Steps`."""
     return Steps(steps[0], steps[-1], steps[1], steps[-2], steps[2])
 
 
 def _outside(size: Float32, one: Float32, other: Float32, width: float, noise: float) -> tuple[Mask, Mask]:
-    """Whether a step that is ``width`` pixels wide is far outside the slopes beside it: surely, and nearly."""
+    """Return whether steps that are ``width`` pixels wide are strong jumps, and whether they are at least weak ones."""
     flat, steep = np.minimum(one, other), np.maximum(one, other)
     flat += np.float32(noise)
     steep += np.float32(noise)
@@ -134,7 +134,7 @@ def _outside(size: Float32, one: Float32, other: Float32, width: float, noise: f
 
 
 def crisp_steps(steps: Steps, rule: JumpRule) -> tuple[Mask, Mask]:
-    """Jumps that take one step: surely, and nearly."""
+    """Return the strong jumps of a single step, and those that are at least weak."""
     size = np.abs(steps.here)
     big, half = size >= np.float32(rule.least), size >= np.float32(rule.least / 2)
     if rule.by_hand:
@@ -144,7 +144,7 @@ def crisp_steps(steps: Steps, rule: JumpRule) -> tuple[Mask, Mask]:
 
 
 def jump_heights(steps: Steps, rule: JumpRule) -> tuple[Float32, Float32]:
-    """The whole height of a jump at its largest step, 0 where there is none: sure ones, and those and near ones."""
+    """Return the height of each jump at its largest step, 0 elsewhere: of strong jumps, and of strong and weak ones."""
     zero = np.float32(0)
     size, sign = np.abs(steps.here), np.sign(steps.here)
     before, after = np.maximum(steps.before * sign, zero), np.maximum(steps.after * sign, zero)

@@ -1,4 +1,4 @@
-"""Work on a large picture in tiles that stay in the processor's cache, several at a time."""
+"""Process a large picture in tiles that fit in the processor's cache, several at a time."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ Window = tuple[slice, slice]
 
 @dataclass(frozen=True)
 class Tile:
-    """A tile of a picture: its own pixels, and those that are read to work on them.
+    """A tile of a picture: the pixels that it computes, and those that it reads.
 
     Attributes
     ----------
     core : (slice, slice)
-        Rows and columns that the tile answers for.
+        Rows and columns that the tile computes.
     outer : (slice, slice)
-        The same with a halo, cut off at the picture's edge.
+        The same with a halo, clipped at the picture's edge.
     inner : (slice, slice)
-        Where the core lies in the outer window.
+        Position of the core in the outer window.
     """
 
     core: Window
@@ -42,17 +42,17 @@ def _spans(length: int, halo: int, side: int) -> list[tuple[slice, slice, slice]
 
 
 def for_tiles(shape: tuple[int, int], halo: int, work: Callable[[Tile], object], side: int = _SIDE) -> None:
-    """Call ``work`` once a tile, in several threads; tiles must not write outside their core.
+    """Call ``work`` once per tile, in several threads; tiles must not write outside their core.
 
     Parameters
     ----------
     shape : (int, int)
-        Of the picture.
+        Shape of the picture.
     halo : int
-        Pixels around a tile's core that ``work`` reads.
+        Pixels around the core that ``work`` reads.
     work : callable
     side : int
-        Of a tile's core.
+        Side of the core in pixels.
     """
     tiles = [
         Tile((rows[0], cols[0]), (rows[1], cols[1]), (rows[2], cols[2]))
@@ -62,6 +62,6 @@ def for_tiles(shape: tuple[int, int], halo: int, work: Callable[[Tile], object],
 
 
 def along(axis: int, start: int | None, stop: int | None) -> Window:
-    """A window of a picture that is cut along one axis only."""
+    """Return a window of a picture that is cut along one axis only."""
     part = slice(start, stop)
     return (part, slice(None)) if axis == 0 else (slice(None), part)

@@ -1,4 +1,4 @@
-"""A raw picture's grey values, where it has any, and how fine their steps and how strong their noise are."""
+"""The grey values of a raw picture, where they are known, the size of their steps and their noise."""
 
 from __future__ import annotations
 
@@ -13,48 +13,49 @@ from nmaptool.core.errors import InputError
 from nmaptool.maps import codec
 from nmaptool.types.picture import RasterImage
 
-# a grey picture's channels differ by noise only: in 8-bit codes, on average and for all but a few pixels
+# largest difference between the channels of a grey picture in 8-bit codes: on average, and for all but _GREY_FEW of the
+# pixels
 _GREY_MEAN, _GREY_MOST, _GREY_FEW = 4.0, 16.0, 1e-3
-# so many pixels of a sample to a value make values steps
+# values are steps if the median value occurs in this many pixels of a sample
 _PIXELS_A_LEVEL = 8
 _SAMPLE = 1 << 17
 # fewer values than this are terraces, not the steps of a slope
 _LEAST_STEPS = 8
-# floats that are steps: so many, so even, so few of them left out
+# floats are steps if there are this many levels, spaced this evenly, with at least this share of them used
 _LEAST_LEVELS, _UNEVEN, _FILLED = 48, 0.05, 0.5
-# a depth so many times the middle one, or beyond all measure, stands for nothing
+# a depth this many times the median, or larger than _INFINITE, means "empty"
 _FAR, _INFINITE = 1e3, 1e30
 _BLOCK = 16
-# noise is what remains in the quietest share of the blocks that are not flat
+# the noise of a picture is this percentile of the noise in its blocks that are not flat
 _QUIET = 20
-# noise under this share of a step is the step itself
+# noise below this share of a step is due to the step
 _STEP_NOISE = 0.45
 _HIGH_PASS = 6.0
-# edges in a block are left out: the mean of the smaller 60% of |x| is so much of a normal x's deviation
+# trimming ignores edges in a block: the mean of the smaller 60% of |x|, as a share of the deviation of a normal x
 _TRIMMED, _TRIMMED_MEAN = 0.6, 0.3966
-# a block is flat unless so many of its pixels differ from what their neighbours say
+# a block is flat unless this share of its pixels differs from the values that their neighbours predict
 _LIVELY = 0.25
 
 
 @dataclass(frozen=True, eq=False)
 class GreyValues:
-    """What a picture stores.
+    """The values that a picture stores.
 
     Attributes
     ----------
     values : (H, W) float32
-        Codes, or the floats of a floating-point file; 0 where not known.
+        Codes, or the floats of a floating-point file; 0 where unknown.
     known : (H, W) bool
         Where there is a value.
     top : float
         Largest integer code; 1 for floating point.
     is_float : bool
     bits : int
-        Bits that are really used: 8 for a 16-bit file that holds 8-bit steps.
+        Bits in use: 8 for a 16-bit file with 8-bit steps.
     noisy_grey : bool
-        Colours were averaged.
+        Whether colour channels were averaged.
     nothing : int
-        Pixels without a depth: NaN, infinite, transparent.
+        Number of pixels without a depth: NaN, infinite, transparent.
     """
 
     values: Float32
@@ -67,12 +68,12 @@ class GreyValues:
 
 
 def grey_values(image: RasterImage) -> GreyValues:
-    """The grey values of a depth or height picture.
+    """Return the grey values of a depth or height picture.
 
     Raises
     ------
     InputError
-        If it is coloured, has channels that are not known, or no value at all.
+        If it is coloured, has unknown channels, or no value at all.
     """
     if not image.is_float or _may_be_codes(image.pixels):
         image = codec.narrowed(image)
@@ -86,7 +87,7 @@ def grey_values(image: RasterImage) -> GreyValues:
     unknown = ~known
     nothing = int(np.count_nonzero(unknown))
     if nothing == known.size:
-        raise InputError(f"{image.name}: no pixel has a depth; all are transparent, NaN or infinite")
+        raise InputError(f"{image.name}: no pixel has a depth: all are transparent, NaN or infinite")
     if nothing:
         values[unknown] = 0
     bits = 8 if image.pixels.dtype == np.uint8 else image.bits
@@ -94,7 +95,7 @@ def grey_values(image: RasterImage) -> GreyValues:
 
 
 def _may_be_codes(pixels: NDArray[Any]) -> bool:
-    """Whether a sample of floats lies near multiples of 1/255: to look at all of them takes a while."""
+    """Whether a sample of the floats is near multiples of 1/255; checking all of them is slow."""
     sample = pixels.ravel()[:: max(1, pixels.size // _SAMPLE)]
     if not (np.abs(sample) <= 1).all():  # also for NaN
         return False
@@ -103,14 +104,14 @@ def _may_be_codes(pixels: NDArray[Any]) -> bool:
 
 
 def _one_channel(image: RasterImage) -> tuple[Float32, bool]:
-    """(H, W) float32 and whether colours had to be averaged."""
+    """Return (H, W) float32 and whether colours had to be averaged."""
     names = [i for i, name in enumerate(image.channels) if name != "A"]
     if len(names) == 1 or not names:
         return image.pixels[..., names[0] if names else 0].astype(np.float32), False
     if [image.channels[i] for i in names] != ["R", "G", "B"]:
         raise InputError(
-            f"{image.name}: has channels {', '.join(image.channels)}; a depth picture has one grey channel; name its "
-            "layer, such as FILE.exr:depth"
+            f"{image.name}: has the channels {', '.join(image.channels)}, but a depth picture has one grey channel; "
+            "name its layer, such as FILE.exr:depth"
         )
     red, green, blue = (image.pixels[..., i] for i in names)
     if np.array_equal(red[::7], green[::7]) and np.array_equal(red, green) and np.array_equal(red, blue):
@@ -123,8 +124,8 @@ def _one_channel(image: RasterImage) -> tuple[Float32, bool]:
         few = np.count_nonzero(apart > _GREY_MOST * code) > _GREY_FEW * apart.size
         if few or not float(apart.mean()) <= _GREY_MEAN * code:
             raise InputError(
-                f"{image.name}: is a colour picture; a depth or height picture is grey (a normal map is one already, "
-                "and needs no conversion)"
+                f"{image.name}: is a colour picture, but depth and height pictures are grey; a normal map needs no "
+                "conversion"
             )
         total += other
     total /= np.float32(3)
@@ -132,7 +133,7 @@ def _one_channel(image: RasterImage) -> tuple[Float32, bool]:
 
 
 def empty_depths(values: Float32, known: Mask) -> Mask:
-    """(H, W) bool: known pixels of a float depth picture that stand for nothing: 0 or less, or far beyond the rest."""
+    """Return (H, W) bool: known pixels of a float depth picture that are empty: 0 or less, or far beyond the rest."""
     positive = known & (values > 0)
     if not positive.any():
         return np.asarray(known.copy())
@@ -142,7 +143,7 @@ def empty_depths(values: Float32, known: Mask) -> Mask:
 
 
 def step_of(grey: GreyValues) -> float:
-    """Size of a step between the values that a picture holds, in its own unit; 0 where there are none to see."""
+    """Return the size of the steps between the values of a picture, in their unit; 0 if no steps are found."""
     sample = grey.values[grey.known]
     sample = sample[:: max(1, sample.size // _SAMPLE)]
     levels, counts = np.unique(sample, return_counts=True)
@@ -150,7 +151,7 @@ def step_of(grey: GreyValues) -> float:
         return 0.0 if grey.is_float else 1.0
     if np.median(counts) < _PIXELS_A_LEVEL:
         return 0.0 if grey.is_float else 1.0
-    # the gap that most pixels see on both sides: a value far from the others says nothing, however common it is
+    # the median gap, weighted by the rarer of its two values: a value far from the others counts little, however common
     gaps = np.diff(levels.astype(np.float64))
     weight = np.minimum(counts[:-1], counts[1:])
     order = np.argsort(gaps)
@@ -160,21 +161,21 @@ def step_of(grey: GreyValues) -> float:
 
 
 def _even(gaps: NDArray[np.float64]) -> bool:
-    """Whether floats are the even steps of some integers: enough of them, and hardly any left out."""
+    """Whether floats are evenly spaced, like integers: enough levels, and few left out."""
     whole = np.rint(gaps)
     near = np.abs(gaps - whole) < _UNEVEN
     return len(gaps) >= _LEAST_LEVELS and bool(near.all()) and len(gaps) >= _FILLED * whole.sum()
 
 
 def noise_of(values: Float32, known: Mask, step: float) -> float:
-    """Standard deviation of the noise in the quietest parts that are not flat, beyond that of the steps.
+    """Return the standard deviation of the noise in the quietest parts that are not flat; 0 if it is due to the steps.
 
     Parameters
     ----------
     values : (H, W) float32
     known : (H, W) bool
     step : float
-        Of the values; steps are no noise.
+        Size of the steps between values; they do not count as noise.
     """
     if min(values.shape) < _BLOCK:
         return 0.0
@@ -192,7 +193,7 @@ def noise_of(values: Float32, known: Mask, step: float) -> float:
 
 
 def _block_noise(strip: Float32, known: Mask) -> NDArray[Any]:
-    """Deviation of each block of a strip from what its neighbours say (Immerkaer); 0 where not all known."""
+    """Return the noise of each block of a strip (Immerkaer's method); 0 where not all pixels are known."""
     whole = strip.shape[1] // _BLOCK * _BLOCK
     across = strip[:, :-2] - 2 * strip[:, 1:-1] + strip[:, 2:]
     high = np.abs(across[:-2] - 2 * across[1:-1] + across[2:])

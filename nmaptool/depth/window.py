@@ -1,4 +1,4 @@
-"""What a pixel reaches around it over whole links: a window of places, and the ways to them."""
+"""The places around a pixel that it reaches over links: a window of places, and the paths to them."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Mask
 
 REACH = 6
-# links of a pixel in the low bits of its state
+# bits of the links in the state of a pixel
 RIGHT, DOWN = np.uint8(1), np.uint8(2)
 _Way = tuple[int, int, np.uint8]
 
 
 def _disc() -> tuple[tuple[int, int], ...]:
-    """Steps (down, right) to the places, fewer steps first."""
+    """Return the offsets (down, right) of the places, those with fewer steps first."""
     side = range(-REACH, REACH + 1)
     places = [(y, x) for y in side for x in side if x * x + y * y <= REACH * (REACH + 1)]
     return tuple(sorted(places, key=lambda place: abs(place[0]) + abs(place[1])))
 
 
 def _ways(places: tuple[tuple[int, int], ...]) -> tuple[tuple[_Way, ...], ...]:
-    """How each place is reached: from which nearer one, and over which link of which."""
+    """Return for each place the last steps of its paths: the nearer place, the pixel that holds the link, its kind."""
     number = {place: i for i, place in enumerate(places)}
     found = []
     for y, x in places:
@@ -42,7 +42,7 @@ WINDOW_Y, WINDOW_X = (np.array([place[axis] for place in _PLACES], np.float32) f
 
 
 def around(shape: tuple[int, int], row: NDArray[np.intp], col: NDArray[np.intp]) -> tuple[NDArray[np.int32], Mask]:
-    """(M, K) int32 flat indices of the places around K pixels of a picture, and whether they lie in it."""
+    """Return the (M, K) int32 flat indices of the places around K pixels, and whether they are in the picture."""
     y = row.astype(np.int32) + WINDOW_Y.astype(np.int32)[:, None]
     x = col.astype(np.int32) + WINDOW_X.astype(np.int32)[:, None]
     inside = (y >= 0) & (y < shape[0]) & (x >= 0) & (x < shape[1])
@@ -55,14 +55,14 @@ def around(shape: tuple[int, int], row: NDArray[np.intp], col: NDArray[np.intp])
 
 
 def reached(state: NDArray[np.uint8], inside: Mask) -> Mask:
-    """(M, K) bool: which places are reached from the middle by ways that only lead away from it.
+    """Return (M, K) bool: which places are reached from the centre by paths that only lead away from it.
 
     Parameters
     ----------
     state : (M, K) uint8
         Links of the places: bit 0 to the right, bit 1 down.
     inside : (M, K) bool
-        Places that there are.
+        Whether each place is in the picture.
     """
     right, down = (state & RIGHT) > 0, (state & DOWN) > 0
     out = np.zeros(state.shape, bool)

@@ -1,1 +1,1 @@
-"""Methods compared with each other."""
+"""Compare methods with each other."""

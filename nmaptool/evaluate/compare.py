@@ -45,7 +45,7 @@ def compare(
     """Rebuild a mesh to its base normals by gSfG and by Poisson's equation, and compare both (paper, Fig. 13).
 
     Each scheme trades normal deviation for vertex deviation. Both are run over a range of their closeness parameter, so
-    that vertex deviations can be compared at equal normal deviations.
+    vertex deviations can be compared at equal normal deviations.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def compare(
     reconstruct_options : ReconstructOptions, optional
         Options of the gSfG run that the figure shows.
     model : FilterModel, optional
-        For the filter ``learned`` only. Default: the one that comes with the package.
+        Model for the filter ``learned``. Default: the one that comes with the package.
     progress : callable, optional
         Called with the stage and the share done, 0 to 1; most of it is "sweeping".
 
@@ -87,7 +87,7 @@ def compare(
     options = options or CompareOptions()
     ours = reconstruct_options or ReconstructOptions()
     if ours.scheme == "poisson":
-        raise UsageError("`scheme='poisson'`: is what gSfG is compared with; use one of the others")
+        raise UsageError("`scheme='poisson'`: Poisson is always compared; choose the gSfG scheme to compare it with")
     stages = Stages(progress)
     with stages.stage("whole"):
         comparison = _compared(prepare_mesh(mesh, filter, model), options, ours, stages)
@@ -95,7 +95,7 @@ def compare(
 
 
 def _compared(prepared: PreparedMesh, options: CompareOptions, ours: ReconstructOptions, stages: Stages) -> Comparison:
-    """The comparison without the time that it took."""
+    """Return the comparison, without its timing."""
     camera = frame_camera(prepared.mesh, _bake_options(options), *VIEWS[options.view])
     with rendering(options.renderer) as (draw, _):
         split = prepared.decompose(part(stages.progress, 0.0, 0.1))
@@ -130,7 +130,7 @@ def _compared(prepared: PreparedMesh, options: CompareOptions, ours: Reconstruct
 
 @dataclass(frozen=True, eq=False)
 class _Bench:
-    """A clean mesh and the targets that all schemes get."""
+    """A clean mesh and the target normals for all schemes."""
 
     mesh: Mesh
     targets: Float64
@@ -152,7 +152,7 @@ class _Bench:
         return CurvePoint(closeness, options.steps, found.report.normal_deviation_deg, rms, found.report.folded_after)
 
     def contender(self, found: Reconstruction) -> Contender:
-        """Figures of one scheme, its histogram left out."""
+        """Return the figures of one scheme, without its histogram."""
         mesh, report = self._aligned(found), found.report
         off = self._deviation_mm(found)
         there, back = hausdorff(mesh.vertices, self.mesh)[0], hausdorff(self.mesh.vertices, mesh)[0]
@@ -177,7 +177,7 @@ class _Bench:
         )
 
     def edges(self, found: list[Reconstruction]) -> Float64:
-        """Bins up to the angle that 98 of 100 faces stay below in either."""
+        """Return histogram bins up to the larger of the schemes' 98th percentiles."""
         end = max(float(np.percentile(self._angles(each), 98)) for each in found)
         return np.linspace(0, max(end, 1e-6), _BINS + 1)
 
@@ -203,7 +203,7 @@ def _part(stages: Stages, number: int) -> Callable[[float], None]:
 
 
 def _matched(points: tuple[CurvePoint, ...], ours: CurvePoint, options: ReconstructOptions) -> ReconstructOptions:
-    """Poisson in one solve, with the closeness of the sweep that comes nearest to us, by ratios of both deviations."""
+    """Return options for Poisson in one solve, with the closeness whose deviations have ratios to ours closest to 1."""
 
     def off(point: CurvePoint) -> float:
         pairs = ((point.normal_deg, ours.normal_deg), (point.rms_mm, ours.rms_mm))

@@ -1,4 +1,4 @@
-"""Curves of vertex deviation over normal deviation, and what they say of the paper's claim."""
+"""Curves of vertex deviation over normal deviation, and verdicts on the paper's claim."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def sweep(
     options: ReconstructOptions,
     notify: Callable[[float], None],
 ) -> tuple[CurvePoint, ...]:
-    """The points of a curve; the boundary is treated as the options say."""
+    """Return the points of a curve; the boundary is treated according to the options."""
     runs: list[dict[str, object]]
     if name == _GRADIENTS:
         runs = [{"scheme": "gsfg-gradient", "steps": _AGAIN, "closeness": c} for c in _FINER]
@@ -46,19 +46,19 @@ def sweep(
 
 
 def as_shown(ours: Contender, rival: Contender) -> Verdict:
-    """The two runs that the figure shows: gSfG's options, and Poisson's that comes nearest to it."""
+    """Return the verdict on the two runs in the figure: gSfG with the given options, and the closest Poisson run."""
     ratio = ours.rms_mm / rival.rms_mm if rival.rms_mm > 0 else 1.0
     held = ratio < 1 and ours.normal_mean_deg <= rival.normal_mean_deg
     summary = (
-        f"{'holds' if held else 'does not hold'} as shown: gSfG's vertex deviation is {ratio:.2f} of Poisson's, its "
-        f"normals are {ours.normal_mean_deg:.2f} degrees off, Poisson's {rival.normal_mean_deg:.2f}"
+        f"{'holds' if held else 'does not hold'} as shown: gSfG's vertex deviation is {ratio:.2f} of Poisson's; its "
+        f"mean normal deviation is {ours.normal_mean_deg:.2f} degrees, Poisson's {rival.normal_mean_deg:.2f}"
     )
     deg = (rival.normal_mean_deg,) if held else ()
     return Verdict("poisson, as shown", "yes" if held else "no", 1, int(held), deg, ratio, ratio, summary)
 
 
 def verdicts_of(curves: Mapping[str, tuple[CurvePoint, ...]]) -> tuple[Verdict, ...]:
-    """gSfG, whichever variant is best, against each of Poisson's curves."""
+    """Return the verdicts on the best gSfG variant against each of the Poisson curves."""
     pairs = {name: [(p.normal_deg, p.rms_mm) for p in points] for name, points in curves.items()}
     ours = [pairs[name] for name in (_GRADIENTS, _SHAPES, _PAPER)]
     return tuple(_verdict(rival, compare_fronts(ours, pairs[rival])) for rival in (POISSON_ONCE, POISSON_AGAIN))
@@ -72,16 +72,16 @@ def _verdict(rival: str, points: list[FrontPoint]) -> Verdict:
     low, high = (min(ratios), max(ratios)) if ratios else (None, None)
     better = "smaller vertex deviation at equal or smaller normal deviation"
     summary = {
-        "yes": f"holds against {rival}: gSfG has {better} at all {count} points of Poisson's front",
+        "yes": f"holds against {rival}: gSfG has {better} at all points of Poisson's front ({count})",
         "in part": (
             f"holds in part against {rival}: gSfG has {better} at {len(held)} of {count} points of Poisson's front"
         ),
-        "no": f"does not hold against {rival}: gSfG has {better} at none of {count} points of Poisson's front",
+        "no": f"does not hold against {rival}: gSfG has {better} at none of the points of Poisson's front ({count})",
     }[holds]
     if holds == "in part":
-        summary += f", normals {', '.join(f'{normal:.2f}' for normal in held)} degrees off"
+        summary += f" (normal deviation in degrees: {', '.join(f'{normal:.2f}' for normal in held)})"
     if low is not None and high is not None:
         summary += f"; its vertex deviation is {low:.2f} to {high:.2f} of Poisson's"
     if len(ratios) < count:
-        summary += f"; at {count - len(ratios)} Poisson's normals are nearer to their targets than any of gSfG's"
+        summary += f"; points at which no gSfG run reaches Poisson's normal deviation: {count - len(ratios)}"
     return Verdict(rival, holds, count, len(held), held, low, high, summary)

@@ -1,4 +1,4 @@
-"""Two ways of rebuilding judged by their curves of vertex deviation over normal deviation."""
+"""Compare two reconstruction methods by their curves of vertex deviation over normal deviation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Point = tuple[float, float]
 
 
 def front(points: Sequence[Point]) -> list[Point]:
-    """The points that no other beats in both, by rising normal deviation."""
+    """Return the Pareto front: the points that no other point beats in both deviations, by rising normal deviation."""
     kept: list[Point] = []
     for point in sorted(points):
         if not kept or point[1] < kept[-1][1]:
@@ -21,9 +21,9 @@ def front(points: Sequence[Point]) -> list[Point]:
 
 
 def reached(curves: Sequence[Sequence[Point]], normal: float) -> float | None:
-    """The least vertex deviation at a normal deviation of at most ``normal``, between points of a front by logarithms.
+    """Return the smallest vertex deviation at a normal deviation of at most ``normal``, interpolated logarithmically.
 
-    None where no curve comes down to it.
+    None if no curve reaches that normal deviation.
     """
     found = []
     for curve in curves:
@@ -36,9 +36,9 @@ def reached(curves: Sequence[Sequence[Point]], normal: float) -> float | None:
 
 @dataclass(frozen=True)
 class FrontPoint:
-    """A point of the rival's front: its normal deviation, and our vertex deviation there over its own.
+    """A point of the rival's front: its normal deviation, and the ratio of our vertex deviation there to its own.
 
-    None where we do not come down to that normal deviation.
+    The ratio is None if our curves do not reach that normal deviation.
     """
 
     normal: float
@@ -46,7 +46,7 @@ class FrontPoint:
 
 
 def compare_fronts(ours: Sequence[Sequence[Point]], rival: Sequence[Point]) -> list[FrontPoint]:
-    """Each point of the rival's front, with the least that any of our curves has there."""
+    """Return each point of the rival's front with the smallest ratio of any of our curves there."""
     found = []
     for normal, size in front(rival):
         here = reached(ours, normal) if normal > 0 and size > 0 else None

@@ -1,1 +1,1 @@
-"""Pictures of results for people: previews, plots, contact sheets."""
+"""Pictures of results: previews, plots, contact sheets."""

@@ -1,4 +1,4 @@
-"""The comparison of two schemes as one figure (paper, Fig. 13)."""
+"""Draw the comparison of two schemes as one figure (paper, Fig. 13)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _MAP = "viridis"
 
 
 def comparison_figure(comparison: Comparison) -> Srgb:
-    """A figure of a comparison: rebuilt meshes, vertex deviations in one colour scale, histograms, curves, verdict."""
+    """Draw a comparison: rebuilt meshes, vertex deviations in one colour scale, histograms, curves, verdicts."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.ticker import ScalarFormatter
@@ -34,7 +34,7 @@ def comparison_figure(comparison: Comparison) -> Srgb:
     pictures = figure.add_gridspec(2, 2, left=0.02, right=0.555, top=0.88, bottom=0.19, wspace=0.04, hspace=0.3)
     scale = figure.add_gridspec(1, 1, left=0.575, right=0.588, top=0.88, bottom=0.19)
     plots = figure.add_gridspec(2, 1, left=0.685, right=0.98, top=0.9, bottom=0.19, hspace=0.26)
-    # the largest deviation is one vertex's: colours end where one vertex in 200 goes beyond
+    # the largest deviation may be that of a single vertex, so the colour scale ends at the 99.5th percentile
     top = max(float(np.percentile(each.deviation_mm, 99.5)) for each in comparison.contenders.values())
     for row, (name, each) in enumerate(comparison.contenders.items()):
         view, share = comparison.rendered_views[name], 100 / comparison.diagonal_mm
@@ -67,7 +67,7 @@ def _title(comparison: Comparison, name: str) -> str:
     stated = "gSfG" if name == "gsfg" else "Poisson"
     pull = "" if o.scheme == "gsfg" else f", closeness {o.closeness:g}"
     steps = "one solve" if o.steps == 1 else f"{o.steps} steps"
-    return f"{stated} ({o.scheme}, {steps}{pull})\nnormals {each.normal_mean_deg:.2f} degrees off on average"
+    return f"{stated} ({o.scheme}, {steps}{pull})\nmean normal deviation {each.normal_mean_deg:.2f} degrees"
 
 
 def _show(axes: Any, picture: NDArray[np.float32], title: str) -> None:
@@ -96,7 +96,7 @@ def _colored(view: RenderedView, top: float) -> NDArray[np.float32]:
     seen = np.isfinite(view.deviation_mm)
     share = np.where(seen, view.deviation_mm, 0) / max(top, 1e-300)
     color = colormaps[_MAP](share.clip(0, 1))[..., :3]
-    # enough light to see the form, not so much shade that colours lie
+    # shaded enough to show the form, but little enough to keep the colours readable
     lit = color * (0.55 + 0.45 * view.shade[..., None])
     return _halved(np.where(seen[..., None], lit, 1).astype(np.float32)).clip(0, 1)
 
@@ -116,7 +116,7 @@ def _histograms(axes: Any, comparison: Comparison) -> None:
         axes.stairs(100 * each.histogram, edges, color=_COLORS[name], fill=True, alpha=0.25)
         axes.stairs(100 * each.histogram, edges, color=_COLORS[name], label=label, linewidth=1.5)
     axes.set_xlim(0, edges[-1])
-    axes.set_xlabel("face normal from its target, degrees (the last bar holds all beyond)")
+    axes.set_xlabel("deviation of face normals from their targets, degrees (the last bar includes all larger ones)")
     axes.set_ylabel("% of the surface")
     axes.legend(frameon=False)
 

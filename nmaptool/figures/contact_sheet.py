@@ -1,4 +1,4 @@
-"""A contact sheet: all layers of all views on one picture, as maps and under a raking light."""
+"""A contact sheet: all layers of all views in one picture, as maps and under a raking light."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Picture = NDArray[np.uint8]
 
 
 def contact_sheet(layer_sets: Sequence[LayerSet], tile_px: int = _TILE_PX) -> Picture:
-    """A picture of layer sets: two rows a view, the maps' colours above, shaded below.
+    """Draw layer sets: two rows per view, the colours of the maps above, shaded below.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def contact_sheet(layer_sets: Sequence[LayerSet], tile_px: int = _TILE_PX) -> Pi
     Returns
     -------
     (h, w, 3) uint8
-        sRGB, for looking at.
+        sRGB, for display.
     """
     return np.vstack([row for layers in layer_sets for row in _rows(layers, tile_px)])
 
@@ -51,7 +51,7 @@ def _rows(layers: LayerSet, tile_px: int) -> list[Picture]:
 
 
 def map_colors(normals: Float32) -> Picture:
-    """(h, w, 3) uint8 of (h, w, 3) normals, as normal maps are shown."""
+    """Return (h, w, 3) normals as (h, w, 3) uint8 in the usual colours of normal maps."""
     return ((normals + 1) * 127.5 + 0.5).clip(0, 255).astype(np.uint8)
 
 

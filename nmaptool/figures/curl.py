@@ -1,4 +1,4 @@
-"""A picture of where a normal map stops being a surface."""
+"""A picture of where a normal map is not integrable."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from nmaptool.core.vectors import curl, inner_vertices, slopes
 from nmaptool.types.inputs import NormalsLike, as_normal_map
 
-# slope per px that are black and white; between them the scale is logarithmic
+# slope per px shown darkest and brightest; between them the scale is logarithmic
 DARKEST, BRIGHTEST = 1e-3, 1.0
 _UNDEFINED = (96, 96, 96)
 _STEEPEST = 3.0
 
 
 def curl_picture(normal_map: NormalsLike) -> NDArray[np.uint8]:
-    """Show |curl| as a colour at each pixel: black where slopes belong to a surface, through red to light yellow.
+    """Show |curl| as a colour at each pixel: black where the map is integrable, through red to light yellow.
 
     Parameters
     ----------
@@ -24,14 +24,14 @@ def curl_picture(normal_map: NormalsLike) -> NDArray[np.uint8]:
     Returns
     -------
     (H, W, 3) uint8
-        sRGB, for looking at; grey where the map is not defined. Black is a curl of 0.001 slope per px or less, the
-        lightest yellow 1 or more, on a logarithmic scale. A pixel shows the largest curl at its four corners. Slopes
-        are capped at 3.
+        sRGB, for display; grey where the map is not defined. On a logarithmic scale, black is a curl of 0.001 slope per
+        px or less, and the lightest yellow a curl of 1 or more. A pixel shows the largest curl at its four corners.
+        Slopes are capped at 3.
 
     Raises
     ------
     InputError, UsageError
-        If the map is an array without normals, or something else: see `nmaptool.NormalMap.from_array`.
+        As for `nmaptool.NormalMap.from_array`, if the map is not a NormalMap.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The lengths of residuals, the two Gaussians and the threshold as a figure (paper, Fig. 5)."""
+"""Draw the lengths of residuals, the two Gaussians and the threshold (paper, Fig. 5)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _BARS = 100
 
 
 def mixture_plot(mixture: Mixture) -> Srgb:
-    """A figure of a mixture."""
+    """Draw a mixture."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -44,7 +44,7 @@ def _named(name: str, mean: float, weight: float) -> str:
 
 
 def _end(mixture: Mixture) -> float:
-    """Where the histogram's last thousandth begins, with the threshold in sight."""
+    """Return the end of the x axis: the 99.9th percentile of the histogram, but beyond the threshold."""
     mass = np.cumsum(mixture.density * np.diff(mixture.edges))
     last = float(mixture.edges[1:][np.searchsorted(mass, 0.999 * mass[-1])])
     return min(max(1.1 * last, 0.01, 1.2 * mixture.theta if mixture.form != "none" else 0.0), 2.0)

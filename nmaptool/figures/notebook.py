@@ -1,4 +1,4 @@
-"""What a notebook shows of a value: one table from its type to a small picture."""
+"""The small pictures that notebooks show for values, by type."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from nmaptool.types.relief import Relief
 _LONGER_SIDE_PX = 512
 # a contact sheet has four pictures in a row, with a gap around each
 _TILE_PX = 118
-# heights are thinned out to this before they are shaded
+# larger heights are subsampled to this before shading
 _SHADED_PX = 4 * _LONGER_SIDE_PX
 
 
 def picture_of(value: object) -> Srgb:
-    """A picture of a value, its longer side 512 px at most.
+    """Return a picture of a value; its longer side has at most 512 px.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def picture_of(value: object) -> Srgb:
 
 
 def png_of(value: object) -> bytes:
-    """`picture_of` as the bytes of a PNG file."""
+    """Return the result of `picture_of` as the bytes of a PNG file."""
     from PIL import Image
 
     stream = io.BytesIO()
@@ -59,7 +59,7 @@ def _height_picture(height: Height) -> Srgb:
 
 
 def _thinned(height: Height) -> Height:
-    """Every so many vertices of a large height field: shading takes a while."""
+    """Subsample the vertices of a large height field, because shading is slow."""
     step = -(-height.frame.longer_side // _SHADED_PX)
     rows, cols = (side // step for side in height.frame.shape)
     if step == 1 or not min(rows, cols):
@@ -70,7 +70,7 @@ def _thinned(height: Height) -> Height:
 
 
 def _fitted(picture: NDArray[np.float32], *, smooth: bool) -> NDArray[np.float32]:
-    """A picture averaged to 512 px where it is larger, enlarged by a whole factor where it is smaller."""
+    """Average a larger picture down to 512 px, or enlarge a smaller one by an integer factor."""
     import cv2
 
     rows, cols = picture.shape[:2]

@@ -1,4 +1,4 @@
-"""A picture of a relief under two raking lights, as one would look at a carving."""
+"""A picture of a relief under two raking lights, as a carving would look."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def _direction(azimuth: float, elevation: float) -> Float64:
 
 
 def lambert(height: Height) -> Float64:
-    """(H, W) brightness in [0, 1] of each pixel under the two lights; the backdrop's outside the domain."""
+    """Return the (H, W) brightness in [0, 1] of each pixel under the two lights; the backdrop outside the domain."""
     p, q = height_slopes(height.z_mm / height.pitch_mm)
     length = np.sqrt(1 + p * p + q * q)
     light = np.full(p.shape, _AMBIENT)
@@ -42,7 +42,7 @@ def lambert(height: Height) -> Float64:
 
 
 def preview(height: Height | Relief) -> Picture:
-    """Shade a relief under two raking lights; small ones are enlarged by a whole factor.
+    """Shade a relief under two raking lights; small ones are enlarged by an integer factor.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def preview(height: Height | Relief) -> Picture:
     Returns
     -------
     (h, w, 3) uint8
-        sRGB, for looking at; the longer side has 900 px or more.
+        sRGB, for display; the longer side has 900 px or more.
 
     Raises
     ------
@@ -75,6 +75,6 @@ def preview(height: Height | Relief) -> Picture:
 
 
 def in_colors(light: NDArray[Any]) -> Picture:
-    """(h, w, 3) uint8 sRGB of (h, w) brightness."""
+    """Return (h, w) brightness as (h, w, 3) uint8 sRGB."""
     encoded: NDArray[Any] = light.clip(0, 1)[..., None] ** _TONE * _WARM
     return (encoded * 255 + 0.5).astype(np.uint8)

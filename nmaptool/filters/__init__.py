@@ -1,1 +1,1 @@
-"""Base and detail told apart, on meshes and in normal maps; learned filters."""
+"""Separate base and detail, on meshes and in normal maps; learned filters."""

@@ -1,4 +1,4 @@
-"""Patches of a surface: faces of one small cube of space that hang together, so that thin sheets never share one."""
+"""Patches of a surface: connected faces in one small cube, so both sides of a thin sheet are in separate patches."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Labels = NDArray[np.int64]
 
 
 def face_neighbors(faces: Faces) -> tuple[Labels, Labels]:
-    """Pairs of faces that share an edge; where more than two share one, a chain of them."""
+    """Return the pairs of faces that share an edge; if more than two share an edge, they form a chain of pairs."""
     keys = edge_keys(*directed_edges(faces))
     order = np.argsort(keys, kind="stable")
     same = keys[order[1:]] == keys[order[:-1]]
@@ -26,21 +26,21 @@ def face_neighbors(faces: Faces) -> tuple[Labels, Labels]:
 
 @dataclass(frozen=True, eq=False)
 class ConnectedFaces:
-    """Where the faces of a surface lie, and which of them touch.
+    """The centroids of the faces of a surface, and which faces are adjacent.
 
     Attributes
     ----------
     centroids : (M, 3) float64
     neighbors : pair of (E,) int64
-        Faces that share an edge.
+        Pairs of faces that share an edge.
     """
 
     centroids: Float64
     neighbors: tuple[Labels, Labels]
 
     def patches(self, side: float) -> Labels:
-        """(M,) int64: for each face the patch it lies in, counted from 0; ``side`` is that of the cubes."""
-        # cubes lie alike on both sides of the middle: a mirrored surface has mirrored patches
+        """Return the patch of each face as (M,) int64, from 0; ``side`` is the side length of the cubes."""
+        # the cubes are symmetric about the middle, so a mirrored surface has mirrored patches
         middle = (self.centroids.min(axis=0) + self.centroids.max(axis=0)) / 2
         place = np.floor((self.centroids - middle) / side + 0.5).astype(np.int64)
         place -= place.min(axis=0)
@@ -50,7 +50,10 @@ class ConnectedFaces:
         return _components(one[together], other[together], len(self.centroids))[1]
 
     def reach(self, radius: float) -> Reach:
-        """Patches, two thirds of ``radius`` large, that are reached along the surface without leaving a ball of it."""
+        """Return which patches can be reached along the surface without leaving a ball of this radius.
+
+        The side of the patches is two thirds of ``radius``.
+        """
         side = radius / 1.5
         patch = self.patches(side)
         count = int(patch.max()) + 1
@@ -81,14 +84,14 @@ def _components(one: Labels, other: Labels, count: int) -> tuple[int, Labels]:
 
 @dataclass(frozen=True, eq=False)
 class Reach:
-    """Which patches can be reached from which along the surface.
+    """The pairs of patches that can reach each other along the surface.
 
     Attributes
     ----------
     patch : (M,) int64
-        Of each face.
+        Patch of each face.
     near : (P, P) sparse bool
-        Pairs of patches, each with itself, connected by patches all of which lie within the radius of the first.
+        Pairs of patches, including each with itself, connected by patches that all lie within the radius of the first.
     """
 
     patch: Labels
@@ -96,7 +99,7 @@ class Reach:
 
 
 def _within(pairs: Any, middle: Float64, radius: float) -> Any:
-    """Pairs whose middles lie within a radius, each counted once."""
+    """Return the pairs whose centres are within a radius of each other, each once."""
     pairs = pairs.tocoo()
     one, other = pairs.coords
     step = middle[one] - middle[other]

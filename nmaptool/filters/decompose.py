@@ -1,4 +1,4 @@
-"""A mesh's face normals split into base and detail."""
+"""Split the face normals of a mesh into base and detail."""
 
 from __future__ import annotations
 
@@ -29,25 +29,25 @@ def decompose_normals(
 ) -> Decomposition:
     """Split the face normals of a mesh into base and detail (GRNF: paper, Sec. 3.1; DRNF: Sec. 3.2).
 
-    The base normals are those of the forms, the detail is what is left of the original normals beside them: `smooth`
-    rebuilds a mesh to a mixture of both, `bake` renders them.
+    The base normals are those of the form, and the detail is the rest of the original normals. `smooth` rebuilds a mesh
+    from a mixture of both, `bake` renders them.
 
     Parameters
     ----------
     mesh : Mesh
-        It is cleaned first; the result is about the faces that `nmaptool.clean_mesh` gives.
+        It is cleaned first; the result has the faces that `nmaptool.clean_mesh` returns.
     options : FilterOptions, optional
         The filter and its parameters.
     model : FilterModel, optional
-        For the filter ``learned`` only. Default: the one that comes with the package.
+        Model for the filter ``learned``. Default: the one that comes with the package.
     progress : callable, optional
         Called with the stage, such as "filtering", and the share done, 0 to 1.
 
     Returns
     -------
     Decomposition
-        Face normals, base and residual as (M, 3) float64, where base + residual equals the normals in every bit; the
-        mixture and its threshold.
+        Face normals, base and residual as (M, 3) float64, where base + residual equals the normals exactly; the mixture
+        and its threshold.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def decompose_normals(
 def decompose_clean(
     mesh: Mesh, options: FilterOptions, progress: Progress | None = None, model: FilterModel | None = None
 ) -> Decomposition:
-    """`decompose_normals` of a mesh that is clean already."""
+    """Do the same as `decompose_normals` for a mesh that is already clean."""
     geometry = mesh.geometry
     model = model_of(options, model)
     if model is not None:
@@ -83,15 +83,15 @@ def decompose_clean(
 
 
 def model_of(options: FilterOptions, model: FilterModel | None) -> FilterModel | None:
-    """The model that a filter is to use; None where it uses none.
+    """Return the model that a filter uses, or None if it uses none.
 
     Raises
     ------
     UsageError
-        If a model is given to a filter that is not learned.
+        If a model is given for a filter that is not learned.
     """
     if options.filter == "learned":
         return model or shipped_filter()
     if model is not None:
-        raise UsageError(f"`model`: belongs to `filter='learned'`, not to {options.filter}")
+        raise UsageError(f"`model`: only applies to `filter='learned'`, found {options.filter}")
     return None

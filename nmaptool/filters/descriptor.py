@@ -1,4 +1,4 @@
-"""What a learned filter sees of a face: the normals that rolling guidance gives it, at several widths and ranges."""
+"""The input of a learned filter: normals of each face, filtered by rolling guidance with several widths and ranges."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from nmaptool.filters.surface import Neighborhood, Roughness
 from nmaptool.options import DescriptorOptions
 from nmaptool.types.mesh import Mesh
 
-# the networks learn from descriptors as rough as these: 0.3 degrees off on average, at a third of the time
+# approximate sums are enough for the networks, which are trained on them: 0.3 degrees off on average, in a third of the
+# time
 _ROUGH = Roughness(alike=1.0, pairs_per_face=400.0)
 
 
 class Describer:
-    """Filtered normals of one mesh (the descriptor of paper, Sec. 3.2), led by any guide.
+    """Filtered normals of one mesh (the descriptor of paper, Sec. 3.2), with any guide.
 
     Parameters
     ----------
     mesh : Mesh
-        Clean and welded; its own normals are what is filtered.
+        Clean and welded; its normals are filtered.
     options : DescriptorOptions
     """
 
@@ -35,20 +36,20 @@ class Describer:
         self._surroundings = map_parallel(sizes, lambda size: Neighborhood(mesh, size))
 
     def __call__(self, guide: Float64 | None = None, progress: Progress | None = None) -> Float32:
-        """Descriptors.
+        """Return the descriptors.
 
         Parameters
         ----------
         guide : (M, 3) float64, optional
-            Unit normals, such as a stage before found: likeness counts by them, and one pass is made. Default: none,
-            as rolling guidance begins, and ``options.passes`` are made.
+            Unit normals, such as the result of the previous stage: the range weights are computed from them, in one
+            pass. Default: no guide, as in the first pass of rolling guidance, and ``options.passes`` passes.
         progress : callable, optional
 
         Returns
         -------
         (M, K, 4) float32
-            Unit normals, and how much the normals around the face agree, 0 to 1: all ranges of the first width, all of
-            the second, and so on.
+            Unit normals and the agreement of the normals around the face, 0 to 1: all ranges of the first width, then
+            all of the second, and so on.
         """
         options = self.options
         widths, ranges = range(len(options.sigma_s)), range(len(options.sigma_r))
@@ -56,7 +57,7 @@ class Describer:
         # the first pass without a guide is the same for all ranges
         blurred = None if guide is not None else map_parallel(widths, lambda width: self._gather(width, 0)(None))
         passes = options.passes if guide is None else 1
-        done = itertools.count(1)  # threads count together
+        done = itertools.count(1)  # shared by all threads
 
         def describe(task: tuple[int, int]) -> None:
             width, place = task
@@ -71,7 +72,7 @@ class Describer:
             if progress is not None:
                 progress("describing", next(done) / options.size)
 
-        # the narrow ones are the most work: first, so that no thread is left with one at the end
+        # narrow widths take longest; starting with them keeps all threads busy until the end
         map_parallel([(width, place) for width in widths for place in ranges], describe)
         return out
 

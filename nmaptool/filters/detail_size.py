@@ -1,4 +1,4 @@
-"""The size of what counts as detail on a mesh: sigma_s in units of the mesh."""
+"""The size of detail on a mesh: sigma_s in units of the mesh."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from nmaptool.core.units import Length
 from nmaptool.options import FilterOptions
 from nmaptool.types.mesh import Mesh
 
-# mean edge lengths: sigma_s below it averages no two faces
+# in mean edge lengths: with a smaller sigma_s, no two faces would be averaged
 _LEAST_EDGES = 0.01
-# share of the mesh beyond which sigma_s takes forms for detail
+# share of the mesh size above which sigma_s removes forms as detail
 _LARGEST_DETAIL = 0.06
 
 
 def sigma_s_of(mesh: Mesh, options: FilterOptions) -> float:
-    """sigma_s in units of a clean mesh; never so far below an edge that places cannot be counted in it."""
+    """Return sigma_s in units of a clean mesh; at least 0.01 edges, so positions divided by it stay in range."""
     if not isinstance(options.sigma_s, Length):
         return options.sigma_s * mesh.mean_edge
     if options.sigma_s.is_absolute:
@@ -26,11 +26,11 @@ def sigma_s_of(mesh: Mesh, options: FilterOptions) -> float:
 
 
 def long_edges(mesh: Mesh, options: FilterOptions) -> list[str]:
-    """A warning where sigma_s, counted in edges, is large beside a clean mesh; else none."""
+    """Return a warning if sigma_s, given in edge lengths, is large compared to a clean mesh; otherwise none."""
     if options.filter == "learned":
         return []
     share = sigma_s_of(mesh, options) / float(np.ptp(mesh.vertices, axis=0).max())
     if isinstance(options.sigma_s, Length) or share <= _LARGEST_DETAIL:
         return []
-    words = f"its edges are long: sigma_s comes to {share:.0%} of it, and forms of that size go into the detail"
-    return [f"{words}; say `sigma_s='2%'`"]
+    words = f"the edges are long: `sigma_s` is {share:.0%} of the mesh size, so forms of that size count as detail"
+    return [f"{words}; use `sigma_s='2%'`"]

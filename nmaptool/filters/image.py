@@ -1,17 +1,17 @@
-"""Rolling guidance on the picture of a normal map: fine detail goes, creases stay where they are and as sharp.
+"""Rolling guidance on the picture of a normal map: it removes fine detail and keeps the place and sharpness of creases.
 
-Every pass averages the original normals, with weights that fall with distance in the picture and with the angle between
-the normals of the pass before. Pairs of pixels are too many for a wide filter, so pixels far from the one at hand are
-taken together in square cells, the larger the further away. The cells lie around each pixel alike, so that turning or
-mirroring the map turns or mirrors the result.
+Every pass averages the original normals. The weights fall with distance in the picture, and with the angle between the
+normals of the previous pass. A wide filter would have too many pairs of pixels, so distant pixels are summed in square
+cells, which grow with the distance. The cells are arranged symmetrically around each pixel, so rotating or mirroring
+the map rotates or mirrors the result.
 
-Measured on real maps after 5 passes at ss = 4 to 20 px, against sums over four sigmas without cells: 0.2 degrees off
-on average where sr is 0.3 or more, 0.25 where it is 0.15 (1.1 and 2.6 for all but a hundredth of the pixels), while the
-filter turns normals by 4 to 20. Single pixels at creases, which may fall to either side, differ more. Below ss = 4 px
-every pixel counts by itself, within three sigmas: 0.1 off.
+Error on real maps after 5 passes at ss = 4 to 20 px, compared to sums over four sigmas without cells: 0.2 degrees on
+average for sr of 0.3 or more, 0.25 for sr = 0.15 (99th percentile: 1.1 and 2.6), while the filter rotates normals by 4
+to 20. Single pixels at creases, which may fall on either side, differ more. Below ss = 4 px there are no cells, and the
+sum ends at three sigmas: 0.1 degrees.
 
-OpenCV's `jointBilateralFilter` is no help: for the distance of two normals it adds their three absolute differences up,
-which depends on how the axes lie.
+OpenCV's `jointBilateralFilter` cannot be used: it measures the distance of two normals by the sum of their three
+absolute differences, which depends on the orientation of the axes.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ from nmaptool.core.progress import Progress
 from nmaptool.core.vectors import FLAT, unit
 from nmaptool.types.normal_map import UNIT_TOLERANCE
 
-# pixels further off than this many sigmas do not count: in a Gaussian all of them together weigh 1%
+# pixels further away than this many sigmas are ignored: together they have 1% of the weight of a Gaussian
 _REACH = 3.0
 _BLUR_REACH = 4.0
-# the width of a cell is at most this share of its distance, of sigma and of the picture's longer side
+# upper limits of the width of a cell, as shares of its distance, of sigma and of the picture's longer side
 _CELL_PER_DISTANCE = 0.3
 _CELL_PER_SIGMA = 0.75
 _CELL_PER_SIDE = 0.125
-# what is smaller is as good as nothing, what is larger as good as no limit, and squares stay numbers
+# smaller sigmas act like 0, larger ones like infinity; within these limits their squares do not overflow
 _SIGMA_S_PX, _SIGMA_R = (1e-3, 1e6), (1e-6, 1e6)
-# the direction of a shorter sum is rounding
+# the direction of a shorter sum is rounding error
 _NO_DIRECTION = 1e-20
-# pixels worked on at a time: few enough for the cache, enough for NumPy to be quick
+# pixels per batch: few enough for the cache, enough for NumPy to be fast
 _BATCH = 65536
 
 
@@ -55,19 +55,19 @@ class _Cell(NamedTuple):
 
 
 def _log_weight(sigma: float, size: int, at: int) -> float:
-    """Logarithm of a Gaussian's mean over ``size`` pixels around ``at``."""
+    """Return the logarithm of the mean of a Gaussian over ``size`` pixels around ``at``."""
     across = np.arange(size) - size // 2
     change = (at**2 - (at + across) ** 2) / (2 * sigma**2)
     return math.log(np.exp(change).mean()) - at**2 / (2 * sigma**2)
 
 
 def _cells(sigma: float, shape: tuple[int, int]) -> list[_Cell]:
-    """Cells that tile the disc around a pixel, as far as a picture of this shape can fill them."""
+    """Return the cells that tile the disc around a pixel, without those that a picture of this shape cannot fill."""
     coarsest = 0
     while 3 ** (coarsest + 1) <= min(_CELL_PER_SIGMA * sigma, _CELL_PER_SIDE * max(shape)):
         coarsest += 1
     largest = 3**coarsest
-    # the centre of a cell that holds some of the picture may lie outside by half a cell
+    # the centre of a cell that overlaps the picture may lie up to half a cell outside it
     rows, cols = (side - 1 + largest - 1 for side in shape)
     found: list[_Cell] = []
 
@@ -90,10 +90,10 @@ def _cells(sigma: float, shape: tuple[int, int]) -> list[_Cell]:
 
 
 class _Canvas:
-    """A picture amid empty pixels, each plane in one line of memory, so that an offset in one is one in the other.
+    """A picture surrounded by empty pixels, each plane flat in memory, so pixel offsets are offsets in memory.
 
-    The empty pixels after a row's end also serve as those before the next row's start. Around the picture lies a border
-    for centres of cells; the two are the domain, where sums are taken.
+    The empty pixels after the end of a row are also those before the start of the next. The picture has a border for
+    the centres of cells; picture and border are the domain, where sums are computed.
     """
 
     def __init__(self, vectors: Float32, cells: Sequence[_Cell]) -> None:
@@ -112,11 +112,11 @@ class _Canvas:
         self.source.reshape(self.shape)[self.picture] = np.moveaxis(vectors, -1, 0)
 
     def empty(self) -> Float32:
-        """(3, N) float32 zeros."""
+        """Return (3, N) float32 zeros."""
         return np.zeros((3, math.prod(self.shape[1:])), np.float32)
 
     def blurred(self, sigma: float) -> Float32:
-        """(3, N) float32 sums of the source under a Gaussian: the first pass, when all normals are 0 and alike."""
+        """Return the (3, N) float32 Gaussian blur of the source: the first pass, where all guide normals are 0."""
         import cv2
 
         planes = self.source.reshape(self.shape)[self.domain]
@@ -128,7 +128,7 @@ class _Canvas:
         return sums
 
     def directions(self, sums: Float32, batch: slice) -> Float32:
-        """(3, n) float32 unit vectors of sums; where they cancel out the original stays."""
+        """Return the (3, n) float32 unit vectors of sums; where the sums cancel out, the original normals."""
         size = np.abs(sums).max(axis=0)
         found = size > _NO_DIRECTION
         scaled = np.where(found, sums / np.where(found, size, 1), self.source[:, batch])
@@ -136,7 +136,7 @@ class _Canvas:
 
 
 class _Meter:
-    """Counts work done in any thread and tells how much that is, in the thread that it was made in."""
+    """Counts work done in any thread, and reports progress in the thread that created it."""
 
     def __init__(self, progress: Progress | None, whole: int) -> None:
         self.progress, self.whole, self.done = progress, whole, 0
@@ -153,7 +153,7 @@ class _Meter:
 def _weighted_sum(
     canvas: _Canvas, guide: Float32, sources: Sequence[Float32], cells: Sequence[_Cell], batch: slice
 ) -> Float32:
-    """(3, n) float32 sum of the cells around each pixel, weighted by distance and by likeness of the guide."""
+    """Return the (3, n) float32 sums of the cells around each pixel, weighted by distance and by guide similarity."""
     here = guide[:, batch]
     total = np.zeros_like(here)
     apart = np.empty_like(here)
@@ -173,10 +173,10 @@ def _weighted_sum(
 
 
 def _next_guide(canvas: _Canvas, guide: Float32, cells: Sequence[_Cell], meter: _Meter) -> Float32:
-    """(3, N) float32 unit vectors after one pass; ``guide`` is scaled so that squared distances are exponents.
+    """Return the (3, N) float32 unit vectors after one pass; ``guide`` is scaled: its squared distances are exponents.
 
-    A cell's sum is that of its nine parts, weighted by the likeness of their middles to its own: a cell across a
-    crease stands for the side of its middle.
+    The sum of a cell is that of its nine parts, weighted by the similarity of their centres to its own: a cell across a
+    crease represents the side of its centre.
     """
 
     def everywhere(terms: Sequence[_Cell], out: Float32, *, to_unit: bool) -> None:
@@ -202,20 +202,20 @@ def _next_guide(canvas: _Canvas, guide: Float32, cells: Sequence[_Cell], meter: 
 def _check(normals: Float32, coverage: Float32, sigma_s_px: float, sigma_r: float, iterations: int) -> None:
     for name, sigma in (("sigma_s_px", sigma_s_px), ("sigma_r", sigma_r)):
         if not (math.isfinite(sigma) and sigma > 0):
-            raise UsageError(f"{name} {sigma:g}: must be greater than zero")
+            raise UsageError(f"`{name}={sigma:g}`: must be finite and greater than zero")
     if iterations < 1:
-        raise UsageError(f"iterations {iterations}: must be at least 1")
+        raise UsageError(f"`iterations={iterations}`: must be at least 1")
     if normals.ndim != 3 or normals.shape[2] != 3 or normals.dtype != np.float32:
-        raise InputError(f"normals are {normals.dtype} {normals.shape}, expected float32 (H, W, 3)")
+        raise InputError(f"the normals must be float32 (H, W, 3); found {normals.dtype} {normals.shape}")
     if coverage.shape != normals.shape[:2] or coverage.dtype != np.float32:
-        raise InputError(f"coverage is {coverage.dtype} {coverage.shape}, expected float32 {normals.shape[:2]}")
+        raise InputError(f"the coverage must be float32 {normals.shape[:2]}; found {coverage.dtype} {coverage.shape}")
     if not coverage.size:
-        raise InputError("a picture without pixels cannot be filtered")
+        raise InputError("the normal map has no pixels, so it cannot be filtered")
     length = np.sqrt(np.einsum("ijk,ijk->ij", normals, normals, dtype=np.float64))
     if not (np.abs(length - 1) <= UNIT_TOLERANCE).all():  # also False for NaN
-        raise InputError("normals must be finite and of unit length; use nmaptool.core.vectors.unit")
+        raise InputError("the normals must be finite and of unit length; normalise them by nmaptool.core.vectors.unit")
     if not (coverage.min() >= 0 and coverage.max() <= 1):
-        raise InputError("coverage must lie in [0, 1]")
+        raise InputError("the coverage must be in [0, 1]")
 
 
 def rolling_guidance_image(
@@ -227,25 +227,24 @@ def rolling_guidance_image(
     iterations: int,
     progress: Progress | None = None,
 ) -> Float32:
-    """Base layer of a normal map: rolling guidance in the plane of the picture.
+    """Return the base layer of a normal map by rolling guidance in the image plane.
 
     n^0 = 0 and n_i^(k+1) = unit(sum_j c_j exp(-|x_i - x_j|^2 / 2 ss^2) exp(-|n_i^k - n_j^k|^2 / 2 sr^2) n_j), with c
-    the coverage and n the original normals (Wei et al. 2018, Eq. 1, after Zhang et al. 2014, with pixels for faces).
-    From ss = 4 px on the sum is over cells of pixels; the top of this file says how far off that is.
+    the coverage and n the original normals (Wei et al. 2018, Eq. 1, after Zhang et al. 2014, with pixels as faces).
+    For ss of 4 px or more, the sum is over cells of pixels; the docstring of this module states the error.
 
     Parameters
     ----------
     normals : (H, W, 3) float32
         Unit normals.
     coverage : (H, W) float32 in [0, 1]
-        Weight of each pixel; where it is 0 the normal counts for nothing.
+        Weight of each pixel; where it is 0, the normal is ignored.
     sigma_s_px : float
-        Spatial sigma ss in px, > 0: detail narrower than about this goes.
+        Spatial sigma ss in px, > 0: detail narrower than about this is removed.
     sigma_r : float
-        Range sigma sr, > 0, as the distance of unit vectors: edges of more than about this turn stay (0.5 is 29
-        degrees).
+        Range sigma sr, > 0, as a distance of unit vectors: edges sharper than about this are kept (0.5 is 29 degrees).
     iterations : int
-        Passes, at least 1. The first is a plain Gaussian, the others bring the edges back.
+        Passes, at least 1. The first is a plain Gaussian, the others restore the edges.
     progress : callable, optional
         Called with ("filtering", share).
 
@@ -257,9 +256,9 @@ def rolling_guidance_image(
     Raises
     ------
     UsageError
-        If a sigma or the number of iterations cannot be meant.
+        If a sigma or the number of iterations is out of range.
     InputError
-        If shapes or types do not fit, a value is not finite, a normal is not of unit length or coverage leaves
+        If shapes or types do not match, a value is not finite, a normal is not of unit length or the coverage is not in
         [0, 1].
     """
     _check(normals, coverage, sigma_s_px, sigma_r, iterations)

@@ -1,4 +1,4 @@
-"""Where detail begins: two Gaussians fitted to the lengths of the residuals, and where they cross (paper, Sec. 3.1)."""
+"""The detail threshold: fit two Gaussians to the residual lengths and find where they cross (paper, Sec. 3.1)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _BINS = 2000
 _LONGEST = 2.0  # of a difference of unit vectors
 _STEPS = 2000
 _SETTLED = 1e-9
-# residuals that differ by less (half a degree) are the facets of a smooth surface, or rounding
+# residuals that differ by less (half a degree) come from the facets of a smooth surface, or from rounding
 _NOTHING = 0.009
 
 
@@ -23,7 +23,7 @@ def fit_mixture(lengths: Float64, weights: Float64) -> Mixture:
     lengths : (N,) float64
         Lengths |n - nb| in [0, 2].
     weights : (N,) float64
-        Areas, so that the answer does not depend on how finely a surface is divided; not all 0.
+        Areas, so the result does not depend on how finely a surface is divided; not all 0.
 
     Returns
     -------
@@ -33,7 +33,7 @@ def fit_mixture(lengths: Float64, weights: Float64) -> Mixture:
     mass, _ = np.histogram(lengths.clip(0, _LONGEST), edges, weights=weights)
     total = mass.sum()
     mass = mass / total
-    # the bins' own means: a spike inside one bin stays where it is
+    # the means within the bins, so a spike inside one bin keeps its position
     inner, _ = np.histogram(lengths.clip(0, _LONGEST), edges, weights=weights * lengths)
     x = np.where(mass > 0, inner / np.where(mass > 0, mass * total, 1), (edges[:-1] + edges[1:]) / 2)
     density = mass / np.diff(edges)
@@ -49,7 +49,7 @@ def fit_mixture(lengths: Float64, weights: Float64) -> Mixture:
 
 
 def _expect_and_maximise(x: Float64, mass: Float64) -> tuple[Gaussian, Gaussian, int]:
-    """EM on the histogram, from the two halves that Otsu's split gives."""
+    """Fit two Gaussians to the histogram by EM, starting from Otsu's split."""
     narrowest = 0.5 * _LONGEST / _BINS
     share = np.cumsum(mass)
     moment = np.cumsum(mass * x)
@@ -81,12 +81,12 @@ def _expect_and_maximise(x: Float64, mass: Float64) -> tuple[Gaussian, Gaussian,
 
 
 def crossing(low: Gaussian, high: Gaussian) -> tuple[float, str]:
-    """Where two Gaussians have the same density between their means.
+    """Return where two Gaussians have the same density between their means.
 
     Returns
     -------
     theta, form
-        The weighted form, else the unweighted one, else the midpoint of the means.
+        The crossing of the weighted densities, else of the unweighted ones, else the midpoint of the means.
     """
     for form, ratio in (
         ("weighted", low.weight * high.sigma / (high.weight * low.sigma)),

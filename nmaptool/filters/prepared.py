@@ -1,4 +1,4 @@
-"""A mesh made ready for a filter of its face normals."""
+"""Prepare a mesh for a filter of its face normals."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from nmaptool.types.mesh_findings import MeshFindings
 
 @dataclass(frozen=True, eq=False)
 class PreparedMesh:
-    """A clean mesh, what was dropped from it, and the filter that is to split its normals.
+    """A clean mesh, what was dropped from it, and the filter that splits its normals.
 
     Attributes
     ----------
     mesh : Mesh
-        Clean.
+        The clean mesh.
     source_faces : (M,) int64
-        Index in the given mesh of each face.
+        Index of each face in the given mesh.
     findings : MeshFindings
     filter : FilterOptions
     model : FilterModel or None
-        Of the filter ``learned``; None of the others.
+        Model of the filter ``learned``; None for the others.
     """
 
     mesh: Mesh
@@ -42,21 +42,21 @@ class PreparedMesh:
 
     @property
     def sigma_s(self) -> float:
-        """In units of the mesh; 0 of a learned filter, which has none."""
+        """sigma_s in units of the mesh; 0 for a learned filter, which has none."""
         return 0.0 if self.model is not None else sigma_s_of(self.mesh, self.filter)
 
     @property
     def warnings(self) -> list[str]:
-        """What the filter may not be meant to do to this mesh."""
+        """Warnings about effects of the filter on this mesh that may be unintended."""
         return long_edges(self.mesh, self.filter)
 
     def decompose(self, progress: Progress | None = None) -> Decomposition:
-        """The normals split into base and detail."""
+        """Split the normals into base and detail."""
         return decompose_clean(self.mesh, self.filter, progress, self.model)
 
 
 def prepare_mesh(mesh: Mesh, filter: FilterOptions | None = None, model: FilterModel | None = None) -> PreparedMesh:
-    """Clean a mesh and settle its filter; raises as `nmaptool.decompose_normals` does."""
+    """Clean a mesh and choose its filter; raises the errors of `nmaptool.decompose_normals`."""
     chosen = filter or FilterOptions()
     model = model_of(chosen, model)
     return PreparedMesh(*clean_mesh(mesh), chosen, model)

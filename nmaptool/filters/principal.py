@@ -1,4 +1,4 @@
-"""Axes that turn with a mesh, so that what is counted along them does not depend on how the mesh lies."""
+"""Axes that rotate with a mesh, so results computed along them do not depend on its orientation."""
 
 from __future__ import annotations
 
@@ -9,18 +9,17 @@ from nmaptool.types.mesh import FaceGeometry
 
 
 def principal_axes(geometry: FaceGeometry) -> Float64:
-    """The axes of inertia of a surface, each pointing to where it is skewed to.
+    """Return the axes of inertia of a surface, each pointing in the direction of its skew.
 
     Returns
     -------
     (3, 3) float64
-        Orthonormal, an axis a row, the longest first; possibly left-handed, so that a mirrored mesh has mirrored axes.
-        Where a mesh is symmetric, as a ball or a box is, some of them are as good as any others and follow the
-        rounding.
+        Orthonormal, one axis per row, the longest first; possibly left-handed, so a mirrored mesh has mirrored axes.
+        For symmetric meshes, such as a ball or a box, some axes are arbitrary and depend on rounding.
     """
     share = geometry.areas / geometry.areas.sum()
     place = geometry.centroids - share @ geometry.centroids
-    place /= np.abs(place).max() or 1.0  # a single face lies in its own middle
+    place /= np.abs(place).max() or 1.0  # 0 for a single face
     axes: Float64 = np.linalg.eigh((place * share[:, None]).T @ place)[1].T[::-1]
     skew = share @ (place @ axes.T) ** 3
     return axes * np.where(skew < 0, -1, 1)[:, None]

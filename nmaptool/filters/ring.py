@@ -1,4 +1,4 @@
-"""Faces that share a vertex: the neighbourhood that the paper prints (Sec. 3.1, Eq. 1)."""
+"""Faces that share a vertex: the neighbourhood as printed in the paper (Sec. 3.1, Eq. 1)."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from nmaptool.core.arrays import Float32, Float64
 from nmaptool.filters.rolling import Gather, weighted_normals
 from nmaptool.types.mesh import Faces, Mesh
 
-# rows of the pair list that are weighted at a time
+# pairs per batch
 _PAIRS_AT_ONCE = 500_000
 
 
 def neighbor_pairs(faces: Faces, vertex_count: int) -> sparse.csr_array:
-    """(M, M) pattern of faces that share at least one vertex, each face with itself included."""
+    """Return the (M, M) pattern of faces that share at least one vertex, including each face with itself."""
     count = len(faces)
     incidence = sparse.csr_array(
         (np.ones(3 * count, np.int8), faces.ravel(), np.arange(0, 3 * count + 1, 3, dtype=np.int32)),
@@ -26,7 +26,7 @@ def neighbor_pairs(faces: Faces, vertex_count: int) -> sparse.csr_array:
 
 
 def gather_ring(mesh: Mesh, sigma_s: float, sigma_r: float) -> Gather:
-    """Sums over the ring of each face; a `GatherMaker`."""
+    """Return a function that sums over the ring of each face; a `GatherMaker`."""
     geometry = mesh.geometry
     start, other = _pairs_once(neighbor_pairs(mesh.faces, len(mesh.vertices)))
     middle = (geometry.centroids.min(axis=0) + geometry.centroids.max(axis=0)) / 2
@@ -38,7 +38,7 @@ def gather_ring(mesh: Mesh, sigma_s: float, sigma_r: float) -> Gather:
         weights = near
         if guide is not None:
             weights = near * _kernel(guide.astype(np.float32), start, other, sigma_r)
-        # a pair weighs the same from both its sides, and a face with itself 1
+        # a pair has the same weight in both directions, and a face with itself has weight 1
         matrix = sparse.csr_array((weights, other, start), shape=(len(weighted), len(weighted)))
         return np.asarray(matrix @ weighted + matrix.T @ weighted + weighted, np.float64)
 
@@ -46,7 +46,7 @@ def gather_ring(mesh: Mesh, sigma_s: float, sigma_r: float) -> Gather:
 
 
 def _pairs_once(pattern: Any) -> tuple[Any, Any]:
-    """Row starts and columns of the pairs of a symmetric pattern whose second number is the higher."""
+    """Return row starts and columns of the pairs of a symmetric pattern whose second index is the larger one."""
     count = pattern.shape[0]
     later = pattern.indices > np.repeat(np.arange(count, dtype=pattern.indices.dtype), np.diff(pattern.indptr))
     start = np.concatenate([[0], np.cumsum(later, dtype=pattern.indptr.dtype)])[pattern.indptr]
@@ -54,7 +54,7 @@ def _pairs_once(pattern: Any) -> tuple[Any, Any]:
 
 
 def _kernel(values: Float32, start: Any, other: Any, sigma: float) -> Float32:
-    """exp(-|v_i - v_j|^2 / 2 sigma^2) for each pair."""
+    """Return exp(-|v_i - v_j|^2 / 2 sigma^2) for each pair."""
     out = np.empty(len(other), np.float32)
     rows = len(start) - 1
     scale = np.float32(-0.5 / sigma**2)

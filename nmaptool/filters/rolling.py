@@ -1,4 +1,4 @@
-"""Rolling guidance over any neighbourhood, and the split of a field of normals that follows from it."""
+"""Rolling guidance over any neighbourhood, and the split of a field of normals by its result."""
 
 from __future__ import annotations
 
@@ -17,42 +17,42 @@ from nmaptool.types.shown import OneLine, counted
 
 # a sum shorter than this share of its weight has no direction: the normals around a face cancel out
 _AGREEMENT = 0.4
-# of a face's own area, in mean areas: sums that are worked out roughly may come to less than nothing
+# least weight of a sum, in mean face areas: approximate sums of weights may be negative
 _LEAST_WEIGHT = 1e-12
-# normals are kept as multiples of this, so that base and residual add up to the original in every bit
+# normals are rounded to multiples of this, so that base + residual equals the original exactly
 _STEP = 2.0**-40
 
-# (guide or None) -> (M, 4) sums: for every face, the weighted sum of the original normals around it, and of the weights
+# (guide or None) -> (M, 4): for every face, the weighted sum of the original normals around it, and the sum of weights
 Gather = Callable[[Float64 | None], Float64]
 
 
 class GatherMaker(Protocol):
-    """What makes a `Gather` of one kind of neighbourhood."""
+    """Creates a `Gather` for one kind of neighbourhood."""
 
     def __call__(self, mesh: Mesh, sigma_s: float, sigma_r: float) -> Gather:
-        """Sums of the mesh's own normals.
+        """Return the function that sums the normals of the mesh.
 
         Parameters
         ----------
         mesh : Mesh
             Clean and welded.
         sigma_s : float
-            In units of the mesh.
+            Spatial sigma in units of the mesh.
         sigma_r : float
-            Of differences of unit normals.
+            Range sigma, of differences of unit normals.
         """
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Decomposition(OneLine):
-    """A field of unit normals N split into base and detail, N = base + residual in every bit.
+    """A field of unit normals N split into base and detail; N = base + residual holds exactly.
 
     Attributes
     ----------
     normals : (M, 3) float64
         The field that was split.
     filtered : (M, 3) float64
-        What rolling guidance made of it.
+        The filtered field.
     base : (M, 3) float64
         N_B.
     residual : (M, 3) float64
@@ -76,22 +76,22 @@ class Decomposition(OneLine):
 
 
 def rolling_guidance(normals: Float64, gather: Gather, iterations: int, progress: Progress | None = None) -> Float64:
-    """Rolling guidance (paper, Eq. 1): the original normals are averaged again and again, led by the last average.
+    """Filter normals by rolling guidance (paper, Eq. 1): average the original normals, guided by the previous average.
 
     Parameters
     ----------
     normals : (M, 3) float64
         Unit normals.
     gather : callable
-        Sums of the original normals around each face, weighted by area, distance and, where a guide is given,
-        likeness of the guide's normals.
+        Returns the sums of the original normals around each face, weighted by area, distance and, with a guide, by the
+        similarity of the guide's normals.
     iterations : int
         Passes, at least 1; the first has no guide.
 
     Returns
     -------
     (M, 3) float64
-        Unit normals; the original where the normals around a face cancel out, as they do around a part thinner than
+        Unit normals; the original ones where the normals around a face cancel out, as they do around parts thinner than
         the neighbourhood.
     """
     guide: Float64 | None = None
@@ -104,10 +104,10 @@ def rolling_guidance(normals: Float64, gather: Gather, iterations: int, progress
 
 
 def mean_normals(normals: Float64, sums: Float64) -> tuple[Float64, Float64]:
-    """(M, 3) float64 unit vectors of sums (M, 4), and (M,) how much the normals in each agree.
+    """Return the (M, 3) float64 unit vectors of (M, 4) sums, and the (M,) agreement of the normals in each sum.
 
-    Agreement is the length of the sum over its weight: 1 where all are alike, 0 where they cancel out. Where it is
-    small the original normal stays.
+    The agreement is the length of the sum over its weight: 1 if all normals are equal, 0 if they cancel out. Where it
+    is small, the original normal is kept.
     """
     length = np.sqrt(np.einsum("ij,ij->i", sums[:, :3], sums[:, :3]))
     lost = ~(length > _AGREEMENT * sums[:, 3])
@@ -117,7 +117,7 @@ def mean_normals(normals: Float64, sums: Float64) -> tuple[Float64, Float64]:
 
 
 def weighted_normals(normals: Float64, areas: Float64) -> Float64:
-    """(M, 4) float64: what each face adds to the sums around it, its area times its normal, and its area."""
+    """Return (M, 4) float64: what each face adds to the sums around it, its area times its normal, and its area."""
     relative = areas[:, None] / areas.mean()
     return np.hstack([normals * relative, relative])
 
@@ -132,8 +132,8 @@ def split_residuals(normals: Float64, filtered: Float64, weights: Float64, keep_
     weights : (M,) float64
         Areas.
     keep_small : bool
-        Where the residual is no longer than the threshold, the base is the original (GRNF); False takes the filtered
-        normals everywhere (RNF).
+        If True, the base is the original where the residual is not longer than the threshold (GRNF); if False, it is
+        the filtered normals everywhere (RNF).
     """
     normals, filtered = (np.round(n / _STEP) * _STEP for n in (normals, filtered))
     residual = normals - filtered

@@ -1,4 +1,4 @@
-"""A normal map without a mesh split into base and detail."""
+"""Split a normal map without a mesh into base and detail."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ _SMALLEST_PX = 0.3
 def split(
     normal_map: NormalsLike, options: SplitOptions | None = None, *, progress: Progress | None = None
 ) -> LayerSet:
-    """Split a normal map into base and detail: the filter of the paper (Sec. 3.1) with pixels for faces.
+    """Split a normal map into base and detail: the filter of the paper (Sec. 3.1) with pixels as faces.
 
     Parameters
     ----------
     normal_map : NormalMap or (H, W, 3) float of any type
-        Pixels that are not covered are ignored.
+        The map; pixels that are not covered are ignored.
     options : SplitOptions, optional
         The filter, its parameters and the detail encoding.
     progress : callable, optional
@@ -46,8 +46,8 @@ def split(
     Raises
     ------
     UsageError
-        If sigma_s is in mm and the map's pitch is not known, sigma_s is below 0.3 px, or the map is neither a NormalMap
-        nor an array.
+        If sigma_s is in mm and the pitch of the map is unknown, sigma_s is below 0.3 px, or the map is neither a
+        NormalMap nor an array.
     InputError
         If the map covers nothing, or a normal of an array has no direction.
 
@@ -62,11 +62,11 @@ def split(
     start = time.perf_counter()
     normal_map = as_normal_map(normal_map)
     original = normal_map.normals
-    # a defined background stays out of the motif, and the motif out of it
+    # keeps the motif and a defined background from affecting each other
     coverage = motif_coverage(normal_map)
     seen = coverage > 0
     if not seen.any():
-        raise InputError(f"{normal_map.name}: covers nothing; there is nothing to split")
+        raise InputError(f"{normal_map.name}: no pixel is covered, so there is nothing to split")
     sigma_s_px = _in_px(options.sigma_s, normal_map)
     filtered = rolling_guidance_image(
         original,
@@ -102,10 +102,10 @@ def _in_px(sigma_s: Length, normal_map: NormalMap) -> float:
     frame = normal_map.frame
     if sigma_s.is_absolute and frame.pitch_mm is None:
         raise UsageError(
-            f"`sigma_s='{sigma_s}'`: {normal_map.name} does not say how large a pixel is; give px or %, such as 1%"
+            f"`sigma_s='{sigma_s}'`: the pitch of {normal_map.name} is unknown; give px or %, such as `sigma_s='1%'`"
         )
     pitch = frame.pitch_mm or 1.0
     sigma_s_px = sigma_s.to_mm(pitch, frame.longer_side) / pitch
     if sigma_s_px < _SMALLEST_PX:
-        raise UsageError(f"`sigma_s='{sigma_s}'`: is {sigma_s_px:.2g} px here; use at least {_SMALLEST_PX}px")
+        raise UsageError(f"`sigma_s='{sigma_s}'`: is only {sigma_s_px:.2g} px here; use at least {_SMALLEST_PX}px")
     return sigma_s_px

@@ -1,9 +1,10 @@
-"""Faces within 2.5 sigma_s along the surface, approximated by patches: close to linear in the number of faces.
+"""Sums over faces within 2.5 sigma_s along the surface, approximated by patches: nearly linear in the number of faces.
 
-Rolling guidance (paper, Eq. 1) averages some pi (2.5 sigma_s)^2 of surface around every face: thousands of faces each.
-Here faces are gathered into patches, a fraction of sigma_s large, which are split where the guide's normals differ by a
-fraction of sigma_r. Patches are weighted in pairs, by the distance of their middles and of their mean guides; between
-the middles the sums follow their first derivatives. Tests state the error against the exact sum.
+Rolling guidance (paper, Eq. 1) averages about pi (2.5 sigma_s)^2 of surface around every face: thousands of faces each.
+Here faces are grouped into patches, whose size is a fraction of sigma_s and which are split where the normals of the
+guide differ by a fraction of sigma_r. Pairs of patches are weighted by the distances of their centres and of their mean
+guides; between the centres, the sums are extrapolated by their first derivatives. Tests state the error of this
+approximation.
 """
 
 from __future__ import annotations
@@ -21,23 +22,23 @@ from nmaptool.types.mesh import Mesh, sum_by
 
 RADIUS = 2.5  # sigma_s
 _PATCH = 0.48  # sigma_s
-_COARSEST, _COARSER = 4.0, 1.3  # sigma_r, and how much coarser at a time
+_COARSEST, _COARSER = 4.0, 1.3  # in sigma_r, and the factor of each step
 _WEIGHTS_AT_ONCE = 100_000
 _ROUNDING = 1e-9  # of the longest side
-# from the squares of eight columns to -|place|^2 / 2 and -|guide|^2 / 2
+# maps the squares of eight columns to -|place|^2 / 2 and -|guide|^2 / 2
 _HALVES = np.repeat(np.eye(3, 2, dtype=np.float32), (3, 3, 2), axis=0) * np.float32(-0.5)
 
 
 @dataclass(frozen=True)
 class Roughness:
-    """How roughly sums are worked out.
+    """How roughly sums are approximated.
 
     Parameters
     ----------
     alike : float
         Patches are split where the guide differs by this many sigma_r.
     pairs_per_face : float
-        Where there would be more pairs of nodes, patches are split less.
+        Upper limit of the pairs of nodes per face; to keep it, patches are split less.
     """
 
     alike: float
@@ -48,9 +49,10 @@ EXACT = Roughness(0.5, np.inf)
 
 
 class Neighborhood:
-    """What can be reached from every face along the surface within 2.5 sigma_s; one serves many fields of normals.
+    """The faces within 2.5 sigma_s of every face along the surface; it can be used for many fields of normals.
 
-    Places and normals are taken along the mesh's own axes, so that turning or mirroring the mesh turns or mirrors sums.
+    Positions and normals are relative to the principal axes of the mesh, so rotating or mirroring the mesh rotates or
+    mirrors the sums.
 
     Parameters
     ----------
@@ -61,7 +63,7 @@ class Neighborhood:
     def __init__(self, mesh: Mesh, sigma_s: float) -> None:
         geometry = mesh.geometry
         self._axes = principal_axes(geometry)
-        # rounded, so that a face on the border of a cell does not change sides with the last bit of a turned mesh
+        # rounded, so that a face on the border of a cell stays on its side when the mesh is rotated
         step = _ROUNDING * float(np.ptp(geometry.centroids, axis=0).max()) or 1.0
         own = geometry.centroids @ self._axes.T
         own = np.round((own - (own.min(axis=0) + own.max(axis=0)) / 2) / step) * step
@@ -73,7 +75,7 @@ class Neighborhood:
         self._areas = geometry.areas
 
     def gather(self, normals: Float64, sigma_r: float, rough: Roughness = EXACT) -> Gather:
-        """Sums of (M, 3) unit normals, led by a guide whose differences count in units of ``sigma_r``."""
+        """Return a function that sums (M, 3) unit normals for a guide, whose differences are divided by ``sigma_r``."""
         parts = weighted_normals(normals @ self._axes.T, self._areas)
 
         def sums(guide: Float64 | None) -> Float64:
@@ -85,7 +87,7 @@ class Neighborhood:
         return sums
 
     def _few_nodes(self, lead: Float64, parts: Float64, rough: Roughness) -> _Nodes:
-        """Nodes as fine in the guide as is asked for, or coarser where their pairs would be too many."""
+        """Return nodes that are as fine in the guide as requested, or coarser if there would be too many pairs."""
         alike = rough.alike
         while True:
             nodes = _nodes(self._cells, self._around.patch, self._where, lead, parts, alike)
@@ -96,19 +98,20 @@ class Neighborhood:
 
 
 def gather_surface(mesh: Mesh, sigma_s: float, sigma_r: float) -> Gather:
-    """Sums over the faces that are reached along the surface within 2.5 sigma_s; a `GatherMaker`."""
+    """Return a function that sums over the faces within 2.5 sigma_s along the surface; a `GatherMaker`."""
     return Neighborhood(mesh, sigma_s).gather(mesh.geometry.normals, sigma_r)
 
 
 @dataclass(frozen=True, eq=False)
 class _Nodes:
-    """Patches split by their guide, ordered by the large patch they lie in.
+    """Patches split by their guide, ordered by the large patch that contains them.
 
     Attributes
     ----------
     of_face : (M,) int64
+        Node of each face.
     large : (K,) int64
-        The patch of `Reach` that each lies in.
+        The patch of `Reach` that contains each node.
     places : (K, 6) float32
         Mean position over sigma_s, mean guide over sigma_r.
     weighted_normals : (K, 4) float32
@@ -123,14 +126,14 @@ class _Nodes:
 
 @dataclass(frozen=True, eq=False)
 class _Cells:
-    """Small patches, cut at the borders of the large ones, which do not hold them exactly.
+    """Small patches, cut at the borders of the large ones.
 
     Attributes
     ----------
     number : (M,) int64
-        Of the cell of each face, in the order of the large patches.
+        Cell of each face, in the order of the large patches.
     first : (M,) int64
-        The first face of the small patch that each face lies in.
+        The first face of the small patch of each face.
     """
 
     number: Labels
@@ -146,7 +149,7 @@ def _cells(patch: Labels, large: Labels) -> _Cells:
 
 
 def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, parts: Float64, alike: float) -> _Nodes:
-    # bins are counted from the patch's own first face, so that a smooth patch is rarely cut
+    # bins are relative to the first face of the patch, so a smooth patch is rarely cut
     bins = np.floor((lead - lead.take(cells.first, axis=0)) / alike + 0.5).astype(np.int64)
     bins -= bins.min(axis=0)
     spans = bins.max(axis=0) + 1
@@ -162,19 +165,19 @@ def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, parts: F
 
 
 def _pair_sums(nodes: _Nodes, around: Reach) -> Float32:
-    """(K, 28) float32: at each node the weighted sums (4), and their first moments in place and guide (24)."""
+    """Return (K, 28) float32: the weighted sums at each node (4), and their first moments in place and guide (24)."""
     count = len(nodes.large)
     moments = np.empty((count + 1, 28), np.float32)
     moments[:count, :4] = nodes.weighted_normals
     moments[:count, 4:] = (nodes.weighted_normals[:, :, None] * nodes.places[:, None, :]).reshape(count, 24)
-    moments[count] = 0  # a node that adds nothing, to fill up shorter lists of sources
+    moments[count] = 0  # an empty node that pads shorter lists of sources
     places = np.zeros((count + 1, 8), np.float32)
     places[:count, :6] = nodes.places
     own, reached = _counts(nodes, around)
     start = np.concatenate([[0], np.cumsum(own)])
     out = np.empty((count, 28), np.float32)
     for large in _batches(own, reached):
-        # the nodes of one large patch have the same sources, so that their weights are a dense block
+        # the nodes of one large patch have the same sources, so their weights form a dense block
         mine = start[large][:, None] + np.arange(own[large[0]])
         others = _sources(start, around, large, reached[large], count)
         sources = places.take(others, axis=0)
@@ -185,13 +188,13 @@ def _pair_sums(nodes: _Nodes, around: Reach) -> Float32:
 
 
 def _counts(nodes: _Nodes, around: Reach) -> tuple[Labels, Labels]:
-    """(P,) int64 each: nodes of each large patch, and nodes that it reaches."""
+    """Return (P,) int64 each: the number of nodes in each large patch, and of nodes that it reaches."""
     own = np.bincount(nodes.large, minlength=around.near.shape[0])
     return own, np.asarray(around.near @ own, np.int64)
 
 
 def _batches(own: Labels, reached: Labels) -> Iterator[Labels]:
-    """Large patches with as many nodes each and nearly as many sources, as many at a time as stay in the cache."""
+    """Yield batches of large patches with equally many nodes and about as many sources; a batch fits the cache."""
     order = np.lexsort([reached, own])
     mine, others = own[order], reached[order]
     first = 0
@@ -204,7 +207,7 @@ def _batches(own: Labels, reached: Labels) -> Iterator[Labels]:
 
 
 def _sources(start: Labels, around: Reach, large: Labels, reached: Labels, filler: int) -> Labels:
-    """(B, S) int64: the nodes that each of some large patches reaches; shorter lists are filled up."""
+    """Return (B, S) int64: the nodes that each large patch of a batch reaches; shorter lists are padded."""
     begin, end = around.near.indptr[large], around.near.indptr[large + 1]
     near = around.near.indices.take(_ranges(begin, end - begin))
     out = np.full((len(large), int(reached.max())), filler)
@@ -213,17 +216,17 @@ def _sources(start: Labels, around: Reach, large: Labels, reached: Labels, fille
 
 
 def _ranges(begin: Labels, size: Labels) -> Labels:
-    """begin[0], begin[0] + 1, ... begin[0] + size[0] - 1, begin[1], ..."""
+    """Return begin[0], begin[0] + 1, ... begin[0] + size[0] - 1, begin[1], ..."""
     ends = np.cumsum(size)
     return np.asarray(np.arange(ends[-1]) + np.repeat(begin - (ends - size), size), np.int64)
 
 
 def _weights(targets: Float32, sources: Float32) -> Float32:
-    """(B, T, S) float32: both Gaussians at once, 0 beyond the radius; each row up to a factor of its own.
+    """Return (B, T, S) float32: the product of both Gaussians, 0 beyond the radius; each row up to a constant factor.
 
-    Places and guides in the first six of eight columns; the other two of ``sources`` are overwritten.
+    Places and guides are in the first six of eight columns; the other two of ``sources`` are overwritten.
     """
-    # -|t - s|^2 / 2 = t . s - |s|^2 / 2 - |t|^2 / 2, the first two by one product
+    # -|t - s|^2 / 2 = t . s - |s|^2 / 2 - |t|^2 / 2; one matrix product gives the first two terms
     count = targets.shape[1]
     left = np.zeros((len(targets), 2 * count, 8), np.float32)
     left[:, :count, :3], left[:, :count, 6] = targets[..., :3], 1
@@ -231,16 +234,16 @@ def _weights(targets: Float32, sources: Float32) -> Float32:
     sources[..., 6:] = np.square(sources) @ _HALVES
     product = left @ sources.swapaxes(-1, -2)
     own = np.square(targets) @ _HALVES
-    product[:, count:] += own[..., 1:]  # or a small sigma_r overflows
+    product[:, count:] += own[..., 1:]  # otherwise a small sigma_r overflows
     weights: Float32 = np.exp(product[:, count:])
     weights *= product[:, :count] >= -(own[..., :1] + np.float32(0.5 * RADIUS**2))
     return weights
 
 
 def _at_faces(nodes: _Nodes, sums: Float32, where: Float64, lead: Float64) -> Float64:
-    """Sums at the faces, from those at their nodes: for small steps u the weights change by exp(u . (source - node)).
+    """Return the sums at faces from those at nodes: for small steps u, the weights change by exp(u . (source - node)).
 
-    The factor exp(-|u|^2 / 2) is left out: it is the same for all of a face's sources, and only directions matter.
+    The factor exp(-|u|^2 / 2) is omitted: it is the same for all sources of a face, and only directions matter.
     """
     value = sums[:, :4].astype(np.float64)
     slope = sums[:, 4:].reshape(-1, 4, 6) - value[:, :, None] * nodes.places[:, None, :]

@@ -1,4 +1,4 @@
-"""Meshes to a learned filter."""
+"""Train a learned filter on meshes."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from nmaptool.filters.prepared import prepare_mesh
 from nmaptool.options import DescriptorOptions, FilterOptions, TrainOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.mesh import Mesh
-from nmaptool.types.shown import OneLine
+from nmaptool.types.shown import OneLine, counted
 
-# fewer faces than weights teach a network nothing
+# fewer faces are not enough to train a network
 _LEAST_FACES = 500
 
 
@@ -42,7 +42,7 @@ class TrainingExample(OneLine):
     targets : (M, 3) float64
         Unit normals of its faces.
     metadata : mapping
-        How the targets were made, plain values.
+        How the targets were computed, as plain values.
     """
 
     mesh: Mesh
@@ -52,7 +52,7 @@ class TrainingExample(OneLine):
     def __post_init__(self) -> None:
         if self.targets.shape != (len(self.mesh.faces), 3):
             raise InputError(
-                f"{self.mesh.name}: targets are {self.targets.shape}, expected ({len(self.mesh.faces)}, 3)"
+                f"{self.mesh.name}: targets must have shape ({len(self.mesh.faces)}, 3); found {self.targets.shape}"
             )
         if not (np.abs(np.einsum("ij,ij->i", self.targets, self.targets) - 1) <= 1e-6).all():
             raise InputError(f"{self.mesh.name}: targets must be finite and of unit length")
@@ -85,7 +85,7 @@ def training_example(mesh: Mesh, filter: FilterOptions | None = None) -> Trainin
     --------
     >>> import trimesh
     >>> nm.training_example(nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1)))
-    <TrainingExample of mesh: 42 vertices, 80 faces, 1 mm to a unit (assumed)>
+    <TrainingExample of mesh: 42 vertices, 80 faces, 1 mm per unit (assumed)>
     """
     prepared = prepare_mesh(mesh, filter or FilterOptions(filter="grnf"))
     metadata = {"name": mesh.name, **plain_values(prepared.filter)}
@@ -115,8 +115,8 @@ def train(
     descriptor : DescriptorOptions, optional
         Input of the networks.
     state : TrainingState, optional
-        Of an unfinished run with the same examples and options, to continue it; the result is that of a run without
-        interruption.
+        State of an unfinished run with the same examples and options, to continue it; the result is the same as without
+        the interruption.
     keep : callable, optional
         Called with the TrainingState after each network.
     progress : callable, optional
@@ -125,12 +125,12 @@ def train(
     Returns
     -------
     FilterModel
-        For the parameter ``model`` of `nmaptool.bake` and others.
+        Pass it as ``model`` to `nmaptool.bake` and others.
 
     Raises
     ------
     InputError
-        If there are fewer than 500 faces, or the state is of another training.
+        If there are fewer than 500 faces, or the state belongs to another training.
 
     Examples
     --------
@@ -144,12 +144,15 @@ def train(
     options, descriptor = options or TrainOptions(), descriptor or DescriptorOptions()
     faces = sum(len(example.mesh.faces) for example in examples)
     if faces < _LEAST_FACES:
-        raise InputError(f"{faces} faces in all: too few to learn from; give more meshes, or denser ones")
+        raise InputError(
+            f"the meshes have only {counted(faces, 'face')} in total, but training needs at least {_LEAST_FACES}; give "
+            "more meshes, or denser ones"
+        )
     name = fingerprint(examples, options, descriptor)
     state = state or TrainingState(name)
     if state.fingerprint != name:
         raise InputError(
-            f"{state.name}: is of a training with other meshes or options; give the same again, or another `state`"
+            f"{state.name}: belongs to a training with other meshes or options; use the same ones, or another `state`"
         )
     normals = [example.mesh.geometry.normals for example in examples]
     angles = [_mean_angle(examples, normals)]
@@ -171,7 +174,7 @@ def train(
 
 
 def fingerprint(examples: Sequence[TrainingExample], options: TrainOptions, descriptor: DescriptorOptions) -> str:
-    """A name for a training: the same for the same meshes, targets and options."""
+    """Return an identifier of a training, the same for the same meshes, targets and options."""
     seen = hashlib.sha256(json.dumps([plain_values(options), dataclasses.asdict(descriptor)]).encode())
     for example in examples:
         for array in (example.mesh.vertices, example.mesh.faces, example.targets):
@@ -180,7 +183,7 @@ def fingerprint(examples: Sequence[TrainingExample], options: TrainOptions, desc
 
 
 def _mean_angle(examples: Sequence[TrainingExample], normals: Sequence[Float64]) -> float:
-    """Degrees between normals and targets, each mesh counting alike."""
+    """Return the mean angle between normals and targets in degrees, with equal weights for all meshes."""
     each = (mean_angle_deg(found, example.targets) for example, found in zip(examples, normals, strict=True))
     return float(np.mean(list(each)))
 
@@ -200,12 +203,12 @@ class _Work:
         self._progress = progress
 
     def notify(self, word: str, share: float) -> None:
-        """Tell the share done of the whole training."""
+        """Report the share done of the whole training."""
         if self._progress is not None:
             self._progress(f"stage {self.number + 1}, {word}", (self.number + share) / self.options.stages)
 
     def describe(self, normals: Sequence[Float64]) -> list[tuple[Float32, Float32]]:
-        """Frames and inputs of every face of every mesh."""
+        """Return the frames and inputs of every face of every mesh."""
         out = []
         for place, (example, field_) in enumerate(zip(self.examples, normals, strict=True)):
             self.notify("describing", 0.4 * place / len(self.examples))
@@ -219,12 +222,12 @@ class _Work:
         state: TrainingState,
         keep: Callable[[TrainingState], None] | None,
     ) -> TrainingState:
-        """The state with this stage finished."""
+        """Return the state with this stage finished."""
         options = self.options
         inputs, targets = self._drawn(described)
         centers = state.centers
         if centers is None:
-            # told by the normals alone
+            # clusters depend on the normals only
             normals = np.ascontiguousarray(inputs[:, : 3 * (1 + self.descriptor.size)])
             centers = find_clusters(normals, options.clusters, np.random.default_rng([options.seed, self.number, 1]))
         clusters = nearest_cluster(inputs, centers)
@@ -255,7 +258,7 @@ class _Work:
         return state
 
     def _drawn(self, described: Sequence[tuple[Float32, Float32]]) -> tuple[Float32, Float32]:
-        """Inputs and targets of the faces to learn from."""
+        """Return the inputs and targets of a random sample of faces."""
         rng = np.random.default_rng([self.options.seed, self.number, 0])
         each = -(-self.options.samples // len(self.examples))
         inputs, targets = [], []

@@ -1,1 +1,1 @@
-"""The only library code that knows paths: pictures, normal maps, heights, meshes, reports."""
+"""The only library code that handles file paths: pictures, normal maps, heights, meshes, reports."""

@@ -1,4 +1,4 @@
-"""Learned filters and unfinished trainings from files: NumPy's .npz, of which nothing is ever executed."""
+"""Read learned filters and unfinished trainings from NumPy's .npz files; nothing in them is ever executed."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from nmaptool.core.errors import InputError, reason_of
 from nmaptool.filters.learned.arrays import filter_from_arrays, training_from_arrays
 from nmaptool.filters.learned.model import FilterModel, TrainingState
 
-# of a file and of what it unpacks to: shipped ones take a hundredth
+# limit of a file and of its unpacked arrays; the shipped filters take a hundredth of it
 _MOST_BYTES = 64_000_000
 _MOST_ARRAYS = 4000
-# zip files begin with the time they were made, unless told otherwise
+# a fixed date instead of the current time, so that the same arrays give the same bytes
 _NO_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def read_filter_model(path: str | Path) -> FilterModel:
-    """Read a learned filter, such as `nmaptool.train` makes.
+    """Read a learned filter, such as one made by `nmaptool.train`.
 
     Parameters
     ----------
     path : str or Path
-        .npz
+        A .npz file.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def read_filter_model(path: str | Path) -> FilterModel:
     Raises
     ------
     InputError
-        If it cannot be read or is none. No code in it is ever run.
+        If the file cannot be read or is not a learned filter. No code in it is ever run.
 
     Examples
     --------
@@ -53,12 +53,12 @@ def read_filter_model(path: str | Path) -> FilterModel:
 
 
 def read_training(path: str | Path) -> TrainingState:
-    """Read a training that was begun.
+    """Read an unfinished training.
 
     Parameters
     ----------
     path : str or Path
-        .npz, written by `nmaptool.write_training`.
+        A .npz file, written by `nmaptool.write_training`.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def read_training(path: str | Path) -> TrainingState:
     Raises
     ------
     InputError
-        If it cannot be read or is none.
+        If the file cannot be read or is not an unfinished training.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def read_training(path: str | Path) -> TrainingState:
     try:
         return replace(training_from_arrays(_read(Path(path))), name=str(path))
     except InputError as error:
-        raise _about(path, "a training that was begun", error) from None
+        raise _about(path, "an unfinished training", error) from None
 
 
 def _about(path: str | Path, what: str, error: InputError) -> InputError:
@@ -87,7 +87,7 @@ def _about(path: str | Path, what: str, error: InputError) -> InputError:
 
 
 def _read(path: Path) -> dict[str, NDArray[Any]]:
-    """The arrays of a .npz file, none of them of Python objects, all of them small."""
+    """Read the arrays of a .npz file; Python objects and large files are refused."""
     try:
         size = path.stat().st_size
         if size > _MOST_BYTES:
@@ -98,13 +98,15 @@ def _read(path: Path) -> dict[str, NDArray[Any]]:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             members = archive.infolist()
-            if len(members) > _MOST_ARRAYS or sum(member.file_size for member in members) > _MOST_BYTES:
+            if len(members) > _MOST_ARRAYS:
+                raise InputError(f"it has {len(members)} arrays, more than the limit of {_MOST_ARRAYS}")
+            if sum(member.file_size for member in members) > _MOST_BYTES:
                 raise InputError(f"it unpacks to more than the limit of {_MOST_BYTES} bytes")
             return {member.filename.removesuffix(".npy"): _array(archive.read(member)) for member in members}
     except InputError:
         raise
-    except Exception:  # noqa: BLE001 - whatever a damaged archive makes a reader stumble over
-        raise InputError("it is no .npz file, or damaged") from None
+    except Exception:  # noqa: BLE001 - a damaged archive may raise anything
+        raise InputError("it is not a .npz file, or it is damaged") from None
 
 
 def _array(data: bytes) -> NDArray[Any]:
@@ -114,7 +116,7 @@ def _array(data: bytes) -> NDArray[Any]:
 
 
 def packed(arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Arrays as the bytes of a .npz file: the same arrays always give the same bytes."""
+    """Return the bytes of a .npz file of the arrays: the same arrays always give the same bytes."""
     held = io.BytesIO()
     with zipfile.ZipFile(held, "w") as archive:
         for name, array in arrays.items():

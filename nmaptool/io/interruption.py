@@ -1,4 +1,4 @@
-"""What is on disk only while a run lasts, so that one that is ended in the middle of a call leaves nothing."""
+"""Files and folders that exist only during a run; they are removed even if the process ends in the middle of a call."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ class Unfinished:
     Attributes
     ----------
     is_complete : bool
-        Whether what the run was to write is in its place.
+        Whether all output of the run is in its final place.
     """
 
     def __init__(self) -> None:
         self.is_complete = False
         self._files: set[Path] = set()
-        self._folders: list[Path] = []  # those within others after them
+        self._folders: list[Path] = []  # a folder comes before the folders in it
         self._temporary: set[Path] = set()
         self._whole = threading.RLock()
 
     @contextlib.contextmanager
     def all_or_none(self) -> Iterator[None]:
-        """While the block runs, `sweep` waits: for renaming several files, or taking that back."""
+        """Make `sweep` wait until the block ends: for renaming several files, or undoing it."""
         with self._whole:
             yield
 
     @contextlib.contextmanager
     def swept(self, files: Iterable[Path] = (), folders: Iterable[Path] = ()) -> Iterator[None]:
-        """While the block runs, `sweep` removes these; folders only if nothing else is in them."""
+        """While the block runs, let `sweep` remove these files, and these folders if nothing else is in them."""
         here, around = set(files), list(folders)
         self._files.update(here)
         self._folders.extend(around)
@@ -49,17 +49,18 @@ class Unfinished:
 
     @contextlib.contextmanager
     def temporary_folder(self) -> Iterator[Path]:
-        """A folder for what is only passed on; it is removed when the block ends.
+        """Make a folder for intermediate files; it is removed when the block ends.
 
         Raises
         ------
         OutputError
-            If there is no place for temporary files.
+            If the folder cannot be created.
         """
         try:
-            made = tempfile.TemporaryDirectory()
+            # Windows does not remove what is open
+            made = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         except OSError as error:
-            raise OutputError(f"no temporary folder can be made ({reason_of(error)}); set TMPDIR to one") from None
+            raise OutputError(f"cannot create a temporary folder ({reason_of(error)}); set TMPDIR") from None
         with made as name:
             self._temporary.add(Path(name))
             try:
@@ -68,9 +69,9 @@ class Unfinished:
                 self._temporary.discard(Path(name))
 
     def sweep(self) -> None:
-        """Remove everything that is unfinished; for a process that ends here and now.
+        """Remove everything that is unfinished, just before the process ends.
 
-        What `all_or_none` guards is never begun again after this.
+        It keeps the lock, so that no block under `all_or_none` can start any more.
         """
         self._whole.acquire()
         for file in list(self._files):

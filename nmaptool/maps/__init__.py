@@ -1,1 +1,1 @@
-"""What a picture means as a normal map: codes, channels, background, conventions."""
+"""Pictures as normal maps: codes, channels, background, conventions."""

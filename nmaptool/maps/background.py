@@ -1,4 +1,4 @@
-"""Where a picture's background is and what it is: alpha, white, grey, black, flat, or a colour that is no normal."""
+"""The background of a picture: alpha, white, grey, black, flat, or a colour that is not a normal."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from nmaptool.core.parallel import for_each_band
 from nmaptool.maps.zero_code import flat_codes, has_color
 from nmaptool.types.picture import RasterImage
 
-# smallest patch of an impossible colour that is called background, and their smallest share of the picture
+# smallest patch of an impossible colour that counts as background, and smallest share of all such patches
 _MIN_PATCH_PIXELS = 16
 _MIN_PATCH_SHARE = 2e-4
 _MIN_TOTAL_SHARE = 2e-3
-# a flat background (flat is a valid normal, so it needs more proof) has a patch that reaches this many sides
+# a flat background must have a patch that reaches this many sides: flat is a valid normal, so it needs more proof
 _FLAT_SIDES = 3
-# in steps of an 8-bit code: around impossible colours, around flat, and the same in JPEG
+# tolerances in steps of an 8-bit code: around impossible colours, around flat, and both in JPEG
 _TOLERANCE, _FLAT_NOISE, _LOSSY_TOLERANCE, _LOSSY_FLAT = 3.0, 2.5, 8.0, 4.0
 # noise around flat: its mean over a window is flat, and it varies more than that mean
 _NOISE_WINDOW_PX = (15, 15)
 _NOISE_MEAN = 0.75
 _NOISE_ROUGHNESS = 0.1
 _ALL_OVER = 0.995
-# a colour that is no normal and fills so much of the edge and of the picture is a background, whatever it is
+# any colour that is not a normal is a background if it fills this much of the edge and of the picture
 _ODD_EDGE_SHARE, _ODD_SHARE, _ODD_LENGTH = 0.3, 0.05, 0.1
 _DATA_ALPHA_SHARE = 0.3
-# rows that decide what an edge of noise is: more than the windows around a pixel reach
+# rows that decide whether an edge is noisy; more than the windows around a pixel reach
 _STRIP_PX = 32
 _PIXELS_AT_ONCE = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
 class Background:
-    """A background: its kind, where it is (H, W bool), its stored colour (None for alpha), what speaks against it."""
+    """A background: its kind, its pixels (H, W bool), its stored colour (None for alpha), a warning if it is unsure."""
 
     kind: str
     mask: Mask
@@ -46,7 +46,7 @@ class Background:
 
 
 def alpha_is_data(image: RasterImage) -> bool:
-    """Whether alpha varies like a height or gloss channel rather than covering a motif; never in our own files."""
+    """Whether alpha varies like a height or gloss channel instead of covering a motif; never in files of nmaptool."""
     alpha = image.alpha
     if alpha is None or image.attributes.get("kind") == "normal":
         return False
@@ -56,19 +56,19 @@ def alpha_is_data(image: RasterImage) -> bool:
 
 @dataclass(frozen=True)
 class _Span:
-    """The stored numbers of -1 and 1 in a picture of (H, W, 3) components, which may be floats from 0 to 1."""
+    """The stored values of -1 and 1 in a picture of (H, W, 3) components, which may be floats from 0 to 1."""
 
     low: float
     top: float
 
     @property
     def middle(self) -> float:
-        """The number halfway between."""
+        """The value halfway between."""
         return (self.low + self.top) / 2
 
     @property
     def step(self) -> float:
-        """The distance of two 8-bit codes."""
+        """The distance between two 8-bit codes."""
         return (self.top - self.low) / 255
 
 
@@ -77,7 +77,7 @@ def _span(image: RasterImage, xyz: NDArray[Any]) -> _Span:
 
 
 def _impossible_colors(span: _Span) -> dict[str, tuple[float, ...]]:
-    """Stored colours that are no normals and stand for "nothing here"."""
+    """Stored colours that are not normals and mean "nothing here"."""
     colors: dict[str, tuple[float, ...]] = {"white": (span.top,) * 3, "black": (0.0,) * 3}
     if span.low == 0:
         colors["grey"] = (span.middle + span.step / 2,) * 3
@@ -85,7 +85,7 @@ def _impossible_colors(span: _Span) -> dict[str, tuple[float, ...]]:
 
 
 def _hex_codes(text: str, span: _Span, order: tuple[int, ...]) -> tuple[float, ...]:
-    """A colour #rrggbb as stored numbers of x, y and z."""
+    """A colour #rrggbb as stored values of x, y and z."""
     eight = [int(text[1 + 2 * channel : 3 + 2 * channel], 16) for channel in order]
     return tuple(code * span.top / 255 for code in eight)
 
@@ -118,7 +118,7 @@ def _exactly_flat(image: RasterImage, xyz: NDArray[Any], span: _Span) -> Mask:
 
 
 def _noisy(xyz: NDArray[Any], span: _Span, lossy: bool) -> Mask:
-    """Near flat, flat on average, and varying from pixel to pixel more than that."""
+    """Pixels that are near flat, flat on average, and vary from pixel to pixel by more than that average."""
     slack = (_LOSSY_FLAT if lossy else _FLAT_NOISE) * span.step
     near = _near(xyz[..., :2], (span.middle, span.middle), slack)
     near &= xyz[..., 2] >= span.top - slack - 2 * span.step
@@ -133,9 +133,9 @@ def _noisy(xyz: NDArray[Any], span: _Span, lossy: bool) -> Mask:
 
 
 def _noisy_flat(xyz: NDArray[Any], span: _Span, lossy: bool, sides: int) -> Mask:
-    """Flat under noise or dither, its specks filled; nothing where it cannot reach so many sides of the picture."""
+    """Flat with noise or dither, its specks filled; empty if it cannot reach this many sides of the picture."""
     if min(xyz.shape[:2]) >= _STRIP_PX:
-        # what an edge is depends on a strip along it; an edge without noise is no speck either, being long
+        # an edge depends only on a strip along it; an edge without noise is too long to be filled as a speck
         turned = xyz.swapaxes(0, 1)
         strips = (xyz[:_STRIP_PX], xyz[-_STRIP_PX:][::-1], turned[:_STRIP_PX], turned[-_STRIP_PX:][::-1])
         if sum(bool(_noisy(strip, span, lossy)[0].any()) for strip in strips) < sides:
@@ -166,7 +166,7 @@ def _big_patches(mask: Mask) -> Mask:
 
 
 def _edge_patches(mask: Mask, sides: int) -> Mask:
-    """The patches that reach the picture's edge, where one of them reaches ``sides`` sides; else nothing."""
+    """The patches that reach the picture's edge if one of them reaches ``sides`` sides; otherwise nothing."""
     count, labels = _patches(mask)
     reached = np.zeros(count, int)
     for side in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
@@ -178,20 +178,20 @@ def _edge_patches(mask: Mask, sides: int) -> Mask:
 
 
 def _score(mask: Mask) -> float:
-    """How much of the edge and of the picture a mask fills: the fullest is taken for the background."""
+    """How much of the edge and of the picture a mask fills; the candidate with the highest score is the background."""
     return float(_edge(mask).mean() + mask.mean())
 
 
 def _find_flat(image: RasterImage, xyz: NDArray[Any], span: _Span, sides: int) -> Background:
     exact = _edge_patches(_exactly_flat(image, xyz, span), sides)
     noisy = _edge_patches(_noisy_flat(xyz, span, image.lossy, sides), sides)
-    # a map that is noise near flat all over is a very shallow surface
+    # a map with noise near flat everywhere is a very shallow surface
     is_noise = noisy.sum() > 1.25 * exact.sum() and noisy.mean() < _ALL_OVER
     return Background("flat", noisy if is_noise else exact, (span.middle, span.middle, span.top))
 
 
 def _find_impossible(xyz: NDArray[Any], span: _Span, slack: float, wanted: str) -> Background | None:
-    """The colour that is no normal and fills most; None where none of those wanted does."""
+    """The wanted colour that is not a normal and fills most of the picture; None if there is none."""
     found: list[Background] = []
     for kind, codes in _impossible_colors(span).items():
         if wanted in ("auto", kind):
@@ -202,7 +202,7 @@ def _find_impossible(xyz: NDArray[Any], span: _Span, slack: float, wanted: str) 
 
 
 def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Background | None:
-    """A colour that fills much of the edge: a background where it is no normal, a doubt where it may be one."""
+    """A colour that fills much of the edge: a background if it is not a normal, otherwise only a warning."""
     edge = _edge(xyz)
     colors, counts = np.unique(edge, axis=0, return_counts=True)
     codes = tuple(float(c) for c in colors[np.argmax(counts)])
@@ -215,12 +215,12 @@ def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Backgro
     name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - span.low) / span.step) for c in range(3)))
     if abs(np.linalg.norm(vector) - 1) >= _ODD_LENGTH:
         return Background(name, mask, codes)
-    warning = f"{mask.mean():.0%} of the picture is {name}; if that is background, say `background_color={name!r}`"
+    warning = f"{mask.mean():.0%} of the picture is {name}; if that is the background, use `background_color={name!r}`"
     return Background("none", np.zeros(mask.shape, bool), warning=warning)
 
 
 def _find_alpha(image: RasterImage, wanted: str, shape: tuple[int, ...]) -> Background | None:
-    """What alpha leaves out, where alpha is asked for or tells a coverage."""
+    """The transparent pixels, if alpha is wanted or holds coverage."""
     alpha = image.alpha
     if alpha is None:
         return Background("alpha", np.zeros(shape, bool)) if wanted == "alpha" else None
@@ -238,7 +238,7 @@ def find_background(
     Parameters
     ----------
     image : RasterImage
-        Gives alpha, the range of codes and whether they are lossy.
+        Supplies alpha, the range of codes and whether they are lossy.
     xyz : (H, W, 3)
         The stored codes of the three components.
     wanted : str
@@ -246,12 +246,12 @@ def find_background(
     order : tuple of int
         Which of the channels R, G, B each component came from.
     components : int
-        2 where the third is made from the first two: a colour is then told by those.
+        2 if the third component is computed from the first two; a colour is then recognised by these two.
 
     Returns
     -------
     Background
-        Kind "none" with an empty mask where nothing is found.
+        Kind "none" with an empty mask if nothing is found.
     """
     nothing = Background("none", np.zeros(xyz.shape[:2], bool))
     if wanted == "none":

@@ -1,4 +1,4 @@
-"""The channels of a raw picture that hold x, y and z, and how their numbers stand for vectors."""
+"""The channels of a raw picture that hold x, y and z, and how they encode vectors."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ from nmaptool.maps.two_channel import as_three_channels, find_components, is_uns
 from nmaptool.maps.zero_code import ZERO_CODES, detect_zero_code
 from nmaptool.options import ReadOptions
 from nmaptool.types.picture import RasterImage
+from nmaptool.types.shown import counted
 
-# floats have no step: this much is below what any file of them resolves
+# floats have no step: this is below the resolution of any float file
 _FLOAT_STEP = 1e-3 * 2**-8
 
 
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """The stored numbers of x, y and z, and how they stand for vectors.
+    """The stored values of x, y and z, and how they encode vectors.
 
     Attributes
     ----------
     image : RasterImage
-        The picture with three colour channels, as 8-bit codes where that is all it holds.
+        The picture with three colour channels, as 8-bit codes if that is all it holds.
     xyz : (H, W, 3) uint8, uint16 or float32
-        Its colour channels in the order of x, y and z, all finite.
+        Its colour channels in the order x, y, z, all finite.
     swizzle : tuple of (channel, sign)
         See `codec.parse_swizzle`.
     coding : Coding
@@ -51,7 +52,7 @@ class Channels:
 
     @property
     def zero_code(self) -> str:
-        """The stored number that means 0, for reports."""
+        """The stored value that means 0, for reports."""
         if self.coding.is_float:
             return "0" if self.coding.signed else "0.5"
         return self.coding.zero_code
@@ -63,7 +64,7 @@ class Channels:
 
 
 def find_channels(image: RasterImage, options: ReadOptions) -> Channels:
-    """Find the channels of a picture that hold x, y and z, and how its numbers are to be read.
+    """Find the channels of a picture that hold x, y and z, and how they encode vectors.
 
     Raises
     ------
@@ -76,7 +77,9 @@ def find_channels(image: RasterImage, options: ReadOptions) -> Channels:
         image = codec.narrowed(image)
     components, components_from = find_components(image, options.components, order)
     if components == "xy" and swizzle[2][1] < 0:
-        raise UsageError(f"`swizzle={options.swizzle!r}`: z is made from x and y and points up; give it no minus sign")
+        raise UsageError(
+            f"`swizzle={options.swizzle!r}`: z is computed from x and y and is never negative; remove its minus sign"
+        )
     encoding: str = options.encoding
     if components != "xyz":
         if image.is_float and encoding == "auto":
@@ -99,7 +102,7 @@ def _order(swizzle: codec.Swizzle) -> tuple[int, ...]:
 
 
 def _find_zero_code(image: RasterImage, xyz: NDArray[Any], options: ReadOptions) -> tuple[str, str]:
-    """The zero code of integers, and what tells it."""
+    """The zero code of integers, and its source."""
     if options.zero_code != "auto":
         return options.zero_code, "given"
     stated = image.attributes.get("zero_code")
@@ -118,9 +121,9 @@ def color_channels(image: RasterImage) -> NDArray[Any]:
         If the picture has fewer than three.
     """
     if not {"R", "G", "B"} <= set(image.channels):
-        two = "; if the two are x and y, say `components='xy'`" if len(image.channels) == 2 else ""
+        two = "; if the two are x and y, use `components='xy'`" if len(image.channels) == 2 else ""
         raise InputError(
-            f"{image.name}: has {len(image.channels)} channel(s) ({', '.join(image.channels)}); "
+            f"{image.name}: has {counted(len(image.channels), 'channel')} ({', '.join(image.channels)}); "
             f"a normal map needs red, green and blue; a grey picture is a height or depth image{two}"
         )
     if image.channels[:3] == ("R", "G", "B"):
@@ -129,12 +132,14 @@ def color_channels(image: RasterImage) -> NDArray[Any]:
 
 
 def _finite(image: RasterImage, rgb: NDArray[Any]) -> NDArray[Any]:
-    """The colours with 0 for NaN and infinity under alpha 0; anywhere else these are refused."""
+    """Replace NaN and infinity by 0 where alpha is 0; refuse them anywhere else."""
     if not image.is_float:
         return rgb
     alpha = image.alpha
     if alpha is not None and not np.isfinite(alpha).all():
-        raise InputError(f"{image.name}: alpha holds NaN or infinite values; write it again with alpha in 0..1")
+        raise InputError(
+            f"{image.name}: alpha holds NaN or infinite values; write the file again with alpha from 0 to 1"
+        )
     bad = ~np.isfinite(rgb).all(axis=-1)
     if not bad.any():
         return rgb
@@ -143,8 +148,8 @@ def _finite(image: RasterImage, rgb: NDArray[Any]) -> NDArray[Any]:
     if bad.any():
         row, col = np.argwhere(bad)[0]
         raise InputError(
-            f"{image.name}: {int(bad.sum())} pixel(s) hold NaN or infinite values, the first at x={col}, y={row}; "
-            "repair them or make them transparent (alpha 0)"
+            f"{image.name}: found {counted(int(bad.sum()), 'pixel')} with NaN or infinite values, the first at "
+            f"x={col}, y={row}; repair them or make them transparent (alpha 0)"
         )
     finite: NDArray[Any] = np.nan_to_num(rgb, nan=0.0, posinf=0.0, neginf=0.0)
     return finite
@@ -154,7 +159,7 @@ def is_unsigned_float(rgb: NDArray[Any]) -> bool:
     """Whether floats hold (n + 1)/2: none is negative and 2v - 1 is closer to unit length than v."""
     if float(rgb.min()) < -1e-3:
         return False
-    # white, grey and black backgrounds say nothing
+    # white, grey and black backgrounds prove nothing
     telling = rgb[np.ptp(rgb, axis=-1) > 1e-3]
     if not telling.size:
         return False
@@ -170,7 +175,7 @@ def code_step(image: RasterImage) -> float:
 
 
 def as_read(image: RasterImage, channels: Channels) -> RasterImage:
-    """The picture as its file stores it, with the blue that a map of two components lacks."""
+    """The picture as stored in its file, with the missing blue of a two-component map added."""
     if channels.components == "xyz":
         return image
     return as_three_channels(image, channels.components, channels.order, channels.encoding)

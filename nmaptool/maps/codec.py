@@ -1,4 +1,4 @@
-"""Stored codes to vectors and back: sign, bit depth, zero code and channel order are settled here and nowhere else."""
+"""Convert stored codes to vectors and back: only this module handles signs, bit depth, zero code and channel order."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ Swizzle = tuple[tuple[int, int], ...]
 
 @dataclass(frozen=True)
 class Coding:
-    """How a file's numbers stand for the components of vectors.
+    """How a file encodes the components of vectors.
 
     Attributes
     ----------
     max_code : int
         Largest integer code, 255 or 65535; 1 for floats.
     zero_code : str
-        Of integers, see `zero_and_scale`.
+        For integers, see `zero_and_scale`.
     signed : bool
-        Floats hold n itself, not (n + 1)/2.
+        Whether floats hold n itself, not (n + 1)/2.
     is_float : bool
     """
 
@@ -47,12 +47,12 @@ class Coding:
 
     @property
     def step(self) -> float:
-        """Distance of two neighbouring codes, as a component; 0 for floats."""
+        """Distance between two neighbouring codes, in units of a component; 0 for floats."""
         return 0.0 if self.is_float else 1 / zero_and_scale(self.zero_code, self.max_code)[1]
 
 
 def decode_map(codes: NDArray[Any], coding: Coding) -> Float32:
-    """The vectors that stored numbers stand for, in file order of channels and signs.
+    """Decode stored values to vectors, with the channel order and signs of the file.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def decode_map(codes: NDArray[Any], coding: Coding) -> Float32:
     Returns
     -------
     (..., 3) float32
-        A new array, not normalised. Of integers, in [-1, 1], and the exact flat code is exactly (0, 0, 1).
+        A new array, not normalised. Integers give values in [-1, 1]; the exact flat code gives exactly (0, 0, 1).
     """
     if not coding.is_float:
         return decode_codes(codes, coding.zero_code)
@@ -71,7 +71,7 @@ def decode_map(codes: NDArray[Any], coding: Coding) -> Float32:
 
 
 def decode_color(color: Sequence[float], coding: Coding) -> Float32:
-    """(3,) float32: the vector that one stored colour stands for; between two codes, too."""
+    """(3,) float32: the vector of one stored colour, which may lie between two codes."""
     if coding.is_float:
         return decode_map(np.array(color), coding)
     zero, scale = zero_and_scale(coding.zero_code, coding.max_code)
@@ -86,7 +86,7 @@ def encode_map(
     green: str = "up",
     zero_code: str = "127.5",
 ) -> NDArray[Any]:
-    """A normal map's pixels as a file holds them.
+    """Encode a normal map as the pixels of a file.
 
     Parameters
     ----------
@@ -97,9 +97,9 @@ def encode_map(
     bits : int
         8 or 16 for integer codes, 32 for signed floats.
     green : str
-        Which way the file's green points, "up" or "down".
+        Direction of the file's green channel, "up" or "down".
     zero_code : str
-        Of integer codes, see `zero_and_scale`.
+        For integer codes, see `zero_and_scale`.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def encode_map(
 
 
 def signs_of(swizzle: Swizzle = ((0, 1), (1, 1), (2, 1)), green: str = "up") -> Signs:
-    """Signs that take stored vectors, their channels in the order of x, y and z, to eye space; and back.
+    """Signs that convert stored vectors, with channels in the order x, y, z, to eye space and back.
 
     >>> signs_of(parse_swizzle("-g,r,b"), green="down")
     (-1, -1, 1)
@@ -122,7 +122,7 @@ def signs_of(swizzle: Swizzle = ((0, 1), (1, 1), (2, 1)), green: str = "up") -> 
 
 
 def apply_signs(vectors: Float32, signs: Signs, out: Float32 | None = None) -> Float32:
-    """Vectors times the signs of their components; a zero stays 0, never -0.
+    """Multiply vectors by the signs of their components; a zero stays 0, never -0.
 
     Parameters
     ----------
@@ -138,14 +138,14 @@ def apply_signs(vectors: Float32, signs: Signs, out: Float32 | None = None) -> F
 
 
 def stored_shares(pixels: NDArray[Any], signed: bool) -> Float32:
-    """(..., 3) float32: stored colours as shares (n + 1)/2 of the largest code; NaN and infinity become those of 0.
+    """(..., 3) float32: stored colours as shares (n + 1)/2 of the largest code; NaN and infinity become 0.5 (n = 0).
 
     Parameters
     ----------
     pixels : (..., 3 or more) uint8, uint16 or float32
-        Further channels are left out.
+        Further channels are ignored.
     signed : bool
-        Floats hold n itself.
+        Whether floats hold n itself.
     """
     color = pixels[..., :3]
     if pixels.dtype != np.float32:
@@ -155,19 +155,19 @@ def stored_shares(pixels: NDArray[Any], signed: bool) -> Float32:
 
 
 def decode_shares(shares: NDArray[Any]) -> NDArray[Any]:
-    """Components of shares (n + 1)/2, in the shares' own type."""
+    """Convert shares (n + 1)/2 to components n; the type is kept."""
     return 2 * shares - 1
 
 
 def encode_shares(vectors: NDArray[Any]) -> NDArray[Any]:
-    """Shares (n + 1)/2 of components, in their own type."""
+    """Convert components n to shares (n + 1)/2; the type is kept."""
     return (vectors + 1) / 2
 
 
 def narrowed(image: RasterImage) -> RasterImage:
-    """The picture as 8-bit codes where that is all it holds: widened to 16 bits, or divided by 255 into floats.
+    """Return the picture as 8-bit codes if that is all it holds, widened to 16 bits or divided by 255 into floats.
 
-    Zero code, rounding and backgrounds are then those of the 8-bit picture it was.
+    Zero code, rounding and backgrounds are then those of the original 8-bit picture.
     """
     pixels = image.pixels
     if pixels.dtype == np.uint16:
@@ -184,7 +184,7 @@ def narrowed(image: RasterImage) -> RasterImage:
 
 
 def decode_codes(rgb: NDArray[Any], zero_code: str) -> Float32:
-    """Integer codes to vectors in [-1, 1]; the exact flat code becomes exactly (0, 0, 1).
+    """Convert integer codes to vectors in [-1, 1]; the exact flat code becomes exactly (0, 0, 1).
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def decode_codes(rgb: NDArray[Any], zero_code: str) -> Float32:
 
 
 def encode_codes(vectors: Float32, bits: int, zero_code: str = "127.5") -> NDArray[Any]:
-    """Vectors in [-1, 1] to integer codes, rounded: with the zero in the middle, v = floor((n + 1)/2 M + .5).
+    """Convert vectors in [-1, 1] to rounded integer codes: with zero in the middle, v = floor((n + 1)/2 M + .5).
 
     Parameters
     ----------
@@ -229,7 +229,7 @@ def encode_codes(vectors: Float32, bits: int, zero_code: str = "127.5") -> NDArr
     max_code = (1 << bits) - 1
     zero, scale = zero_and_scale(zero_code, max_code)
     out = np.empty(vectors.shape, np.uint8 if bits == 8 else np.uint16)
-    for row in range(0, len(vectors), _ROWS_AT_ONCE):  # in float64, which would be large all at once
+    for row in range(0, len(vectors), _ROWS_AT_ONCE):  # in bands, because float64 copies are large
         rows = slice(row, row + _ROWS_AT_ONCE)
         codes = np.floor(vectors[rows].astype(np.float64) * scale + (zero + 0.5))
         out[rows] = codes.clip(0, max_code)
@@ -237,18 +237,18 @@ def encode_codes(vectors: Float32, bits: int, zero_code: str = "127.5") -> NDArr
 
 
 def encode_grey(values: Float32, bits: int) -> NDArray[Any]:
-    """(H, W) values in [0, 1] as a file of 8 or 16 bits holds them, or unchanged for one of floats (32)."""
+    """Convert (H, W) values in [0, 1] to codes of 8 or 16 bits; unchanged for floats (32)."""
     return values if bits == 32 else grey_codes(values, bits)
 
 
 def grey_codes(values: NDArray[np.floating], bits: int) -> NDArray[Any]:
-    """(H, W) values in [0, 1] as integer codes of 8 or 16 bits, rounded."""
+    """Convert (H, W) values in [0, 1] to rounded integer codes of 8 or 16 bits."""
     top = (1 << bits) - 1
     return np.floor(values.astype(np.float64) * top + 0.5).astype(np.uint8 if bits == 8 else np.uint16)
 
 
 def format_swizzle(swizzle: Swizzle) -> str:
-    """The text that `parse_swizzle` reads, in its plainest form.
+    """The text that `parse_swizzle` reads, in its shortest form.
 
     >>> format_swizzle(((1, -1), (0, 1), (2, 1)))
     '-g,r,b'
@@ -262,7 +262,7 @@ def parse_swizzle(text: str) -> Swizzle:
     Raises
     ------
     UsageError
-        If it is not three different channels out of r, g, b, each with an optional sign.
+        If the text is not three different channels of r, g, b, each with an optional sign.
     """
     parts = [_SWIZZLE.fullmatch(part.strip().lower()) for part in text.split(",")]
     found = [part for part in parts if part is not None]

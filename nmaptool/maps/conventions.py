@@ -1,4 +1,4 @@
-"""Which way a map's channels point, judged by its curl and by the normals along its outline."""
+"""Detect how the channels of a map point, from its curl and from the normals along its outline."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from nmaptool.maps.codec import apply_signs, format_swizzle, parse_swizzle, sign
 from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import Decoding, NormalMap
 
-# the wrong order or sign must have this many times the curl of the right one to be called wrong
+# an order or sign counts as wrong only if its curl is this many times that of another
 SURE_CURL_RATIO = 1.5
-# where the map is large, a window in its middle is enough
+# in a large map, a window in the middle is enough
 _WINDOW_PX = 800
 _OUTLINE_PIXELS = 50
 _INVERTED = -0.15
-# channels for x and y, up to a common sign: every way a map can be turned or mirrored
+# channels for x and y, up to a common sign: every way in which a map can be rotated or mirrored
 _TURNS = (("r", "g", 1), ("r", "g", -1), ("g", "r", 1), ("g", "r", -1))
 
 
@@ -28,16 +28,16 @@ def _window(shape: tuple[int, int]) -> tuple[slice, slice]:
 
 
 def green_evidence(normals: Float32, mask: Mask, code_step: float) -> float | None:
-    """How many times the mean |curl| of green-down is that of green-up (below 1: green-down fits better).
+    """Mean |curl| with green down over that with green up (below 1: green down fits better).
 
-    None where both are near what quantisation alone makes, so that nothing can be said.
+    None if both are close to the curl of quantisation alone, which proves nothing.
 
     Parameters
     ----------
     normals : (H, W, 3) float32
         Decoded as green up.
     mask : (H, W) bool
-        Where to look.
+        Pixels to use.
     code_step : float
         Smallest step of a component in the file.
     """
@@ -53,7 +53,7 @@ def green_evidence(normals: Float32, mask: Mask, code_step: float) -> float | No
 def outline_sign(normals: Float32, foreground: Mask) -> float | None:
     """Mean of n . outward along the outline: near +1 for a raised motif, negative for an inverted one.
 
-    None where there is no outline to speak of.
+    None if there is no outline, or too little of it.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def outline_sign(normals: Float32, foreground: Mask) -> float | None:
 
 
 def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
-    """Channel order whose curl is clearly the least, as --swizzle takes it, where it takes x from green and y from red.
+    """Channel order with clearly the least curl, as --swizzle takes it, if it takes x from green and y from red.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
     turn, runner_up = sorted(curls, key=lambda turn: curls[turn])[:2]
     least, second = curls[turn], curls[runner_up]
     x, y, sign = turn
-    # x from red and y from green is a matter of green's sign, which has its own evidence
+    # for x from red and y from green only the sign of green is open, and `green_evidence` decides that
     if x == "r" or second < max(2 * code_step, 1e-6) or second < SURE_CURL_RATIO * least:
         return None
     outline = outline_sign(_turned(apply_signs(normal_map.normals, signs), turn), normal_map.foreground)
@@ -100,15 +100,15 @@ def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
 
 
 def _turned(normals: Float32, turn: tuple[str, str, int]) -> Float32:
-    """Normals as stored with x and y taken from the channels that a turn names, y times its sign."""
+    """Stored normals with x and y taken from the channels of ``turn``, y times its sign."""
     x, y, sign = turn
     return apply_signs(normals[..., ["rgb".index(x), "rgb".index(y), 2]], (1, sign, 1))
 
 
 def upright_swizzle(decoding: Decoding) -> str:
-    """The swizzle that turns an inverted relief into a raised one: x and y change sign.
+    """The swizzle that makes an inverted relief a raised one: x and y change sign.
 
-    Green that was found to point down has turned y already; a swizzle leaves that to itself.
+    If green was detected as down, y keeps its sign: giving a swizzle switches that detection off.
 
     >>> upright_swizzle(Decoding(swizzle="-g,r,b"))
     'g,-r,b'
@@ -119,12 +119,12 @@ def upright_swizzle(decoding: Decoding) -> str:
 
 
 def is_inverted(sign: float | None) -> bool:
-    """Whether an `outline_sign` tells that the motif is sunk rather than raised."""
+    """Whether an `outline_sign` means that the motif is sunken instead of raised."""
     return sign is not None and sign < _INVERTED
 
 
 def diagnose(normal_map: NormalsLike, *, code_step: float = 2 / 255) -> tuple[str, ...]:
-    """Warn where a map looks inverted, turned or mirrored.
+    """Warn if a map looks inverted, rotated or mirrored.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def diagnose(normal_map: NormalsLike, *, code_step: float = 2 / 255) -> tuple[st
     Returns
     -------
     tuple of str
-        Warnings with the remedy; empty where nothing looks wrong.
+        Warnings, each with a remedy; empty if nothing looks wrong.
 
     Raises
     ------
@@ -154,11 +154,11 @@ def diagnose(normal_map: NormalsLike, *, code_step: float = 2 / 255) -> tuple[st
     ("it looks inverted; for a raised motif try `swizzle='-r,-g,b'`, for an engraving `delta=-30`",)
     """
     normal_map = as_normal_map(normal_map)
-    if normal_map.decoding.green_from == "file":  # it says itself how it is to be read
+    if normal_map.decoding.green_from == "file":  # the file states how to read it
         return ()
     better = better_swizzle(normal_map, code_step)
     if better is not None:
-        return (f"its channels look turned or mirrored; try `swizzle={better!r}`",)
+        return (f"its channels look rotated or mirrored; try `swizzle={better!r}`",)
     if is_inverted(outline_sign(normal_map.normals, normal_map.foreground)):
         swizzle = upright_swizzle(normal_map.decoding)
         return (f"it looks inverted; for a raised motif try `swizzle={swizzle!r}`, for an engraving `delta=-30`",)

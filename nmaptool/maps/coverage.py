@@ -1,4 +1,4 @@
-"""Where a decoded picture is covered, by the kind of its background, with the rim in between repaired."""
+"""The coverage of a decoded picture, which depends on the kind of its background, and the repair of its rim."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from nmaptool.maps.channels import Channels
 from nmaptool.maps.codec import decode_color
 from nmaptool.maps.fringe import repair_rim
 
-# alpha under this is background, not rim
+# alpha up to this is background, not rim
 _SEE_THROUGH = 0.02
 
 
 class Covered(NamedTuple):
-    """Vectors with the rim repaired and where they count.
+    """Vectors with the rim repaired, and their coverage.
 
     Attributes
     ----------
@@ -37,14 +37,14 @@ class Covered(NamedTuple):
 
 
 def cover(vectors: Float32, mixed: Float32, channels: Channels, background: Background) -> Covered:
-    """Coverage of a picture, and its vectors without what its background mixed into the rim.
+    """Compute the coverage of a picture, and remove the background that anti-aliasing mixed into its rim.
 
     Parameters
     ----------
     vectors : (H, W, 3) float32
         As stored, in file order of channels and signs; not changed.
     mixed : (H, W, K) float32
-        The stored components that anti-aliasing mixed: the vectors, or the two that they were made from.
+        The stored components that anti-aliasing mixed: the vectors, or the two components they were computed from.
     channels : Channels
     background : Background
     """
@@ -58,7 +58,7 @@ def cover(vectors: Float32, mixed: Float32, channels: Channels, background: Back
         assert alpha is not None
         vectors, _, rim_pixels = repair_rim(vectors, alpha <= _SEE_THROUGH, None)
         return Covered(vectors, alpha.copy(), background.mask, rim_pixels)
-    # a colour that is no normal
+    # a colour that is not a normal
     assert background.codes is not None
     behind = decode_color(background.codes, channels.coding)[: mixed.shape[2]]
     vectors, coverage, rim_pixels = repair_rim(vectors, background.mask, behind, mixed=mixed)
@@ -66,7 +66,7 @@ def cover(vectors: Float32, mixed: Float32, channels: Channels, background: Back
 
 
 def _on_flat(vectors: Float32, everywhere: Float32, background: Mask) -> Covered:
-    """A flat background is a defined part of the map; a rim that is mostly background joins it."""
+    """A flat background is a defined part of the map; rim pixels that are mostly background become part of it."""
     flat = np.array(FLAT, np.float32)
     vectors, share, rim_pixels = repair_rim(vectors, background, flat, is_normal=True)
     background = background | (share < 0.5)

@@ -1,4 +1,4 @@
-"""A raw picture to a normal map: which channels, which sign, which zero, which background; and what was decided."""
+"""Decode a raw picture into a normal map: find channels, signs, zero code and background; record the decisions."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ from nmaptool.types.picture import RasterImage
 from nmaptool.types.shown import OneLine
 
 LENGTH_OFF = 0.1
-# where so many vectors are not of unit length, the picture is something else
+# if this share of the vectors is not of unit length, the picture is not a normal map
 NOT_NORMALS_SHARE = 0.5
 _SAMPLE = 100_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Decoded(OneLine):
-    """A picture read as a normal map, with what was found on the way.
+    """A picture decoded as a normal map, with intermediate results.
 
     Attributes
     ----------
     stored : (H, W, 3) float32
         The vectors as the file stores them, in eye space: the signs of the swizzle and of green are applied, lengths
-        and the rim are as they were. Maps of two components have the third made.
+        and the rim are unchanged. For maps of two components, the third is computed.
     background : Background
-        What was found as background.
+        The background that was found.
     normal_map : NormalMap
     channels : Channels
-        The stored numbers, and how they stand for vectors.
+        The stored values, and how they encode vectors.
     """
 
     stored: Float32
@@ -52,7 +52,7 @@ class Decoded(OneLine):
 
 
 def decode_image(image: RasterLike, options: ReadOptions | None = None) -> Decoded:
-    """Turn a raw picture into a normal map, and keep the vectors as they were stored.
+    """Decode a raw picture into a normal map, and keep the vectors as stored.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def decode_image(image: RasterLike, options: ReadOptions | None = None) -> Decod
     Returns
     -------
     Decoded
-        Holds 12 bytes a pixel more than its normal map; use `decode_normal_map` where that is all you want.
+        Takes 12 bytes per pixel more than its normal map; use `decode_normal_map` if you only need the map.
 
     Raises
     ------
@@ -86,26 +86,26 @@ def decode_image(image: RasterLike, options: ReadOptions | None = None) -> Decod
 
 
 def decode_normal_map(image: RasterLike, options: ReadOptions | None = None) -> NormalMap:
-    """Turn a raw picture into unit normals in eye space.
+    """Decode a raw picture into unit normals in eye space.
 
     Parameters
     ----------
     image : RasterImage, or (H, W, 2 to 4) uint8, uint16 or float
-        Channels R, G, B(, A), or two where it holds x and y or octahedral codes.
+        Channels R, G, B(, A), or two channels with x and y or octahedral codes.
     options : ReadOptions, optional
-        Green, zero code, components, background; what is not said is found out.
+        Green, zero code, components, background; what is not given is detected.
 
     Returns
     -------
     NormalMap
-        Its ``decoding`` says what was decided and from what.
+        Its ``decoding`` records the decisions and their sources.
 
     Raises
     ------
     InputError
-        If it has too few channels, or NaN or infinity where it is defined.
+        If the picture has too few channels, or NaN or infinity where it is defined.
     UsageError
-        If the swizzle cannot be meant, or the picture is neither a RasterImage nor an array.
+        If the swizzle is not possible, or the picture is neither a RasterImage nor an array.
 
     Examples
     --------
@@ -117,7 +117,7 @@ def decode_normal_map(image: RasterLike, options: ReadOptions | None = None) -> 
 
 
 def _decode(image: RasterImage, options: ReadOptions) -> Decoded:
-    """A picture read; its stored vectors still have the signs of the file."""
+    """Decode a picture; its stored vectors still have the signs of the file."""
     channels = find_channels(image, options)
     vectors, mixed = _vectors_of(channels)
     wanted = options.background_color
@@ -133,7 +133,7 @@ def _decode(image: RasterImage, options: ReadOptions) -> Decoded:
 
 
 def _vectors_of(channels: Channels) -> tuple[Float32, Float32]:
-    """Vectors as stored, in file order of signs, and the stored components, two or three, that they come from."""
+    """Vectors as stored, with the signs of the file, and the two or three stored components that they come from."""
     vectors = decode_map(channels.xyz, channels.coding)
     if channels.components == "xyz":
         return vectors, vectors
@@ -149,7 +149,7 @@ def _normal_map(
     background: str,
     warnings: tuple[str, ...],
 ) -> NormalMap:
-    """The vectors normalised and brought to eye space, with the record of all that was decided."""
+    """Normalise the vectors, convert them to eye space, and record all decisions."""
     normals = unit(covered.vectors)
     swizzle_signs = signs_of(channels.swizzle)
     if -1 in swizzle_signs:
@@ -180,14 +180,14 @@ def _normal_map(
 
 
 def _background_warnings(channels: Channels, background: Background, wanted: str) -> tuple[str, ...]:
-    """What speaks against the background that was found."""
+    """Doubts about the background that was found."""
     warnings: list[str] = []
     if wanted not in ("auto", "none") and not background.mask.any():
-        warnings.append(f"no background is {wanted}: every pixel is taken for surface")
+        warnings.append(f"no background found that is {wanted}: every pixel is treated as surface")
     if background.warning is not None:
         warnings.append(background.warning)
     if wanted == "auto" and alpha_is_data(channels.image):
-        warnings.append("alpha looks like data (a height or gloss channel), not coverage: ignored")
+        warnings.append("alpha looks like data (a height or gloss channel), not coverage; it is ignored")
     return tuple(warnings)
 
 
@@ -199,13 +199,13 @@ def _length_warnings(vectors: Float32, background: Mask) -> tuple[str, ...]:
 
 
 def _find_green(image: RasterImage, options: ReadOptions, curl_ratio: float | None) -> tuple[str, str]:
-    """Which way green points, and what tells it."""
+    """The direction of green, and its source."""
     stated = image.attributes.get("green")
     if options.green != "auto":
         return options.green, "given"
     if stated in ("up", "down"):
         return stated, "file"
-    if options.swizzle is not None:  # a swizzle already says which way y points
+    if options.swizzle is not None:  # a swizzle already sets the sign of y
         return "up", "given"
     if curl_ratio is not None and curl_ratio < 1 / SURE_CURL_RATIO:
         return "down", "found"
@@ -215,7 +215,7 @@ def _find_green(image: RasterImage, options: ReadOptions, curl_ratio: float | No
 
 
 def off_length_share(vectors: Float32, outside: Mask) -> float:
-    """Share of (H, W, 3) stored vectors not ``outside`` whose length is more than 0.1 off 1; a sample is enough."""
+    """Share of (H, W, 3) stored vectors not ``outside`` whose length is more than 0.1 off 1, found from a sample."""
     inside = np.flatnonzero(~outside)
     sample = vectors.reshape(-1, 3)[inside[:: max(1, len(inside) // _SAMPLE)]].astype(np.float64)
     return float((np.abs(np.linalg.norm(sample, axis=1) - 1) > LENGTH_OFF).mean()) if len(sample) else 0.0

@@ -1,6 +1,6 @@
-"""What a detail map holds: how an original differs from its base, as normals that are flat where it does not.
+"""Detail maps: the difference between an original and its base as normals, flat where both are equal.
 
-Each encoding is undone by one way of blending base and detail again.
+For each encoding, one blend mode restores the original from base and detail.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ import numpy as np
 from nmaptool.core.arrays import Float32
 from nmaptool.core.vectors import FLAT, slopes, unit
 
-# steeper slopes are brought down to this before they are subtracted
+# steeper slopes are reduced to this before they are subtracted
 _STEEPEST = 50.0
 _VECTORS_AT_ONCE = 1 << 20
 
 
 def encode_detail(original: Float32, base: Float32, encoding: str = "rotation") -> Float32:
-    """Detail normals from original and base.
+    """Compute detail normals from original and base.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def encode_detail(original: Float32, base: Float32, encoding: str = "rotation") 
     encoding : str
         ``rotation``: the rotation that takes the base to (0, 0, 1), applied to the original; reoriented blending
         undoes it. ``slope``: the difference of the slopes, each at most 50; partial-derivative blending undoes it
-        where neither is steeper. ``difference``: (0, 0, 1) + original - base, made unit.
+        if neither is steeper. ``difference``: (0, 0, 1) + original - base, normalised.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def _difference(original: Float32, base: Float32) -> Float32:
 
 def _rotation(original: Float32, base: Float32) -> Float32:
     o, b = original.astype(np.float64), base.astype(np.float64)
-    # half-way vector form: two mirrors, stable unless the base faces straight away
+    # half-way vector form, two reflections: stable unless the base faces straight away
     towards = 1 + b[..., 2]
     across = b[..., 0] * o[..., 0] + b[..., 1] * o[..., 1]
     away = towards < 1e-9

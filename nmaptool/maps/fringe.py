@@ -1,4 +1,4 @@
-"""The rim that anti-aliasing leaves around a motif, where the stored vector is part surface and part background."""
+"""Repair the rim that anti-aliasing leaves around a motif, where a stored vector mixes surface and background."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.grid import dilated
 
-# a rim is looked for within this width, and followed inwards up to the other while lengths are off
+# width in which a rim is looked for, and width up to which it is followed inwards while lengths are off
 _RIM_PX = 2
 _WIDEST_RIM_PX = 6
 _LENGTH_TOLERANCE = 0.03
-# a rim vector of unit length is a mixture, too, where it lies near the line from the normal inside it to the background
-# (off it by less than this share of its way) and has gone at least this share of that line
+# a rim vector of unit length also counts as a mixture if it lies near the line from the normal inside it to the
+# background (off the line by less than this share of its move) and has moved along at least this share of that line
 _MIXTURE_OFF_LINE = 0.35
 _MIXTURE_ALONG = 0.08
 
@@ -28,10 +28,10 @@ def repair_rim(
 ) -> tuple[Float32, Float32, int]:
     """Give the anti-aliased rim of a motif the normals just inside it, and compute its coverage.
 
-    A rim pixel stores c n + (1 - c) b, with n a unit normal, b the background's vector and c its coverage. It is found
-    by its length, or because it lies on the line from the normals inside to b; within 2 px of the background, or up to
-    6 px where it is connected to such pixels and its length is off. n is taken from the nearest pixel that is no
-    mixture; c follows from n and b.
+    A rim pixel stores c n + (1 - c) b, with n a unit normal, b the background's vector and c its coverage. It is
+    detected by its length, or because it lies on the line from the normals inside to b. It lies within 2 px of the
+    background, or up to 6 px if it is connected to such pixels and its length is off. n is taken from the nearest pixel
+    that is not a mixture; c follows from n and b.
 
     Parameters
     ----------
@@ -40,18 +40,19 @@ def repair_rim(
     outside : (H, W) bool
         Background.
     background : (K,) float32 or None
-        Vector, or its K stored components, that the background decodes to; None where alpha tells coverage already.
+        Vector that the background decodes to, or its K stored components; None if alpha already gives the coverage.
     is_normal : bool
-        The background is a normal itself (flat): the way to it may be surface, so only lengths tell.
+        The background is itself a normal (flat). Vectors between it and the motif may be surface, so only lengths are
+        used.
     mixed : (H, W, K) float32, optional
-        The stored components that anti-aliasing mixed, where the vectors were made from them. Default: the vectors.
+        The stored components that anti-aliasing mixed, if the vectors were computed from them. Default: the vectors.
 
     Returns
     -------
     vectors : (H, W, 3) float32
         A copy with the rim replaced.
     coverage : (H, W) float32
-        0 outside, 1 inside, between on the rim (1 there where ``background`` is None).
+        0 outside, 1 inside, in between on the rim (1 there if ``background`` is None).
     count : int
         Rim pixels replaced.
     """
@@ -81,7 +82,7 @@ def repair_rim(
 
 
 def _off_length_rim(start: Mask, outside: Mask, sound: Mask) -> Mask:
-    """(H, W) bool: ``start`` and the pixels of wrong length that are connected to it, up to the widest rim."""
+    """(H, W) bool: ``start`` and the pixels of wrong length connected to it, up to the widest rim."""
     if not start.any():
         return start
     off_length = dilated(outside, _WIDEST_RIM_PX) & ~outside & ~sound
@@ -92,7 +93,7 @@ def _off_length_rim(start: Mask, outside: Mask, sound: Mask) -> Mask:
 
 
 def _nearest(vectors: Float32, sound: Mask, at: Mask) -> Float32:
-    """(N, 3) vectors: for each of the N pixels of ``at``, that of the nearest pixel of ``sound``."""
+    """(N, 3) vectors: for each of the N pixels of ``at``, the vector of the nearest pixel of ``sound``."""
     from scipy import ndimage  # takes long to load
 
     rows, cols = ndimage.distance_transform_edt(~sound, return_distances=False, return_indices=True)
@@ -101,7 +102,7 @@ def _nearest(vectors: Float32, sound: Mask, at: Mask) -> Float32:
 
 
 def _unmix(mixed: Float32, inner: Float32, background: Float32) -> tuple[Float32, Float32]:
-    """Share of ``inner`` in each mixture, 0..1, and how far off the line to the background it lies, as a share too."""
+    """Share of ``inner`` in each mixture, 0 to 1, and its distance from the line to the background over its move."""
     span = inner - background
     size = np.maximum(np.einsum("ik,ik->i", span, span), np.float32(1e-6))
     share = (np.einsum("ik,ik->i", mixed - background, span) / size).clip(0, 1)

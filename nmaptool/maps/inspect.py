@@ -1,4 +1,4 @@
-"""Look a normal map over before it is carved: what it is, and what is wrong with it, each with a remedy."""
+"""Inspect a normal map before it is carved: measure it, and report each problem with a remedy."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _PARTIAL_ALPHA_PIXELS = 50
 
 
 def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: MaskLike | None = None) -> Inspection:
-    """Measure a raw picture as a normal map and list what is wrong with it.
+    """Measure a raw picture as a normal map and list its problems.
 
     Parameters
     ----------
@@ -38,12 +38,12 @@ def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: 
     options : ReadOptions, optional
         How to read it: green, zero code, components, background.
     mask : (H, W) bool or float in [0, 1], optional
-        Where to look, instead of the recognised foreground.
+        Restricts the detected foreground to where this is at least 0.5.
 
     Returns
     -------
     Inspection
-        Measurements, what was recognised, and findings, each with a remedy.
+        Measurements, detected properties, and findings, each with a remedy.
 
     Raises
     ------
@@ -63,7 +63,7 @@ def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: 
     decoded = decode_image(image, options)
     normal_map = decoded.normal_map
     foreground = _foreground(normal_map, mask)
-    # the repaired rim is counted apart: its short vectors are no fault of the surface
+    # without the repaired rim, whose short vectors are not a fault of the surface
     core = ndimage.binary_erosion(foreground, np.ones((3, 3)), iterations=2, border_value=1)
     core = core if core.any() else foreground
     error = np.abs(np.linalg.norm(decoded.stored[core].astype(np.float64), axis=1) - 1)
@@ -121,7 +121,7 @@ def _neutral_bias_px(image: RasterImage, channels: Channels) -> float | None:
 
 
 def _is_premultiplied(image: RasterImage, channels: Channels) -> bool:
-    """Whether colours were multiplied by alpha: dividing by it gives the unit vectors back."""
+    """Whether colours were multiplied by alpha, so that dividing by alpha restores unit vectors."""
     alpha = image.alpha
     if alpha is None or alpha_is_data(image) or channels.coding.signed or channels.components != "xyz":
         return False
@@ -142,6 +142,6 @@ def _is_eight_bit_data(image: RasterImage) -> bool:
 
 
 def _findings(facts: Inspection) -> list[Finding]:
-    """Every finding that the measurements give."""
+    """All findings that follow from the measurements."""
     told = ((code, rule(facts)) for code, rule in RULES.items())
     return [Finding(code, *words) for code, words in told if words is not None]

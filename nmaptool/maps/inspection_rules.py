@@ -1,4 +1,4 @@
-"""What counts as a finding in a normal map: one rule each, from the measurements to a message and its remedy."""
+"""The findings about normal maps: each rule turns the measurements into a message and its remedy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Rule = Callable[["Inspection"], Told]
 
 
 def _when(holds: Callable[[Inspection], bool], message: str, remedy: str) -> Rule:
-    """A rule that always says the same."""
+    """A rule with a fixed message."""
     return lambda f: (message, remedy) if holds(f) else None
 
 
@@ -25,7 +25,7 @@ def _no_foreground(f: Inspection) -> Told:
         return None
     return (
         f"every pixel is background ({f.decoding.background})",
-        "if it is a surface, say `background_color='none'`",
+        "if it is a surface, use `background_color='none'`",
     )
 
 
@@ -43,7 +43,7 @@ def _off_length(f: Inspection) -> Told:
         return None
     return (
         f"{f.off_length_share:.1%} of the vectors are more than 10 % off unit length",
-        "they are normalised on reading; resizing, blurring or blending as colours in an image editor makes them",
+        "they are normalised on reading; resizing, blurring or blending as colours in an image editor causes them",
     )
 
 
@@ -52,7 +52,7 @@ def _facing_away(f: Inspection) -> Told:
         return None
     return (
         f"{f.away_share:.1%} of the foreground faces away from the viewer (nz <= 0)",
-        "such pixels are brought to the slope cap; export the map from the camera that sees the model",
+        "their slopes are reduced to the slope cap; render the map again from the camera that sees the model",
     )
 
 
@@ -60,7 +60,7 @@ def _turned(f: Inspection) -> Told:
     if f.better_swizzle is None:
         return None
     return (
-        "its channels look turned or mirrored: another order has far less curl",
+        "its channels look rotated or mirrored: another order has far less curl",
         f"read it with `swizzle={f.better_swizzle!r}`",
     )
 
@@ -69,8 +69,8 @@ def _inverted(f: Inspection) -> Told:
     if f.better_swizzle is not None or not is_inverted(f.outline_sign):
         return None
     return (
-        "looks inverted: along the outline the normals point inwards, so that bumps become dents",
-        f"for an engraving say `delta=-30`; for a raised motif read it with `swizzle={upright_swizzle(f.decoding)!r}`",
+        "looks inverted: the normals along the outline point inwards, which turns bumps into dents",
+        f"for an engraving use `delta=-30`; for a raised motif read it with `swizzle={upright_swizzle(f.decoding)!r}`",
     )
 
 
@@ -81,7 +81,7 @@ def _green_down(f: Inspection) -> Told:
     ratio = 1 / d.curl_ratio if d.curl_ratio else float("inf")
     return (
         f"green points down (DirectX): green up would have {ratio:.1f} times the curl",
-        "it is read as such; say `green='up'` or `green='down'` to settle it",
+        "it is read with green down; to be certain, set `green='up'` or `green='down'`",
     )
 
 
@@ -93,7 +93,7 @@ def _green_wrong(f: Inspection) -> Told:
     if not against:
         return None
     other = "down" if d.green == "up" else "up"
-    return (f"green was said to point {d.green}, but {other} has far less curl", f"try `green={other!r}`")
+    return (f"green is given as {d.green}, but {other} has far less curl", f"try `green={other!r}`")
 
 
 def _two_components(f: Inspection) -> Told:
@@ -102,7 +102,7 @@ def _two_components(f: Inspection) -> Told:
     what = "its blue is constant and cannot be z" if "B" in f.channels else "it has no blue"
     return (
         f"holds x and y only: {what}",
-        "z is made from them on reading; nmap compose convert writes all three for programs that do not",
+        "z is computed on reading; nmap compose convert writes all three components for programs that need them",
     )
 
 
@@ -111,7 +111,7 @@ def _truncated_codes(f: Inspection) -> Told:
         return None
     return (
         f"its codes were truncated, not rounded; with zero in the middle it tilts by {abs(f.neutral_bias_px):.1f} px",
-        "zero is taken at 127 on reading; export again with rounding, best in 16 bits",
+        "code 127 is read as zero; export the map again with rounding, preferably in 16 bits",
     )
 
 
@@ -119,7 +119,7 @@ def _color_managed(f: Inspection) -> Told:
     if not f.color_chunks:
         return None
     return (
-        f"carries colour-management data ({', '.join(f.color_chunks)}), as if it were a photograph",
+        f"contains colour-management data ({', '.join(f.color_chunks)}), as if it were a photograph",
         "it is ignored here, but editors may convert the values: export without a profile, as raw or non-colour data",
     )
 
@@ -127,15 +127,15 @@ def _color_managed(f: Inspection) -> Told:
 def _alpha_ignored(f: Inspection) -> Told:
     for warning in f.decoding.warnings:
         if warning.startswith("alpha"):
-            return (warning, "if it is coverage, say `background_color='alpha'`")
+            return (warning, "if it is coverage, use `background_color='alpha'`")
     return None
 
 
 def _background_missing(f: Inspection) -> Told:
     for warning in f.decoding.warnings:
         if warning.startswith("no background"):
-            return (warning, "leave `background_color` to itself, or name what is there")
-        if "if that is background" in warning:
+            return (warning, "leave `background_color` out, or give the colour of the background")
+        if "if that is the background" in warning:
             return (warning.partition(";")[0], warning.partition("; ")[2])
     return None
 

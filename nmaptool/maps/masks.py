@@ -1,4 +1,4 @@
-"""What part of a map its motif covers."""
+"""The coverage of a map's motif."""
 
 from __future__ import annotations
 

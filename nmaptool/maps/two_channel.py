@@ -1,4 +1,4 @@
-"""Maps of two numbers a pixel, x and y or octahedral codes, and the vectors made from them."""
+"""Maps with two values per pixel, x and y or octahedral codes, and the vectors computed from them."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.types.picture import RasterImage
+from nmaptool.types.shown import counted
 
-# no normal has x and y longer than this together; white and black backgrounds do
+# (x, y) longer than this is not a normal but a white or black background
 _LONGEST_XY = 1.1
-# octahedral codes beyond this in both numbers face straight away from the viewer: white and black backgrounds again
+# octahedral codes with both values beyond this face straight away from the viewer: white or black backgrounds again
 _CORNER = 0.9
-# a pixel is grey, not flat, where all three numbers are within so many 8-bit steps of the middle
+# a pixel is grey, not flat, if all three values are within this many 8-bit steps of the middle
 _GREY_STEPS = 8.0
-# blue is not z where more than this share of the vectors are not of unit length
+# blue is not z if more than this share of the vectors is not of unit length
 _BLUE_OFF_SHARE = 0.02
 _SAMPLE = 4096
 
 
 def derive_z(xy: NDArray[Any]) -> Float32:
-    """Vectors of which x and y are known: z = sqrt(max(0, 1 - x^2 - y^2)), towards the viewer.
+    """Compute vectors from x and y: z = sqrt(max(0, 1 - x^2 - y^2)), towards the viewer.
 
     Parameters
     ----------
@@ -33,7 +34,7 @@ def derive_z(xy: NDArray[Any]) -> Float32:
     Returns
     -------
     (..., 3) float32
-        Unit vectors; where x and y alone are longer than 1, z is 0 and the vector as long as they are.
+        Unit vectors; where (x, y) is longer than 1, z is 0 and the vector keeps that length.
 
     Examples
     --------
@@ -45,7 +46,7 @@ def derive_z(xy: NDArray[Any]) -> Float32:
 
 
 def unfold_octahedral(codes: NDArray[Any]) -> Float32:
-    """Vectors of octahedral codes: the square [-1, 1]^2 folded into an octahedron, and that blown up to the sphere.
+    """Decode octahedral codes: fold the square [-1, 1]^2 into an octahedron and project that onto the sphere.
 
     The middle of the square is +z, the diamond |u| + |v| = 1 is z = 0, the corners are -z (Meyer et al. 2010; ``oct``
     of Cigolle et al. 2014).
@@ -53,12 +54,12 @@ def unfold_octahedral(codes: NDArray[Any]) -> Float32:
     Parameters
     ----------
     codes : (..., 2) float
-        In [-1, 1]; others are brought to the edge of the square.
+        In [-1, 1]; others are clipped to the edge of the square.
 
     Returns
     -------
     (..., 3) float32
-        Unit vectors; those of codes outside the square are as long as the codes are far out.
+        Unit vectors; a code outside the square gives a vector whose length is the larger absolute value of the code.
 
     Examples
     --------
@@ -77,18 +78,18 @@ def unfold_octahedral(codes: NDArray[Any]) -> Float32:
 
 
 def completed(codes: NDArray[Any], components: str) -> Float32:
-    """(..., 3) float32 vectors of two codes in [-1, 1], by `derive_z` ("xy") or `unfold_octahedral`."""
+    """Convert two codes in [-1, 1] to (..., 3) float32 vectors, with `derive_z` ("xy") or `unfold_octahedral`."""
     return unfold_octahedral(codes) if components == "octahedral" else derive_z(codes)
 
 
 def find_components(image: RasterImage, wanted: str, order: tuple[int, ...]) -> tuple[str, str]:
-    """What a picture holds, "xyz", "xy" or "octahedral", and what tells so.
+    """The components that a picture holds, "xyz", "xy" or "octahedral", and the source of this.
 
     Parameters
     ----------
     image : RasterImage
     wanted : str
-        "auto", or what it is said to be.
+        "auto", or the components that were given.
     order : tuple of int
         Which of the channels R, G, B feeds x, y and z.
 
@@ -100,7 +101,7 @@ def find_components(image: RasterImage, wanted: str, order: tuple[int, ...]) -> 
         return wanted, "given"
     if {"R", "G"} <= set(image.channels) and "B" not in image.channels:
         return "xy", "found"
-    if image.attributes.get("kind") == "normal":  # our own files hold all three
+    if image.attributes.get("kind") == "normal":  # nmaptool's own files hold all three
         return "xyz", "file"
     if {"R", "G", "B"} <= set(image.channels) and _blue_is_not_z(image, order):
         return "xy", "found"
@@ -111,7 +112,7 @@ def _blue_is_not_z(image: RasterImage, order: tuple[int, ...]) -> bool:
     """Whether blue is constant and cannot be z, while red and green vary."""
     at = [image.channels.index("RGB"[channel]) for channel in order]
     flat = image.pixels.reshape(-1, len(image.channels))
-    for step in (max(1, len(flat) // _SAMPLE), 1):  # most maps are told by a few pixels
+    for step in (max(1, len(flat) // _SAMPLE), 1):  # a few pixels decide for most maps
         codes = flat[::step]
         if "A" in image.channels:
             codes = codes[codes[:, image.channels.index("A")] > 0]
@@ -132,15 +133,15 @@ def _blue_is_not_z(image: RasterImage, order: tuple[int, ...]) -> bool:
 
 
 def is_unsigned_pair(codes: NDArray[Any]) -> bool:
-    """Whether two floats a pixel hold (n + 1)/2.
+    """Whether two floats per pixel hold (n + 1)/2.
 
-    None is negative, and 2v - 1 is less often too long for x and y than v, or as often and nearer to flat.
+    True if none is negative, and 2v - 1 is too long for x and y less often than v, or as often but closer to flat.
     """
     pairs = codes.reshape(-1, 2)
     pairs = pairs[np.isfinite(pairs).all(axis=1)].astype(np.float64)
     if not len(pairs) or pairs.min() < -1e-3:
         return False
-    telling = pairs[np.ptp(pairs, axis=1) > 1e-3]  # white, grey and black backgrounds say nothing
+    telling = pairs[np.ptp(pairs, axis=1) > 1e-3]  # white, grey and black backgrounds prove nothing
     telling = telling if len(telling) else pairs
     sample = telling[:: max(1, len(telling) // 100_000)]
     signed, unsigned = np.linalg.norm(sample, axis=1), np.linalg.norm(2 * sample - 1, axis=1)
@@ -151,16 +152,17 @@ def is_unsigned_pair(codes: NDArray[Any]) -> bool:
 
 
 def pair_of_channels(image: RasterImage, order: tuple[int, ...]) -> NDArray[Any]:
-    """(H, W, 2) the two channels that feed x and y, as stored.
+    """(H, W, 2): the two channels that feed x and y, as stored.
 
-    Of a picture with red, green and blue those that ``order`` says; of one with two channels both, grey and alpha too.
+    For a picture with red, green and blue, those given by ``order``; for one with two channels, both, even grey and
+    alpha.
 
     Raises
     ------
     InputError
-        If it has one channel only, or too many to know.
+        If it has only one channel, or too many to choose from.
     UsageError
-        If ``order`` wants a blue that is not there.
+        If ``order`` uses a blue that is missing.
     """
     names = image.channels
     if {"R", "G", "B"} <= set(names):
@@ -170,8 +172,8 @@ def pair_of_channels(image: RasterImage, order: tuple[int, ...]) -> NDArray[Any]
         both = [0, 1]
     if len(both) != 2:
         raise InputError(
-            f"{image.name}: has {len(names)} channel(s) ({', '.join(names)}); two numbers a pixel need two channels, "
-            "or red and green of three"
+            f"{image.name}: has {counted(len(names), 'channel')} ({', '.join(names)}); a two-component map needs "
+            "two channels, or the red and green of three"
         )
     if 2 in order[:2]:
         raise UsageError(f"{image.name}: has no blue; take x and y from r and g, such as `swizzle='-g,r,b'`")
@@ -179,10 +181,10 @@ def pair_of_channels(image: RasterImage, order: tuple[int, ...]) -> NDArray[Any]
 
 
 def as_three_channels(image: RasterImage, components: str, order: tuple[int, ...], encoding: str) -> RasterImage:
-    """The picture with the blue channel that a map of all three components would have, so that it is read like one.
+    """Return the picture with the blue channel of a three-component map, so that it can be read like one.
 
-    Where the two codes belong to no normal, blue is their mean, so that a white background stays white and a black one
-    black. A grey background stays grey where the picture's own blue varies and is grey there, too.
+    Where the two codes are not those of a normal, blue is their mean, so that a white background stays white and a
+    black one black. A grey background stays grey if the picture's own blue varies and is grey there too.
 
     Parameters
     ----------
@@ -192,18 +194,18 @@ def as_three_channels(image: RasterImage, components: str, order: tuple[int, ...
     order : tuple of int
         Which of the channels R, G, B feeds x, y and z.
     encoding : str
-        "signed" or "unsigned": of floats.
+        "signed" or "unsigned", for floats.
 
     Returns
     -------
     RasterImage
-        Channels R, G, B, and A where alpha is not one of the two.
+        Channels R, G, B, and A unless alpha is one of the two.
     """
     pair = pair_of_channels(image, order)
     signed = image.is_float and encoding == "signed"
     codes = pair.astype(np.float64) / image.max_code
     codes = codes if signed else codes * 2 - 1
-    with np.errstate(invalid="ignore", over="ignore"):  # NaN is refused later, where it matters
+    with np.errstate(invalid="ignore", over="ignore"):  # NaN is refused later, if it matters
         blue = completed(codes, components)[..., 2].astype(np.float64)
         if components == "octahedral":
             nothing = (codes > _CORNER).all(axis=-1) | (codes < -_CORNER).all(axis=-1)
@@ -224,7 +226,7 @@ def as_three_channels(image: RasterImage, components: str, order: tuple[int, ...
 
 
 def _keep_grey(image: RasterImage, order: tuple[int, ...], three: NDArray[Any], signed: bool) -> None:
-    """Put the stored blue back where the picture is grey, unless it is grey for want of a blue that varies."""
+    """Restore the stored blue where the picture is grey, but only if that blue varies."""
     if not {"R", "G", "B"} <= set(image.channels):
         return
     blue = image.pixels[..., image.channels.index("RGB"[order[2]])]

@@ -1,4 +1,4 @@
-"""The code that stands for zero: what each choice means, and which one a file's flat pixels tell."""
+"""The code that means zero: its choices, and how to detect it from a file's flat pixels."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Mask
 
 ZERO_CODES = ("127", "127.5", "128")
-# A flat code is taken for the file's own zero only where it stands out as a spike: fields that merely pass through
-# flat hold its three neighbours about as often.
+# A flat code counts as the file's own zero only if it stands out as a spike: surfaces that merely pass through flat
+# hold its three neighbours about as often.
 _SPIKE = 4
 _SPIKE_PIXELS = 64
 
 
 def zero_and_scale(zero_code: str, max_code: int) -> tuple[float, float]:
-    """Code that means 0 and codes per unit, so that n = (v - zero) / scale.
+    """The code that means 0, and the codes per unit: n = (v - zero) / scale.
 
     Parameters
     ----------
@@ -40,13 +40,13 @@ def zero_and_scale(zero_code: str, max_code: int) -> tuple[float, float]:
 
 
 def flat_codes(max_code: int) -> dict[str, tuple[int, int, int]]:
-    """Codes that writers store for the flat normal, by the zero code they imply."""
+    """Codes that programs write for the flat normal, by the zero code that they imply."""
     middle = (max_code + 1) // 2
     return {"128": (middle, middle, max_code), "127": (middle - 1, middle - 1, max_code)}
 
 
 def detect_zero_code(rgb: NDArray[Any]) -> str | None:
-    """Zero code told by the exact flat code, or None where no flat code stands out.
+    """Detect the zero code from the exact flat code; None if no flat code stands out.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def detect_zero_code(rgb: NDArray[Any]) -> str | None:
     """
     max_code = int(np.iinfo(rgb.dtype).max)
     middle = (max_code + 1) // 2
-    # a truncating writer stores 254 or 255 for nz = 1
+    # a program that truncates writes 254 or 255 for nz = 1
     candidates = rgb[rgb[..., 2] >= max_code - 1][:, :2]
     near = candidates[((candidates == middle) | (candidates == middle - 1)).all(axis=1)]
     counts = np.bincount((near[:, 0] == middle) * 2 + (near[:, 1] == middle), minlength=4)
@@ -70,6 +70,6 @@ def detect_zero_code(rgb: NDArray[Any]) -> str | None:
 
 
 def has_color(pixels: NDArray[Any], color: tuple[int, int, int]) -> Mask:
-    """(...) bool: where (..., 3 or more) integer codes are exactly one colour."""
+    """(...) bool: where (..., 3 or more) integer codes are exactly ``color``."""
     x, y, z = (pixels[..., channel] == code for channel, code in enumerate(color))
     return np.asarray(x & y & z)

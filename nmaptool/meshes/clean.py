@@ -1,4 +1,4 @@
-"""A mesh as files hold it made fit for filtering and drawing, with an account of what was dropped."""
+"""Clean a mesh for filtering and rendering, and count what was changed."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ from nmaptool.core.errors import InputError
 from nmaptool.meshes.winding import duplicate_faces, faces_to_flip, is_consistently_wound
 from nmaptool.types.mesh import Faces, Mesh, cross, face_geometry
 from nmaptool.types.mesh_findings import MeshFindings
+from nmaptool.types.shown import counted
 
-# a face is degenerate where its height over its longest edge is below this share of that edge: its normal is noise
+# a face is degenerate if its height over its longest edge is below this share of that edge: its normal is noise
 _THINNEST = 1e-10
-# the squares of areas must be numbers too
+# limits of the extent: squares of areas must not overflow or underflow
 _SMALLEST, _LARGEST = 1e-30, 1e30
 _FACES_AT_ONCE = 100_000
 
 
 def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
-    """Drop unusable faces and vertices, and weld vertices that lie at the same position.
+    """Drop unusable faces and vertices, weld vertices at the same position, and wind neighbouring faces alike.
 
     Parameters
     ----------
     mesh : Mesh
-        It is not changed.
+        Not changed.
 
     Returns
     -------
@@ -32,9 +33,9 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
         Every vertex is finite and used, no two share a position; every face has an area and occurs once; neighbouring
         faces are wound the same way.
     source_faces : (M,) int64
-        Index in the given mesh of each face.
+        Index of each face in the given mesh.
     findings : MeshFindings
-        Counts of what was dropped, welded and turned.
+        Counts of what was dropped, welded and flipped.
 
     Raises
     ------
@@ -43,7 +44,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
 
     Examples
     --------
-    Vertices 1 and 3 lie at one position, so the second face has no area:
+    Vertices 1 and 3 are at the same position, so the second face has no area:
 
     >>> vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0]]
     >>> mesh, source_faces, findings = nm.clean_mesh(nm.Mesh.from_arrays(vertices, [[0, 1, 2], [0, 3, 1]]))
@@ -51,7 +52,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     ([[0, 1, 2]], [0], 1, 1)
     """
     if not len(mesh.faces):
-        raise InputError(f"{mesh.name}: holds {len(mesh.vertices)} points and no faces; a surface is needed")
+        raise InputError(f"{mesh.name}: holds {counted(len(mesh.vertices), 'point')} and no faces; a surface is needed")
     finite: Mask = _all_three(np.isfinite(mesh.vertices))
     sound: Mask = _all_three(finite.take(mesh.faces))
     if not sound.any():
@@ -59,13 +60,13 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     used = np.zeros(len(mesh.vertices), bool)
     used[mesh.faces[sound]] = True
     chosen = np.flatnonzero(used)
-    positions = mesh.vertices.take(chosen, axis=0) + 0.0  # -0 and 0 are one place
+    positions = mesh.vertices.take(chosen, axis=0) + 0.0  # turns -0 into 0, the same position
     with np.errstate(over="ignore"):
         extent = float(np.ptp(positions, axis=0).max())
     if not extent > 0:
-        raise InputError(f"{mesh.name}: all vertices lie in one point; a surface is needed")
+        raise InputError(f"{mesh.name}: all vertices are at one point; a surface is needed")
     if not _SMALLEST <= extent <= _LARGEST:
-        raise InputError(f"{mesh.name}: is {extent:.3g} units large; scale it to a size that can be made")
+        raise InputError(f"{mesh.name}: is {extent:.3g} units large; scale it to a realistic size")
     first, place = _weld(positions)
     index = np.zeros(len(mesh.vertices), np.int32)
     index[chosen] = place
@@ -73,7 +74,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
     vertices = positions.take(first, axis=0)
     solid = sound & _has_area(vertices, faces, sound)
     if not solid.any():
-        raise InputError(f"{mesh.name}: none of its {len(mesh.faces)} faces has an area; export it again")
+        raise InputError(f"{mesh.name}: no face has an area (faces: {len(mesh.faces)}); export it again")
     source = np.flatnonzero(solid)
     alike, once, turned = _consistently_wound(vertices, faces.take(source, axis=0))
     welded = Mesh(vertices, alike, mesh.mm_per_unit, mesh.unit_from, mesh.name)
@@ -92,7 +93,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
 
 
 def _consistently_wound(vertices: NDArray[np.float64], faces: Faces) -> tuple[Faces, Mask, int]:
-    """Faces each once and wound like their neighbours; which of the given ones they are; how many were turned."""
+    """Drop repeated faces and wind all alike; return the faces, a mask of those kept, and the number flipped."""
     once = np.ones(len(faces), bool)
     if is_consistently_wound(faces):
         return faces, once, 0
@@ -114,7 +115,7 @@ def _named(mesh: Mesh) -> Mask:
 
 
 def _weld(positions: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    """The first vertex at each position, and which of them each vertex is; the order of the file is kept."""
+    """The first vertex at each position, and the index among these of every vertex; the order of the file is kept."""
     order, starts = _grouped(positions)
     if starts.all():
         return np.arange(len(positions)), np.arange(len(positions), dtype=np.int32)
@@ -128,7 +129,7 @@ def _weld(positions: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np
 
 
 def _grouped(positions: NDArray[np.float64]) -> tuple[NDArray[np.int64], Mask]:
-    """An order in which equal positions follow each other, and where in it each group begins."""
+    """An order in which equal positions are neighbours, and where each group begins in it."""
     key = _hashes(positions)
     order = np.argsort(key)
     key = key[order]
@@ -136,17 +137,17 @@ def _grouped(positions: NDArray[np.float64]) -> tuple[NDArray[np.int64], Mask]:
     again = np.flatnonzero(~starts)
     if np.array_equal(positions.take(order[again], axis=0), positions.take(order[again - 1], axis=0)):
         return order, starts
-    order = np.lexsort(positions.T)  # two positions have the same hash
+    order = np.lexsort(positions.T)  # different positions share a hash
     ordered = positions.take(order, axis=0)
     return order, np.r_[True, (ordered[1:] != ordered[:-1]).any(axis=1)]
 
 
 def _hashes(positions: NDArray[np.float64]) -> NDArray[np.uint64]:
-    """(N,) uint64: sorted several times quicker than three coordinates."""
+    """(N,) uint64 hashes of positions, which sort several times faster than three coordinates."""
     out = np.zeros(len(positions), np.uint64)
     for column in np.ascontiguousarray(positions.T).view(np.uint64):
         out += column
-        # bits are spread both ways: coordinates of a grid differ in a few high ones only
+        # spread the bits both ways: coordinates on a grid differ only in a few high bits
         out ^= out >> np.uint64(32)
         out *= np.uint64(0xD6E8FEB86659FD93)
         out ^= out >> np.uint64(29)
@@ -175,7 +176,7 @@ def _squares(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _without_unused(mesh: Mesh) -> Mesh:
-    """Vertices that only degenerate faces used are dropped."""
+    """Drop vertices that only degenerate faces used."""
     used = np.zeros(len(mesh.vertices), bool)
     used[mesh.faces] = True
     if used.all():

@@ -1,4 +1,4 @@
-"""How far one surface is from another: exact distances from points to triangles, and the Hausdorff distance."""
+"""Exact distances from points to triangles, and the Hausdorff distance between surfaces."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ _PAIRS_AT_ONCE = 500_000
 
 
 def hausdorff(points: Float64, mesh: Mesh) -> tuple[float, int]:
-    """The largest distance of any of the points from a surface, exactly, and which point has it.
+    """The largest distance of any of the points from a surface, exactly, and the index of that point.
 
-    No point is farther than the vertex of the surface nearest to it. Points are taken in the order of that bound, until
-    it is below what was found: of a smoothed mesh a few hundred.
+    The distance to the nearest vertex of the surface is an upper bound for each point. Points are tested in descending
+    order of that bound until it is below the distance found, which for a smoothed mesh takes a few hundred points.
 
     Parameters
     ----------
     points : (K, 3) float64
     mesh : Mesh
-        Of at least one face.
+        With at least one face.
 
     Returns
     -------
     distance, place
-        In units of the mesh; the number of the point.
+        Distance in units of the mesh; index of the point.
     """
     from scipy.spatial import cKDTree
 
@@ -47,7 +47,7 @@ def hausdorff(points: Float64, mesh: Mesh) -> tuple[float, int]:
 
 
 class _Triangles:
-    """Triangles sorted by size, each size in a tree of its own, so that a few large ones do not make all near."""
+    """Triangles grouped by size, with a tree for each group, so that a few large ones do not enlarge all searches."""
 
     def __init__(self, corners: Float64) -> None:
         from scipy.spatial import cKDTree
@@ -62,7 +62,7 @@ class _Triangles:
             self._classes.append((members, float(reach[members].max()), cKDTree(centers[members])))
 
     def distances(self, points: Float64, bound: Float64) -> Float64:
-        """(K,) float64: from points to the nearest triangle, none farther than its bound."""
+        """(K,) float64: distance of each point from the nearest triangle, at most its bound."""
         best = bound.copy()
         slack = bound * (1 + 1e-9)
         for members, reach, tree in self._classes:
@@ -76,7 +76,7 @@ class _Triangles:
 
 
 def to_triangles(points: Float64, corners: Float64) -> Float64:
-    """(K,) float64: from each point (K, 3) to its triangle (K, 3, 3), exactly.
+    """(K,) float64: exact distance of each point (K, 3) from its triangle (K, 3, 3).
 
     Either the foot of the perpendicular lies inside, or the nearest point lies on an edge.
     """

@@ -1,4 +1,4 @@
-"""Faces wound alike: neighbours agree on which side is out, so that their normals can be averaged."""
+"""Wind faces consistently: neighbours agree on which side is outside, so their normals can be averaged."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from nmaptool.types.mesh import Faces, directed_edges, edge_keys
 
 
 def is_consistently_wound(faces: Faces) -> bool:
-    """Whether no two faces run along an edge in the same direction; faces that lie twice do."""
+    """Whether no two faces run along an edge in the same direction, as repeated faces do."""
     first, second = directed_edges(faces)
     keys = first << 32 | second
     keys.sort()
@@ -18,24 +18,24 @@ def is_consistently_wound(faces: Faces) -> bool:
 
 
 def duplicate_faces(faces: Faces) -> Mask:
-    """(M,) bool: faces with the same three vertices, in whatever order, as one before them."""
+    """(M,) bool: faces with the same three vertices, in any order, as an earlier face."""
     corners = np.sort(faces, axis=1)
     order = np.lexsort(corners.T)
     same = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
     out = np.zeros(len(faces), bool)
-    out[order[1:][same]] = True  # the sort is stable: the first of each group stays
+    out[order[1:][same]] = True  # the sort is stable: the first of each group is kept
     return out
 
 
 def faces_to_flip(faces: Faces, areas: Float64) -> Mask:
-    """Which faces to turn over, so that all that hang together over edges of two faces are wound alike.
+    """The faces to flip so that all faces connected by edges of exactly two faces are wound alike.
 
     Parameters
     ----------
     faces : (M, 3) int32
     areas : (M,) float64
-        In each piece the larger part stays as it is. Nothing is turned in a piece with one side only, such as a
-        Moebius strip.
+        In each connected piece, the part with the larger area is kept. Nothing is flipped in a one-sided piece, such as
+        a Moebius strip.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def faces_to_flip(faces: Faces, areas: Float64) -> Mask:
 
     count = len(faces)
     one, other, agree = _pairs(faces)
-    # each face is there twice, as it is (f) and turned (f + count); what agrees is joined
+    # each face has two nodes, as given (f) and flipped (f + count); nodes that agree are connected
     turned = np.where(agree, 0, count)
     rows, cols = np.concatenate([one, one + count]), np.concatenate([other + turned, other + count - turned])
     graph = sparse.coo_array((np.ones(len(rows), bool), (rows, cols)), shape=(2 * count, 2 * count))
@@ -57,7 +57,7 @@ def faces_to_flip(faces: Faces, areas: Float64) -> Mask:
 
 
 def _pairs(faces: Faces) -> tuple[NDArray[np.int64], NDArray[np.int64], Mask]:
-    """Faces that share an edge with no third, and whether they run along it in opposite directions."""
+    """Pairs of faces that share an edge with no third face, and whether they run along it in opposite directions."""
     first, second = directed_edges(faces)
     keys = edge_keys(first, second)
     order = np.argsort(keys, kind="stable")

@@ -59,9 +59,10 @@ class BakeOptions(Options, group="Camera"):
         Camera position: "front", "back", "left", "right", "top", "bottom" or "iso". Give several, such as "front,left",
         to get one set of maps for each.
     azimuth:
-        Azimuth of the camera in degrees, counter-clockwise around the mesh seen from above. Replaces that of --view.
+        Azimuth of the camera in degrees, counter-clockwise around the mesh seen from above. Overrides the azimuth of
+        --view.
     elevation:
-        Elevation of the camera in degrees; 90 looks straight down. Replaces that of --view.
+        Elevation of the camera in degrees; 90 looks straight down. Overrides the elevation of --view.
     roll:
         Rotate the picture counter-clockwise by this many degrees.
     up:
@@ -89,7 +90,7 @@ class BakeOptions(Options, group="Camera"):
         "auto" tries OpenGL through EGL, then OSMesa, then a window; "egl", "osmesa" or "window" uses only that one.
         "numpy" renders without OpenGL and is slower.
     geometry:
-        "original" renders the mesh as it is. "updated" renders the mesh rebuilt to match its base normals, which moves
+        "original" renders the mesh unchanged. "updated" renders the mesh rebuilt to match its base normals, which moves
         its silhouette (Fig. 10 of the paper). The camera is the same for both.
     detail_encoding:
         What the detail map stores: "rotation" (blend it back with mode rnm), "slope" (with mode pd), or "difference".
@@ -137,24 +138,24 @@ class BakeOptions(Options, group="Camera"):
     def _check_directions(self) -> None:
         if len(set(self.directions)) < len(self.views):
             raise UsageError(
-                f"`view={self.view!r}`: `azimuth` and `elevation` take the place of a view's own angles, and two of "
-                "these views become the same; give one view"
+                f"`view={self.view!r}`: `azimuth` and `elevation` override the angles of the views, which makes two of "
+                "them the same; give one view"
             )
 
     def _check_lengths(self) -> None:
         if self.margin.is_absolute:
             raise UsageError(f"`margin='{self.margin}'`: give it in px or %, such as 4%")
         if self.width is not None and self.pitch is not None:
-            raise UsageError("`width` and `pitch` both say how large a pixel is; give one of them")
+            raise UsageError("`width` and `pitch` both set the size of a pixel; give one of them")
 
     def _check_size(self) -> None:
-        # a sample costs a tenth of a pixel's layers
+        # a sample takes a tenth of the memory of a pixel's layers
         pixels = self.rows * self.cols * max(len(self.views), self.supersample**2 / 10) / 1e6
         if pixels > self.max_megapixels:
             raise LimitError(
-                f"`size={self.size!r}`: comes to {pixels:.3g} megapixels of layers ({len(self.views)} of the views, "
-                f"{self.supersample} samples across a pixel), more than the limit of {self.max_megapixels:g}; make it "
-                "smaller or raise `max_megapixels`"
+                f"`size={self.size!r}`: needs {pixels:.3g} megapixels of layers (views: {len(self.views)}, samples "
+                f"across a pixel: {self.supersample}), more than the limit of {self.max_megapixels:g}; make it smaller "
+                "or raise `max_megapixels`"
             )
 
     @property
@@ -180,7 +181,7 @@ class BakeOptions(Options, group="Camera"):
 
     @property
     def target_point(self) -> tuple[float, float, float]:
-        """``target`` as numbers; the origin if there is none."""
+        """``target`` as numbers; the origin if it is not given."""
         if self.target is None:
             return (0.0, 0.0, 0.0)
         try:

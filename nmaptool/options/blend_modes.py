@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Literal, cast
 
-# (base, detail, result, two arrays to work in), each of the first three a triple of component arrays
+# (base, detail, result, two work arrays); each of the first three is a triple of component arrays
 Kernel = Callable[[Any, Any, Any, Any], None]
 _KERNELS = "nmaptool.composition.blend_kernels"
 
@@ -27,7 +27,7 @@ class BlendMode:
         What the mode does, as the predicate of a sentence whose subject is its name.
     kernel : callable or str
         Writes the blended components, not normalised, into its third argument and does not change the first two:
-        (base, detail, result, two arrays to work in). A name is that of a function in
+        (base, detail, result, two work arrays). A string names a function in
         `nmaptool.composition.blend_kernels`, which is loaded on first use.
     fades : str
         Effect of strength: ``detail`` scales the detail's slopes; ``sum`` weights the detail in the sum; ``result``
@@ -66,10 +66,10 @@ BLEND_MODES: dict[str, BlendMode] = {
 
 
 def blend_meanings() -> dict[str, str]:
-    """What each mode means, including those added at run time."""
+    """The meaning of each mode, including those added at run time."""
     return {name: mode.meaning for name, mode in BLEND_MODES.items()}
 
 
 def layer_meanings() -> dict[str, str]:
-    """What each mode of a layer means: ``over`` and the blend modes."""
+    """The meaning of each mode of a layer: ``over`` and the blend modes."""
     return {"over": "covers what is below", **blend_meanings()}

@@ -38,6 +38,4 @@ class CompareOptions(Options, group="Camera"):
         super().__post_init__()
         cols, rows = parse_size("size", self.size)
         if cols * rows > _MOST_PIXELS:
-            raise LimitError(
-                f"`size={self.size!r}`: more than the {_MOST_PIXELS} pixels a figure may have; make it smaller"
-            )
+            raise LimitError(f"`size={self.size!r}`: has more than {_MOST_PIXELS} pixels; make it smaller")

@@ -19,7 +19,7 @@ Anchor = Literal[
 Clip = Literal["auto", "yes", "no"]
 Ground = Literal["clear", "flat"]
 
-# share of the width and height at which each anchor lies
+# position of each anchor, as shares of the width and height
 ANCHORS = {
     "center": (0.5, 0.5),
     "top-left": (0.0, 0.0),
@@ -35,7 +35,7 @@ LAYER_MODE = Choice("over", layer_meanings)
 
 
 @dataclass(frozen=True)
-class BlendOptions(Options, group="Composing"):
+class BlendOptions(Options, group="Blending"):
     """How a detail map is blended with a base map.
 
     Parameters
@@ -43,7 +43,7 @@ class BlendOptions(Options, group="Composing"):
     mode:
         How to combine the normals:
     strength:
-        How strongly to apply the detail: 0 not at all, 1 as it is, 2 twice as steep.
+        How strongly to apply the detail: 0 not at all, 1 unchanged, 2 twice as steep.
     fit:
         Stretch a detail map of another size to the size of the base.
     """
@@ -54,7 +54,7 @@ class BlendOptions(Options, group="Composing"):
 
 
 @dataclass(frozen=True)
-class LayerOptions(Options, group="Composing"):
+class LayerOptions(Options, group="Layers"):
     """Where a layer is placed and how it is blended with what is below it.
 
     Parameters
@@ -66,8 +66,8 @@ class LayerOptions(Options, group="Composing"):
     strength:
         How strongly to apply the layer: 0 to 1 for "over"; for other modes as in nmap compose blend.
     at:
-        Position of the layer's anchor: across,down from the top left corner of the canvas, such as 30%,12mm. % are of
-        the canvas's width and height. Default: the same point of the canvas.
+        Position of the layer's anchor: across,down from the top left corner of the canvas, such as 30%,12mm. % refer
+        to the canvas's width and height. Default: the same point of the canvas.
     anchor:
         Point of the layer that goes to --at, and about which it is scaled and rotated: "center", "top-left", "top",
         "top-right", "left", "right", "bottom-left", "bottom" or "bottom-right".
@@ -80,8 +80,8 @@ class LayerOptions(Options, group="Composing"):
     flip_v:
         Mirror top to bottom.
     feather:
-        Width of the soft edge, such as 6px, measured inwards from the layer's silhouette. % are of the longer side of
-        the placed picture.
+        Width of the soft edge, such as 6px, measured inwards from the layer's silhouette. % refer to the longer side
+        of the placed picture.
     height_factor:
         Multiply the layer's heights in px by this factor. Default: the layer's scale, which keeps slopes; 1 if the
         layer is stretched.
@@ -106,7 +106,7 @@ class LayerOptions(Options, group="Composing"):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.mode == "over" and self.strength > 1:
-            raise UsageError(f'`strength={self.strength:g}`: must lie between 0 and 1 where the mode is "over"')
+            raise UsageError(f'`strength={self.strength:g}`: must lie between 0 and 1 for the mode "over"')
         _ = self.place
 
     @property
@@ -125,7 +125,7 @@ class LayerOptions(Options, group="Composing"):
 
 
 @dataclass(frozen=True)
-class GroupOptions(Options, group="Composing"):
+class GroupOptions(Options, group="Layers"):
     """How a group of layers, composed with each other first, is blended with what is below it.
 
     Parameters
@@ -151,7 +151,7 @@ class GroupOptions(Options, group="Composing"):
 
 
 @dataclass(frozen=True)
-class CanvasOptions(Options, group="Composing"):
+class CanvasOptions(Options, group="Canvas"):
     """The canvas that layers are composed on.
 
     Parameters
@@ -161,7 +161,7 @@ class CanvasOptions(Options, group="Composing"):
     width:
         Width of the whole picture, such as 100mm. Default: the width stored in the lowest layer.
     ground:
-        What is below the lowest layer: "clear" (nothing, it stays transparent) or "flat" (a plate).
+        What is below the lowest layer: "clear" (transparent) or "flat" (a plate).
     """
 
     size: str | None = option(None, SignedText("1000x900"))

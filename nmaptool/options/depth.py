@@ -17,16 +17,16 @@ NARROWEST_FOV, WIDEST_FOV = 0.1, 150.0
 
 
 @dataclass(frozen=True)
-class DepthOptions(Options, group="Composing"):
-    """How a depth or height picture becomes normals. White is near or high unless the file says otherwise.
+class DepthOptions(Options, group="Depth"):
+    """How a depth or height picture becomes normals. White is near or high unless the file states otherwise.
 
     Parameters
     ----------
     depth_scale:
-        Height of white above black, such as 10%, 40px or 5mm; % are of the picture's width. Larger values make the
+        Height of white above black, such as 10%, 40px or 5mm; % refer to the picture's width. Larger values make the
         surface steeper. Default: the scale stored in the file, otherwise 10%.
     invert:
-        Read dark as near. Not needed for files that say so themselves, such as those nmaptool writes.
+        Read dark as near. Not needed for files that state it, such as those that nmaptool writes.
     fov:
         Field of view of the camera of a perspective depth picture, in degrees across the longer side; 0 is
         orthographic. With perspective, slopes are measured in the picture and integrate to distance * ln(depth).
@@ -36,7 +36,7 @@ class DepthOptions(Options, group="Composing"):
         height, such as 4px. "auto" finds jumps from the slopes beside them; "none" treats every step as a slope.
     smooth:
         How far the surface may depart from the stored heights to become smooth: a height, such as 0.5px. "auto"
-        measures the quantisation steps and the noise, and leaves clean pictures as they are; "none" keeps every stored
+        measures the quantisation steps and the noise, and leaves clean pictures unchanged; "none" keeps every stored
         height.
     background:
         "auto" removes transparent pixels, pixels without depth and large flat patches at the lowest height, and keeps

@@ -15,7 +15,7 @@ _ENTRY = re.compile(r"^(\w+):\n((?:    .*\n?)+)", re.MULTILINE)
 
 
 def option(default: Any, kind: Kind | None = None, short: str = "") -> Any:
-    """A field with its default, its kind and a short flag; a default of None makes it optional."""
+    """Declare a field with its default, its kind and a short flag; a default of None makes it optional."""
     metadata = {"kind": kind, "short": short}
     return dataclasses.field(default=default, metadata={key: value for key, value in metadata.items() if value})
 
@@ -33,9 +33,10 @@ def kind_of(field: dataclasses.Field[Any]) -> Kind | None:
 
 @dataclasses.dataclass(frozen=True)
 class Options:
-    """Base of all options: checks every field by its kind, and names the group that --help shows the fields in.
+    """Base of all options: checks every field by its kind, and sets the group of the fields in --help.
 
-    Docstrings describe every field under ``Parameters``. Meanings of names that come from a table are appended there.
+    Docstrings describe every field under ``Parameters``. If a field's choices come from a table, their meanings are
+    appended.
     """
 
     group: ClassVar[str] = ""

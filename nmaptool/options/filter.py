@@ -36,7 +36,7 @@ class FilterOptions(Options, group="Filter"):
         as printed in the paper.
     sigma_s:
         Size of detail: finer features go to the detail, larger ones stay in the base. A plain number is in mean edge
-        lengths of the mesh, 2% is of the mesh's longest side, 1.5mm is a length.
+        lengths of the mesh, 2% refers to the mesh's longest side, 1.5mm is a length.
     sigma_r:
         How sharp an edge must be to stay in the base, measured as the length of the difference between the unit normals
         on its two sides. Larger values smooth more edges away.

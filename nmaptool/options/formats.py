@@ -43,7 +43,7 @@ class MapFormat(FileFormat):
     Parameters
     ----------
     bits : tuple of str
-        What ``WriteOptions.bits`` may ask for, the default first: "8", "16", "half", "float".
+        The accepted values of ``WriteOptions.bits``, the default first: "8", "16", "half", "float".
     """
 
     bits: tuple[Bits, ...] = field(kw_only=True)
@@ -56,7 +56,7 @@ class WorkspaceFormat(FileFormat):
     Parameters
     ----------
     bits : tuple of int
-        Bits per channel that it can hold; 32 for floats.
+        Bits per channel that the format can hold; 32 for floats.
     """
 
     bits: tuple[int, ...] = field(kw_only=True)
@@ -82,7 +82,7 @@ MESH_FORMATS: dict[str, FileFormat] = {
     ".glb": FileFormat("triangles in metres"),
     ".3mf": FileFormat("triangles in mm, with unit, title and thumbnail, for 3D printing"),
 }
-# a relief is written as heights or as a mesh: a view of both tables, heights first
+# a relief is written as heights or as a mesh: a view of both tables, where heights take precedence
 RELIEF_FORMATS: Mapping[str, FileFormat] = ChainMap(MESH_FORMATS, HEIGHT_FORMATS)
 WORKSPACE_FORMATS: dict[str, WorkspaceFormat] = {
     ".psd": WorkspaceFormat("Photoshop and most editors", bits=(8, 16)),
@@ -92,12 +92,12 @@ WORKSPACE_FORMATS: dict[str, WorkspaceFormat] = {
     ".tiff": WorkspaceFormat("the same as .tif", bits=(8, 16)),
     ".exr": WorkspaceFormat("a part for each layer, floats", bits=(32,)),
 }
-# files of a folder of layers, named without the dot as --format has them; whether they hold floats
+# formats of a folder of layers, without the dot, as --format takes them; True if they hold floats
 LAYER_FORMATS: dict[str, bool] = {"exr": True, "png": False}
 
 
 class _HasEnding(Protocol):
-    """A path, or what stands for a file."""
+    """A path, or an object that represents a file."""
 
     @property
     def suffix(self) -> str: ...

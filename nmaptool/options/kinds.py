@@ -57,12 +57,12 @@ class Kind:
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """Any text; the options class parses it further if it has a syntax of its own."""
+    """Any text; the options class parses it further if it has a syntax."""
 
 
 @dataclass(frozen=True)
 class SignedText(Text):
-    """Text that may begin with a minus sign, such as numbers with commas between them."""
+    """Text that may begin with a minus sign, such as numbers separated by commas."""
 
     signed: ClassVar[bool] = True
 
@@ -82,12 +82,12 @@ class Choice(Kind):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The accepted names, those added at run time included."""
+        """The accepted names, including those added at run time."""
         return tuple(self._now())
 
     @property
     def descriptions(self) -> dict[str, str]:
-        """What each name means, if the table has descriptions."""
+        """The meaning of each name; empty if the table has no descriptions."""
         now = self._now()
         return dict(now) if isinstance(now, Mapping) else {}
 
@@ -148,7 +148,9 @@ class Positive(Numeric):
         """As `Kind.read`."""
         if not (0 < value <= self.high and math.isfinite(value)):
             example = f", such as {self.such_as}" if self.such_as else ""
-            raise UsageError(f"`{name}={value:g}`: must be greater than zero{example}")
+            finite = "finite and " if value == math.inf == self.high else ""
+            limit = f" and at most {self.high:g}" if self.high < math.inf else ""
+            raise UsageError(f"`{name}={value:g}`: must be {finite}greater than zero{limit}{example}")
         return value
 
 

@@ -23,7 +23,7 @@ class DescriptorOptions:
     sigma_r:
         Ranges of the filters, as lengths of differences between unit normals.
     passes:
-        Passes of each filter in the first stage; later stages make one pass, guided by the stage before.
+        Passes of each filter in the first stage; later stages make one pass, guided by the previous stage.
     """
 
     sigma_s: tuple[float, ...] = (3.0, 5.0, 8.0, 10.0, 14.0)
@@ -33,7 +33,7 @@ class DescriptorOptions:
     def __post_init__(self) -> None:
         for name, values, low, high in (("sigma_s", self.sigma_s, 0.1, 1000), ("sigma_r", self.sigma_r, 0.01, 10)):
             if not 1 <= len(values) <= _MOST_SCALES:
-                raise UsageError(f"{name}: {len(values)} values, expected 1 to {_MOST_SCALES}")
+                raise UsageError(f"`{name}`: found {len(values)} values, expected 1 to {_MOST_SCALES}")
             for value in values:
                 if not low <= value <= high:  # also for NaN
                     raise UsageError(f"`{name}={value:g}`: must lie between {low:g} and {high:g}, such as 3")
@@ -53,9 +53,9 @@ class TrainOptions(Options, group="Filter"):
     Parameters
     ----------
     stages:
-        Number of stages. Each stage filters the normals that the one before it gave.
+        Number of stages. Each stage filters the normals of the previous one.
     clusters:
-        Kinds of neighbourhood that each stage tells apart. Each kind has its own network.
+        Number of clusters into which each stage sorts the neighbourhoods of faces. Each cluster has its own network.
     hidden:
         Units in the single hidden layer of each network.
     steps:

@@ -15,7 +15,7 @@ _SMALLEST_SCALE, _LARGEST_SCALE = 1e-3, 1e3
 
 
 def _named(name: str, text: str, read: Callable[[str], _T]) -> _T:
-    """What the text of the option ``name`` stands for; an error names the option."""
+    """Read the text of the option ``name``; errors name the option."""
     try:
         return read(text)
     except UsageError as error:
@@ -33,7 +33,7 @@ class LengthText(SignedText):
         """As `Kind.read`."""
         value = _named(name, value, length) if isinstance(value, str) else value
         if self.absolute and not value.is_absolute:
-            raise UsageError(f"`{name}='{value}'`: the size of a pixel follows from it, so give it in mm, cm or in")
+            raise UsageError(f"`{name}='{value}'`: sets the size of a pixel; give it in mm, cm or in")
         return value
 
 
@@ -71,7 +71,7 @@ class EdgesOrLength(SignedText):
         if not isinstance(value, Length):
             require_number(name, value, self.low, self.high, self.such_as)
         elif value.unit == "px":
-            example = "give edges, mm or %, such as 3 or 2%"
+            example = "give edge lengths, mm or %, such as 3 or 2%"
             raise UsageError(f"`{name}='{value}'`: a mesh has no pixels; {example}")
         return value
 
@@ -108,7 +108,7 @@ class ScaleText(SignedText):
 
 
 def parse_scale(text: str, name: str = "scale") -> tuple[float, float] | Length:
-    """``0.5``, ``0.5,0.7`` (across, down) or a width such as ``30mm``.
+    """Read ``0.5``, ``0.5,0.7`` (across, down) or a width such as ``30mm``.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def parse_scale(text: str, name: str = "scale") -> tuple[float, float] | Length:
                 return length(text)
             except UsageError:
                 pass
-        expected = "a factor, two with a comma, or a width such as 30mm"
+        expected = "one factor, two separated by a comma, or a width such as 30mm"
         raise UsageError(f"`{name}={text!r}`: expected {expected}") from None
     if len(factors) > 2 or not all(_SMALLEST_SCALE <= f <= _LARGEST_SCALE for f in factors):
         expected = f"one or two factors between {_SMALLEST_SCALE:g} and {_LARGEST_SCALE:g}, such as 0.5"
@@ -133,12 +133,12 @@ def parse_scale(text: str, name: str = "scale") -> tuple[float, float] | Length:
 
 
 def parse_distances(name: str, text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, ...]:
-    """Distances with commas between them, as many as one of ``counts``.
+    """Read distances separated by commas; their number must be in ``counts``.
 
     Raises
     ------
     UsageError
-        If the text is none of these.
+        If their number is wrong, or one is not a distance.
     """
     try:
         return offsets(text, counts, such_as)

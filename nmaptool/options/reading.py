@@ -40,12 +40,12 @@ class ReadOptions(Options, group="Reading"):
     encoding:
         How a floating-point file stores normals: "signed" (-1 to 1), "unsigned" (0 to 1), or "auto".
     components:
-        What a pixel holds. "xyz": red, green and blue. "xy": red and green only; z is computed and blue is ignored, for
-        two-channel and BC5 maps and where blue is unreliable (if x and y together are too long, the normal becomes a
-        vertical wall). "octahedral": two octahedral codes in red and green. "auto": "xy" if the file has two channels
-        or a constant blue that cannot be z, otherwise "xyz".
+        What each pixel stores. "xyz": red, green and blue. "xy": red and green only; z is computed and blue is ignored,
+        for two-channel and BC5 maps and where blue is unreliable (if x and y alone are longer than 1, the normal
+        becomes a vertical wall). "octahedral": two octahedral codes in red and green. "auto": "xy" if the file has two
+        channels or a constant blue that cannot be z, otherwise "xyz".
     background_color:
-        What the background looks like: "auto", "none" (there is none: every pixel is surface), "alpha", "white",
+        What the background looks like: "auto", "none" (every pixel is surface), "alpha", "white",
         "grey", "black", "flat", or a colour such as "#7f7fff".
     max_megapixels:
         Refuse larger pictures before any memory is used.

@@ -13,7 +13,7 @@ Boundary = Literal["hold", "free"]
 
 
 @dataclass(frozen=True)
-class ReconstructOptions(Options, group="Rebuilding"):
+class ReconstructOptions(Options, group="Reconstruction"):
     """How a mesh is rebuilt to match given normals.
 
     Parameters
@@ -26,7 +26,7 @@ class ReconstructOptions(Options, group="Rebuilding"):
     steps:
         How many times to shape and stitch the faces. The literature uses 1 for Poisson.
     closeness:
-        How strongly each vertex is held to its old place. Forms up to 1/sqrt(closeness) edges across follow the
+        How strongly each vertex is held to its old position. Forms up to 1/sqrt(closeness) edges across follow the
         normals: smaller values follow them further, larger values keep more of the volume. "gsfg" ignores it.
     boundary:
         "hold" keeps the vertices on open edges in place; "free" lets them move.
@@ -39,13 +39,13 @@ class ReconstructOptions(Options, group="Rebuilding"):
 
 
 @dataclass(frozen=True)
-class SmoothOptions(Options, group="Rebuilding"):
+class SmoothOptions(Options, group="Reconstruction"):
     """How much of the detail a mesh keeps.
 
     Parameters
     ----------
     detail_gain:
-        How much detail to keep: 0 removes it, 1 leaves the mesh as it is, 2 doubles it. Values below 0 invert it.
+        How much detail to keep: 0 removes it, 1 leaves the mesh unchanged, 2 doubles it. Values below 0 invert it.
     """
 
     detail_gain: float = option(0.0, Number("0 or 2", -10, 10))

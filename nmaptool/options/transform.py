@@ -16,12 +16,12 @@ NewGround = Literal["auto", "clear", "flat"]
 ROTATION = Number("30", -3600, 3600)
 HEIGHT_FACTOR = Number("1", -1e3, 1e3)
 _LARGEST_NUMBER = 1e6
-# determinant over the square of the largest entry
+# smallest accepted determinant over the square of the largest entry
 _SINGULAR = 1e-6
 
 
 @dataclass(frozen=True)
-class TransformOptions(Options, group="Composing"):
+class TransformOptions(Options, group="Transform"):
     """Edits of a map, applied in this order.
 
     Parameters
@@ -49,7 +49,8 @@ class TransformOptions(Options, group="Composing"):
         Multiply heights in px by this factor. Default: the scale, which keeps slopes; 1 if the picture is stretched or
         sheared.
     vectors_only:
-        Turn the vectors but leave the pixels in place. Repairs a map that was mirrored or rotated in an image editor.
+        Rotate or mirror the vectors but leave the pixels in place. Repairs a map that was mirrored or rotated in an
+        image editor.
     ground:
         What fills new corners and borders: "clear" (transparent), "flat", or "auto" (flat if the map has a flat
         background, otherwise clear).
@@ -75,11 +76,9 @@ class TransformOptions(Options, group="Composing"):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.resize is not None and self.scale != "1":
-            raise UsageError("`resize` and `scale` both say how large the result is; give one of them")
+            raise UsageError("`resize` and `scale` both set the size of the result; give one of them")
         if self.vectors_only and (self.crop or self.resize or self.pad):
-            raise UsageError(
-                "`vectors_only` leaves the pixels where they are; crop, resize and pad in a run of their own"
-            )
+            raise UsageError("`vectors_only` does not move pixels; crop, resize and pad in a separate run")
         _ = self.factors, self.window, self.borders, self.new_size, self.matrix
 
     @property
@@ -114,7 +113,7 @@ class TransformOptions(Options, group="Composing"):
 
     @property
     def matrix(self) -> tuple[float, float, float, float]:
-        """``affine`` as numbers; the identity if there is none."""
+        """``affine`` as numbers; the identity if it is not given."""
         if self.affine is None:
             return (1.0, 0.0, 0.0, 1.0)
         try:

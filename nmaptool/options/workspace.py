@@ -26,6 +26,6 @@ class PackOptions(Options, group="Outputs"):
 
     def __post_init__(self) -> None:
         if self.bits not in (None, 8, 16, 32):
-            raise UsageError(f"`bits={self.bits!r}`: use 8 or 16; EXR holds floats")
+            raise UsageError(f"`bits={self.bits!r}`: use 8 or 16, or 32 for the floats of EXR")
         if self.half and self.bits not in (None, 32):
-            raise UsageError("`half`: is for EXR, which holds floats; leave `bits` out")
+            raise UsageError("`half`: applies to EXR only, which holds floats; leave `bits` out")

@@ -1,1 +1,1 @@
-"""A mesh rebuilt to given face normals: each face shaped by itself, all faces stitched together again."""
+"""Rebuild a mesh to given face normals: shape each face separately, then stitch all faces together."""

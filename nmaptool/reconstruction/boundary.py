@@ -1,4 +1,4 @@
-"""Where a mesh is open."""
+"""Find the boundary of an open mesh."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from nmaptool.types.mesh import Faces, directed_edges, edge_keys
 
 
 def boundary_vertices(faces: Faces, count: int) -> Mask:
-    """(N,) bool: vertices of the edges that one face alone has."""
+    """Return (N,) bool: vertices of the edges that belong to only one face."""
     first, second = directed_edges(faces)
     _, place, times = np.unique(edge_keys(first, second), return_index=True, return_counts=True)
     single = place[times == 1]

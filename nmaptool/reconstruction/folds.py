@@ -1,4 +1,4 @@
-"""Faces that are folded over: their projection would stay so, and nothing in the energy minds."""
+"""Unfold faces that are folded over: their projections would stay folded, and the energy does not penalise that."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from nmaptool.core.arrays import Float64, Mask
 from nmaptool.reconstruction.stitching import assembled, direct
 from nmaptool.types.mesh import Faces
 
-# a part of the mesh that is folded as a whole has nothing around it to lie between
+# a connected part of the mesh that is folded entirely has no neighbours that fix its position
 _TIE = 1e-3
 
 
 def relaxed(vertices: Float64, faces: Faces, folded: Mask, held: Mask) -> Float64:
-    """Vertices of folded faces laid evenly between their neighbours; all others stay.
+    """Return the vertices with those of folded faces distributed evenly between their neighbours; all others stay.
 
-    min over these vertices of sum |R x|^2, R = I - 1/3: the membrane of a flat patch has no fold where its outline is
-    convex.
+    Minimises sum |R x|^2 over these vertices, R = I - 1/3: such a membrane has no folds if its outline is convex.
 
     Parameters
     ----------
@@ -24,7 +23,7 @@ def relaxed(vertices: Float64, faces: Faces, folded: Mask, held: Mask) -> Float6
     faces : (M, 3) int32
     folded : (M,) bool
     held : (N,) bool
-        Vertices that stay in any case.
+        Vertices that are never moved.
     """
     loose = np.zeros(len(vertices), bool)
     loose[faces[folded]] = True

@@ -1,4 +1,4 @@
-"""What became of a mesh: how much it holds."""
+"""Measure the volume of a mesh before and after."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from nmaptool.types.mesh import Faces, cross
 
 
 def volume_between(before: Float64, after: Float64, faces: Faces) -> float:
-    """What a mesh holds more than before, in cubic units.
+    """Return the increase of a mesh's volume, in cubic units.
 
-    The difference of the volumes of the cones from one point to all faces: for a closed mesh that of the volumes, and
-    for an open one whose boundary stayed what lies between the two surfaces; neither depends on the point.
+    It is the difference of the volumes of the cones from one point to all faces. For a closed mesh, that is the
+    difference of the volumes; for an open mesh whose boundary did not move, it is the volume between the two surfaces.
+    Neither depends on the point.
 
     Parameters
     ----------
@@ -24,7 +25,7 @@ def volume_between(before: Float64, after: Float64, faces: Faces) -> float:
 
 
 def volume(vertices: Float64, faces: Faces) -> float:
-    """Of a closed mesh, in cubic units; below zero where it is wound inside out."""
+    """Return the volume of a closed mesh, in cubic units; negative if its faces are wound inside out."""
     return _cones(vertices - vertices.mean(axis=0), faces)
 
 

@@ -1,4 +1,4 @@
-"""A mesh rebuilt to a field of normals: shape every face, stitch them, again and again (paper, Sec. 4.1)."""
+"""Rebuild a mesh to a field of normals: shape every face and stitch them, repeatedly (paper, Sec. 4.1)."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from nmaptool.reconstruction.shaping import is_opposed, normals_of, rotated, sha
 from nmaptool.reconstruction.stitching import Average, ShapeStitch, Stitch, gradient_stiffness
 from nmaptool.types.mesh import Mesh
 
-# of the closeness: how much vertices of a folded face are worth as a guide
+# factor on the closeness of vertices of folded faces, whose positions are a poor guide
 _FOLDED = 1e-3
-# relative residuals of one solve, and of one of several
+# relative residuals of a single solve, and of each of several
 _EXACT, _ROUGH = 1e-10, 1e-2
-# steps
+# in steps
 _UNFOLD_EVERY = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Rebuilt:
-    """What the steps came to.
+    """The result of the steps.
 
     Attributes
     ----------
     vertices : (N, 3) float64
     folded_before, folded_after : int
-        Faces whose normal is more than a right angle from its target.
+        Number of faces whose normal is more than a right angle from its target.
     boundary : (N,) bool
         Vertices of open edges.
     moves : tuple of float
-        Root mean square of the vertices' moves in each step, in mean edges.
+        Root mean square of the vertices' moves in each step, in mean edge lengths.
     """
 
     vertices: Float64
@@ -46,29 +46,30 @@ class Rebuilt:
 
 
 def rebuild(mesh: Mesh, targets: Float64, options: ReconstructOptions, progress: Progress | None = None) -> Rebuilt:
-    """Move the vertices so that the face normals come to their targets.
+    """Move the vertices so that the face normals approach their targets.
 
-    All schemes repeat two steps. Local: each face by itself gets the shape it should have; those of "gsfg..." project
-    its corners on the plane through its centroid (paper, Eq. 2), "poisson" turns it by the least rotation. Global: the
-    shapes are stitched, by the mean of each vertex's corners (Eq. 3; "gsfg"), or over the whole mesh at once with a
-    pull to the given vertices. With projections all descend on the sum over faces of |h|^2, h the heights of a face's
-    corners over its plane, from their mean ("gsfg", "gsfg-shape"), or of the integral of |grad h|^2 ("gsfg-gradient"),
-    which does not depend on how finely the surface is divided. Nothing but the number of its steps keeps "gsfg" from
-    shrinking to a point where the targets are the normals of no surface.
+    All schemes repeat two steps. Local: each face separately gets its target shape; the "gsfg..." schemes project its
+    corners onto the plane through its centroid (paper, Eq. 2), "poisson" rotates it by the smallest rotation. Global:
+    the shapes are stitched, by the mean of each vertex's corners (Eq. 3; "gsfg"), or over the whole mesh at once with a
+    pull to the given vertices. With projections, all schemes minimise the sum over faces of |h|^2, where h are the
+    heights of a face's corners above its plane, relative to their mean ("gsfg", "gsfg-shape"), or of the integral of
+    |grad h|^2 ("gsfg-gradient"), which does not depend on how finely the surface is divided. If the targets are not the
+    normals of any surface, "gsfg" shrinks towards a point, and only the number of steps limits this.
 
-    Faces far from their targets are turned, too, since projections would crush them. Of faces that oppose their targets
-    a projection stays folded over: at the start, and every few steps, their vertices are laid between their neighbours
-    (`relaxed`), and vertices that were folded when given hardly pull back. "poisson" only turns, as its authors do.
+    Faces far from their targets are rotated, too, since projections would crush them. A projection leaves faces that
+    oppose their targets folded over: at the start and every few steps, their vertices are distributed between their
+    neighbours (`relaxed`), and vertices of faces that were folded at the start are hardly pulled back. "poisson" only
+    rotates, as its authors do.
 
     Parameters
     ----------
     mesh : Mesh
-        Clean.
+        A clean mesh.
     targets : (M, 3) float64
         Unit normals.
     options : ReconstructOptions
     progress : callable, optional
-        Called with a word and the share done.
+        Called with the stage and the share done, 0 to 1.
     """
     faces, start = mesh.faces, mesh.vertices
     boundary = boundary_vertices(faces, len(start))

@@ -1,4 +1,4 @@
-"""A mesh rebuilt so that its faces look where they are told to."""
+"""Rebuild a mesh to given face normals."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from nmaptool.reconstruction.shaping import normals_of, shapes_of
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.reconstruction import Reconstruction, ReconstructReport
 
-# float32 normals are this close to unit length with room to spare
+# tolerance of the length of unit normals; enough for float32
 _OFF_LENGTH = 1e-3
 
 
@@ -32,15 +32,15 @@ def reconstruct(
 ) -> Reconstruction:
     """Move the vertices of a mesh so that its face normals become the given ones (gSfG: paper, Sec. 4.1, Eq. 2 and 3).
 
-    Each step turns the faces towards their normals and finds the vertices that fit them best, held near to where they
-    were by ``closeness``.
+    Each step rotates the faces towards their normals and finds the vertices that fit them best; ``closeness`` pulls the
+    vertices to their original positions.
 
     Parameters
     ----------
     mesh : Mesh
-        Clean, see `nmaptool.clean_mesh`.
+        A clean mesh; see `nmaptool.clean_mesh`.
     normals : (M, 3) float of any type
-        The normal that each face should have: unit vectors.
+        Target normals of the faces, unit vectors.
     options : ReconstructOptions, optional
         Scheme, steps and closeness.
     progress : callable, optional
@@ -49,20 +49,19 @@ def reconstruct(
     Returns
     -------
     Reconstruction
-        The same faces on moved vertices, in the same units. The mesh's own normals move no vertex by more than 1e-9 of
-        the size of the mesh.
+        The same faces with moved vertices, in the same units. With the mesh's own normals, no vertex moves by more than
+        1e-9 of the size of the mesh.
 
     Raises
     ------
     InputError
-        If the mesh is not clean, the normals are not one finite unit vector for each face, or most of them point
-        inwards.
+        If the mesh is not clean, the normals are not one finite unit vector per face, or most of them point inwards.
     ConvergenceError
         If the system of scheme "poisson" cannot be solved.
 
     Examples
     --------
-    Its own normals leave a mesh as it is:
+    With its own normals, a mesh stays the same:
 
     >>> import trimesh
     >>> sphere = nm.Mesh.from_trimesh(trimesh.creation.icosphere(subdivisions=1))
@@ -83,39 +82,39 @@ def reconstruct(
 def _check_mesh(mesh: Mesh) -> None:
     remedy = "clean it first: nm.clean_mesh(mesh)[0]"
     if not len(mesh.faces):
-        raise InputError(f"{mesh.name}: has no faces; a surface is needed")
+        raise InputError(f"{mesh.name}: has no faces, so there is no surface to rebuild")
     if not np.isfinite(mesh.vertices).all():
-        raise InputError(f"{mesh.name}: has vertices that are NaN or infinite; {remedy}")
+        raise InputError(f"{mesh.name}: has NaN or infinite vertices; {remedy}")
     flat = int((~(mesh.geometry.areas > 0)).sum())
     if flat:
-        raise InputError(f"{mesh.name}: {flat} of its faces have no area and so no normal; {remedy}")
+        raise InputError(f"{mesh.name}: has faces without area ({flat}), which have no normal; {remedy}")
 
 
 def _checked(mesh: Mesh, normals: NDArray[np.floating]) -> Float64:
-    """The targets as exact unit vectors."""
+    """Check the target normals and return them as exact unit vectors."""
     given = np.asarray(normals)
     if given.shape != (len(mesh.faces), 3) or given.dtype.kind != "f":
         raise InputError(
-            f"normals: are {given.dtype} {given.shape}, expected float ({len(mesh.faces)}, 3): one for each face of "
+            f"the normals are {given.dtype} {given.shape}, expected float ({len(mesh.faces)}, 3): one per face of "
             f"{mesh.name}"
         )
     targets = given.astype(np.float64)
     length = np.sqrt(np.einsum("ij,ij->i", targets, targets))
     if not np.isfinite(length).all():
-        raise InputError(f"normals: {int((~np.isfinite(length)).sum())} are NaN or infinite; every face needs one")
+        raise InputError(f"the normals must be finite; NaN or infinite: {int((~np.isfinite(length)).sum())}")
     off = np.abs(length - 1)
     if off.max() > _OFF_LENGTH:
         worst = int(off.argmax())
         raise InputError(
-            f"normals: that of face {worst} is {length[worst]:.4g} long, expected 1; divide them by their lengths"
+            f"the normal of face {worst} has length {length[worst]:.4g}, expected 1; normalise the normals"
         )
     targets /= length[:, None]
     areas = mesh.geometry.areas
     away = float(areas[np.einsum("ij,ij->i", targets, mesh.geometry.normals) < 0].sum() / areas.sum())
     if away > 0.5:
         raise InputError(
-            f"normals: {away:.0%} of {mesh.name} would look the other way; are they of another mesh, or do they point "
-            "inwards? Then negate them"
+            f"the normals would flip {away:.0%} of the area of {mesh.name}; check that they belong to this mesh, and "
+            "negate them if they point inwards"
         )
     return targets
 

@@ -1,6 +1,6 @@
-"""The local step: what each face would be, were it alone with its target normal.
+"""The local step: the shape of each face for its target normal, regardless of its neighbours.
 
-Shapes are (3, M, 3) float64: first, second and third corner of every face, x, y, z each, measured from their mean.
+Shapes are (3, M, 3) float64: x, y, z of the first, second and third corner of every face, relative to their mean.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.types.mesh import Faces, cross
 
-# beyond this cosine the least rotation between two normals has no axis to speak of
+# below this cosine, the axis of the smallest rotation between two normals is ill-defined
 _OPPOSED = -0.99
 # cosine of 60 degrees
 _FAR = 0.5
@@ -19,14 +19,14 @@ _NOTHING = 1e-12
 
 
 def shapes_of(vertices: Float64, faces: Faces) -> Float64:
-    """(3, M, 3) float64: the corners of each face from their mean."""
+    """Return (3, M, 3) float64: the corners of each face relative to their mean."""
     out = np.stack([vertices.take(faces[:, k], axis=0) for k in range(3)])
     out -= out.mean(axis=0)
     return out
 
 
 def normals_of(shapes: Float64) -> Float64:
-    """(M, 3) float64 unit normals by the right-hand rule; zero where a face has no area."""
+    """Return the (M, 3) float64 unit normals by the right-hand rule; zero for faces without area."""
     twice = cross(shapes[1] - shapes[0], shapes[2] - shapes[0])
     length = np.sqrt(np.einsum("ij,ij->i", twice, twice))
     twice /= np.where(length > 0, length, 1)[:, None]
@@ -34,12 +34,12 @@ def normals_of(shapes: Float64) -> Float64:
 
 
 def is_opposed(normals: Float64, targets: Float64) -> Mask:
-    """(M,) bool: whose normal is more than a right angle from its target."""
+    """Return (M,) bool: faces whose normal is more than a right angle from its target."""
     return np.asarray(np.einsum("ij,ij->i", normals, targets) < 0)
 
 
 def projected(shapes: Float64, targets: Float64) -> Float64:
-    """Corners projected on the plane through the face's centroid with the target normal (paper, Eq. 2).
+    """Project the corners onto the plane through the face's centroid with the target normal (paper, Eq. 2).
 
     Parameters
     ----------
@@ -52,13 +52,13 @@ def projected(shapes: Float64, targets: Float64) -> Float64:
 
 
 def rotated(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
-    """Corners turned by the least rotation that takes the normal to its target; opposed ones are `flattened_opposed`.
+    """Rotate the corners by the smallest rotation from normal to target; opposed faces by `flattened_opposed`.
 
     Parameters
     ----------
     shapes : (3, M, 3) float64
     normals, targets : (M, 3) float64
-        Unit normals of the shapes, and where they should look.
+        Unit normals of the shapes, and their targets.
     """
     axis = cross(normals, targets)
     cosine = np.einsum("ij,ij->i", normals, targets)
@@ -74,9 +74,10 @@ def rotated(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
 
 
 def target_shapes(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
-    """Corners projected; those of a face more than 60 degrees from its target turned.
+    """Project the corners; rotate those of faces more than 60 degrees from their targets.
 
-    A projection halves such a face and worse, and leaves one that looks the other way looking so.
+    A projection would shrink such a face to less than half its area, and would not turn over a face that points the
+    opposite way.
     """
     out = projected(shapes, targets)
     far = np.flatnonzero(np.einsum("ij,ij->i", normals, targets) < _FAR)
@@ -86,10 +87,10 @@ def target_shapes(shapes: Float64, normals: Float64, targets: Float64) -> Float6
 
 
 def flattened_opposed(shapes: Float64, normals: Float64, targets: Float64) -> Float64:
-    """The shapes on the planes of their targets, the right side up, corners as near as that allows.
+    """Return the shapes in the planes of their targets, the right side up, with corners moved as little as possible.
 
-    Half a turn from its target a face has no least rotation: any axis in its plane would do. The one is taken that
-    brings its corners nearest to their projections (Procrustes in the plane, without mirroring).
+    For a face half a turn from its target, no rotation is the smallest: any axis in its plane would do. This uses the
+    one that brings the corners closest to their projections (Procrustes in the plane, without mirroring).
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def flattened_opposed(shapes: Float64, normals: Float64, targets: Float64) -> Fl
     normals, targets : (K, 3) float64
     """
     flat = projected(shapes, targets)
-    # axes in the plane come from the face alone, so that a turned mesh gives the turned answer
+    # the axes in the plane depend on the face only, so a rotated mesh gives the rotated result
     u = _along(flat, targets)
     v = cross(targets, u)
     here = _in_plane(flat, u, v)
@@ -106,18 +107,18 @@ def flattened_opposed(shapes: Float64, normals: Float64, targets: Float64) -> Fl
     turn = (there.conj() * here).sum(axis=0)
     size = np.abs(turn)
     sure = size > _NOTHING * (np.abs(there) ** 2).sum(axis=0)
-    # of a regular triangle all turns are equally near
+    # for an equilateral triangle, all rotations are equally close
     placed = there * np.where(sure, turn / np.where(sure, size, 1), 1)
     return np.asarray(placed.real[..., None] * u + placed.imag[..., None] * v)
 
 
 def _in_plane(shapes: Float64, u: Float64, v: Float64) -> NDArray[np.complex128]:
-    """(3, K): corners along two axes."""
+    """Return the (3, K) coordinates of the corners along two axes, as complex numbers."""
     return np.asarray(np.einsum("kfi,fi->kf", shapes, u) + 1j * np.einsum("kfi,fi->kf", shapes, v))
 
 
 def _along(shapes: Float64, normals: Float64) -> Float64:
-    """(K, 3) unit vectors across the normals, towards the corner that lies farthest out."""
+    """Return (K, 3) unit vectors perpendicular to the normals, towards the farthest corner."""
     farthest = np.einsum("kfi,kfi->kf", shapes, shapes).argmax(axis=0)
     out = np.take_along_axis(shapes, farthest[None, :, None], axis=0)[0]
     scale = np.sqrt(np.einsum("ij,ij->i", out, out))

@@ -1,4 +1,4 @@
-"""A mesh with less or more of its detail: its normals split, mixed anew, and the mesh rebuilt to them."""
+"""Reduce or exaggerate the detail of a mesh: split its normals, mix them again, and rebuild the mesh to them."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from nmaptool.reconstruction.reconstruct import reconstruct
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.mesh_findings import MeshFindings
 from nmaptool.types.reconstruction import ReconstructReport, SmoothReport, SmoothResult
+from nmaptool.types.shown import counted
 
-# share of the faces that may end folded over before it is worth a word
+# share of folded faces above which there is a warning
 _FEW_FOLDED = 0.001
-# of the volume
+# share of the volume; a larger change gives a warning
 _DRIFT = 0.02
 
 
@@ -38,7 +39,7 @@ def smooth(
     Parameters
     ----------
     mesh : Mesh
-        Need not be clean: unusable faces are dropped and reported, vertices at the same position welded.
+        Need not be clean: unusable faces are dropped and reported, and vertices at the same position are welded.
     options : SmoothOptions, optional
         Detail gain: 0 removes the detail, 1 keeps it, more exaggerates it.
     filter : FilterOptions, optional
@@ -46,7 +47,7 @@ def smooth(
     reconstruct_options : ReconstructOptions, optional
         Scheme, steps and closeness.
     model : FilterModel, optional
-        For the filter ``learned`` only. Default: the one that comes with the package.
+        Model for the filter ``learned``. Default: the one that comes with the package.
     progress : callable, optional
         Called with the stage, "filtering" up to 0.5 and "rebuilding" from there, and the share done, 0 to 1.
 
@@ -58,7 +59,7 @@ def smooth(
     Raises
     ------
     InputError, UsageError
-        As `decompose_normals`.
+        As for `decompose_normals`.
     ConvergenceError
         If the system of scheme "poisson" cannot be solved.
 
@@ -67,7 +68,7 @@ def smooth(
     >>> import trimesh
     >>> box = nm.Mesh.from_trimesh(trimesh.creation.box().subdivide().subdivide())
     >>> nm.smooth(box, nm.SmoothOptions(detail_gain=2)).mesh
-    <Mesh mesh: 98 vertices, 192 faces, 1 mm to a unit (assumed)>
+    <Mesh mesh: 98 vertices, 192 faces, 1 mm per unit (assumed)>
     """
     options = options or SmoothOptions()
     stages = Stages()
@@ -91,7 +92,7 @@ def smooth(
 
 
 def target_normals(split: Decomposition, gain: float) -> Float64:
-    """(M, 3) float64: unit(N_B + gain N_D); the base where the two cancel out."""
+    """Return unit(N_B + gain N_D) as (M, 3) float64; the base where the two cancel out."""
     out = split.base + gain * split.residual
     length = np.sqrt(np.einsum("ij,ij->i", out, out))
     lost = ~(length > 1e-6)
@@ -102,16 +103,16 @@ def target_normals(split: Decomposition, gain: float) -> Float64:
 
 def _dropped(findings: MeshFindings) -> tuple[str, ...]:
     count = findings.degenerate_faces + findings.nonfinite_faces + findings.repeated_faces
-    return (f"{count} faces without area, with NaN or twice there were dropped",) if count else ()
+    return (f"dropped {counted(count, 'face')} (without area, with NaN, or duplicate)",) if count else ()
 
 
 def _warnings(report: ReconstructReport) -> tuple[str, ...]:
     found = []
     if report.folded_after > _FEW_FOLDED * report.faces:
         found.append(
-            f"{report.folded_after} of {report.faces} faces end folded over; a smaller `sigma_s`, a `detail_gain` "
-            "nearer to 1 or a larger `closeness` asks less of them"
+            f"folded faces in the result: {report.folded_after} of {report.faces}; use a smaller `sigma_s`, a "
+            "`detail_gain` closer to 1 or a larger `closeness`"
         )
     if report.volume_share is not None and abs(report.volume_share) > _DRIFT:
-        found.append(f"the volume changed by {report.volume_share:+.1%}; a larger `closeness` holds it")
+        found.append(f"the volume changed by {report.volume_share:+.1%}; a larger `closeness` preserves it")
     return tuple(found)

@@ -1,4 +1,4 @@
-"""The global step: faces that were shaped one by one stitched to a mesh again, in the least-squares sense."""
+"""The global step: stitch the separately shaped faces to a mesh, in the least-squares sense."""
 
 from __future__ import annotations
 
@@ -14,36 +14,36 @@ from nmaptool.core.errors import ConvergenceError
 from nmaptool.solver.amg_hierarchy import hierarchy_of
 from nmaptool.types.mesh import Faces
 
-# up to so many unknowns a sparse LU is set up as quickly as a hierarchy
+# up to this many unknowns, a sparse LU is set up as fast as a hierarchy
 _DIRECT = 20_000
 _MOST_CYCLES = 200
 Solve = Callable[[Float64], Float64]
 
 
 class Stitch(Protocol):
-    """A global step, set up once."""
+    """A global step that is set up once."""
 
     def move(self, pull: Float64, moved: Float64) -> Float64:
-        """(N, 3) float64: how far the vertices go.
+        """Return the moves of the vertices, (N, 3) float64.
 
         Parameters
         ----------
         pull : (3, M, 3) float64
-            What the local step wants of each corner, less where it is, both from the face's mean.
+            Target minus current position of each corner, both relative to the mean of the face.
         moved : (N, 3) float64
-            How far the vertices are from where they were given.
+            Current minus original positions of the vertices.
         """
         ...
 
 
 class Average:
-    """The mean of a vertex's projections: what Eq. 3 of the paper comes to, vertex by vertex.
+    """Moves each vertex to the mean of its projections: Eq. 3 of the paper, solved vertex by vertex.
 
     Parameters
     ----------
     faces : (M, 3) int32
     held : (N,) bool
-        Vertices that stay.
+        Vertices that do not move.
     """
 
     def __init__(self, faces: Faces, held: Mask) -> None:
@@ -52,19 +52,19 @@ class Average:
         self._share = np.where(held, 0, 1 / np.maximum(corners, 1))[:, None]
 
     def move(self, pull: Float64, moved: Float64) -> Float64:
-        """See `Stitch.move`; how far vertices moved does not matter here."""
+        """See `Stitch.move`; ``moved`` is not used."""
         return np.asarray(self._share * (self._gather @ pull.reshape(-1, 3)))
 
 
 class ShapeStitch:
-    """min over x of sum over faces |x - p|^2 in the face's measure + sum over vertices closeness |x - x0|^2.
+    """Minimises over x: sum over faces |x - p|^2 in the face's measure + sum over vertices closeness |x - x0|^2.
 
-    The measure counts every corner alike, R = I - 1/3, or integrates the squared difference of the gradients over the
-    face. With the latter and gradients for p this is Poisson's (G^T M G + closeness) x = G^T M g + closeness x0.
+    The measure weights all corners equally, R = I - 1/3, or integrates the squared difference of the gradients over the
+    face. With the latter and gradients for p, this is Poisson's (G^T M G + closeness) x = G^T M g + closeness x0.
 
-    One factorisation serves all steps and all three coordinates. Of a large mesh one multigrid hierarchy does: cycles
-    to a residual, or a single one, which is symmetric, positive and near the inverse, so that steps end where they
-    would with the inverse.
+    One factorisation is used for all steps and all three coordinates. For a large mesh, it is one multigrid hierarchy:
+    either cycles down to a residual, or a single cycle, which is symmetric, positive and close to the inverse, so the
+    steps converge to the same result.
 
     Parameters
     ----------
@@ -74,16 +74,16 @@ class ShapeStitch:
     closeness : (N,) float64
         Greater than zero.
     held : (N,) bool
-        Vertices that stay.
+        Vertices that do not move.
     residual : float or None
-        What each solve comes to, relative; None is one cycle.
+        Relative residual of each solve; None means one cycle.
     """
 
     def __init__(
         self, faces: Faces, stiffness: Float64 | None, closeness: Float64, held: Mask, residual: float | None = None
     ) -> None:
         self._closeness = closeness
-        # R would change nothing: the pull has no mean
+        # multiplying by R would change nothing, since the mean of the pull is 0
         self._gather = _gathering(faces, len(held)) if stiffness is None else _weighing(faces, stiffness, len(held))
         self._free = np.flatnonzero(~held)
         even = np.broadcast_to(np.eye(3) - 1 / 3, (len(faces), 3, 3))
@@ -99,7 +99,7 @@ class ShapeStitch:
 
 
 def gradient_stiffness(shapes: Float64) -> Float64:
-    """(M, 3, 3) float64: integrals over each face of the products of its corners' gradients (half cotangents)."""
+    """Return (M, 3, 3) float64: integrals over each face of products of its corners' gradients (half cotangents)."""
     edge = [shapes[(k + 2) % 3] - shapes[(k + 1) % 3] for k in range(3)]
     dots = np.stack([np.einsum("fi,fi->f", a, b) for a in edge for b in edge], axis=1).reshape(-1, 3, 3)
     # Gram's determinant is the square of twice the area
@@ -109,7 +109,7 @@ def gradient_stiffness(shapes: Float64) -> Float64:
 
 
 def assembled(faces: Faces, stiffness: Float64, diagonal: Float64) -> sparse.csr_matrix:
-    """(N, N): the faces' matrices (M, 3, 3) summed up, and a diagonal (N,)."""
+    """Return the (N, N) sum of the (M, 3, 3) face matrices and a diagonal (N,)."""
     count = len(diagonal)
     rows, columns = np.repeat(faces, 3, axis=1).ravel(), np.tile(faces, (1, 3)).ravel()
     summed = sparse.csr_matrix((stiffness.ravel(), (rows, columns)), shape=(count, count))
@@ -117,7 +117,7 @@ def assembled(faces: Faces, stiffness: Float64, diagonal: Float64) -> sparse.csr
 
 
 def direct(matrix: sparse.csr_matrix) -> Solve:
-    """The inverse of a symmetric positive matrix by a sparse LU."""
+    """Return the inverse of a symmetric positive matrix, by a sparse LU."""
     if not matrix.shape[0]:
         return lambda load: load
     from scipy.sparse.linalg import splu
@@ -129,13 +129,13 @@ def direct(matrix: sparse.csr_matrix) -> Solve:
 
 
 def _gathering(faces: Faces, count: int) -> sparse.csr_matrix:
-    """(N, 3 M): sums over the corners that are a vertex, first corners first."""
+    """Return the (N, 3 M) matrix that sums over the corners at each vertex; all first corners come first."""
     corners = np.arange(faces.size)
     return sparse.csr_matrix((np.ones(faces.size), (faces.T.ravel(), corners)), shape=(count, faces.size))
 
 
 def _weighing(faces: Faces, stiffness: Float64, count: int) -> sparse.csr_matrix:
-    """(N, 3 M): as `_gathering`, each face's corners multiplied by its matrix (M, 3, 3) before."""
+    """Return the (N, 3 M) matrix that multiplies the corners of each face by its matrix, then sums as `_gathering`."""
     rows, columns = np.repeat(faces, 3, axis=1), np.arange(faces.size).reshape(3, -1).T
     entries = (stiffness.ravel(), (rows.ravel(), np.tile(columns, (1, 3)).ravel()))
     return sparse.csr_matrix(entries, shape=(count, faces.size))
@@ -159,14 +159,14 @@ def _solved(matrix: sparse.csr_matrix, cycle: Any, load: Float64, residual: floa
     size = float(np.linalg.norm(load))
     if size == 0:
         return np.zeros_like(load)
-    # pyamg warns of small curvature: the residual decides
+    # hides pyamg's warnings about small curvature: the residual decides
     with warnings.catch_warnings(record=True):
         x, _ = krylov.cg(matrix, load, tol=residual / 2, maxiter=_MOST_CYCLES, M=cycle)
     left = float(np.linalg.norm(load - matrix @ x)) / size
     if not left <= 10 * residual:
         raise ConvergenceError(
-            f"poisson: the residual is {left:.1e} after {_MOST_CYCLES} iterations, {residual:.0e} is needed; its "
-            "faces may be too thin: use `scheme='gsfg-gradient'`, or a larger `closeness`",
+            f"`scheme='poisson'`: the residual is {left:.1e} after {_MOST_CYCLES} iterations, but {residual:.0e} is "
+            "needed; the faces may be too thin: use `scheme='gsfg-gradient'` or a larger `closeness`",
             (left,),
         )
     return np.asarray(x)

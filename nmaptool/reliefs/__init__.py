@@ -1,1 +1,1 @@
-"""Normal maps to reliefs: targets, heights, exact millimetres."""
+"""Convert normal maps to reliefs: targets, heights, exact millimetres."""

@@ -19,15 +19,15 @@ class Domain:
     surface : (H, W) bool
         Faces of the finished surface.
     acting : (H, W) bool
-        Faces whose normals act.
+        Faces whose normals count.
     foreground : (H, W) bool
         Faces on which the height term acts.
     held : (H+1, W+1) bool
-        Vertices held at the background's height.
+        Vertices held at the height of the background.
     base_px : (H+1, W+1) float64 or None
-        The background's height, from which delta counts; None: 0 everywhere.
+        Height of the background in px, from which delta is measured; None: 0 everywhere.
     share : (H, W) float32 or None
-        How much of each face is motif, where the rest is a held background (soft edges); None: all of it.
+        Share of each face that is motif; the rest is held background (soft edges). None: 1 everywhere.
     """
 
     surface: Mask
@@ -48,11 +48,11 @@ def build_domain(
     ground: Mask | None = None,
     stands: bool = False,
 ) -> Domain:
-    """The domain of a background mode.
+    """Return the domain of a background mode.
 
-    ``plane`` and ``surface`` hold every vertex that touches a background face, the outline's included: were the outline
-    free, the flat face outside and the steep face inside would pull it below the plate and carve a groove around the
-    motif. ``free`` and ``cut`` hold nothing.
+    ``plane`` and ``surface`` hold every vertex that touches a background face, including those on the outline: if the
+    outline were free, the flat face outside and the steep face inside would pull it below the plate and carve a groove
+    around the motif. ``free`` and ``cut`` hold nothing.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def build_domain(
     covered : (H, W) bool
         Where the map is defined.
     share : (H, W) float32, optional
-        Share of each face that is motif, for ``plane`` and ``surface``: soft edges lean less.
+        Share of each face that is motif, for ``plane`` and ``surface``: it reduces the slopes of soft edges.
     base_px : (H+1, W+1) float64, optional
         Height of the curved background, for ``surface``.
     pulled : (H, W) bool, optional
@@ -78,7 +78,7 @@ def build_domain(
         return Domain(np.ones(foreground.shape, bool), foreground, pulled, ~touching_vertices(foreground))
     if mode in ("plane", "surface"):
         everywhere = np.ones(foreground.shape, bool) if ground is None else ground | foreground
-        # faces between held vertices only have no say: leaving them out keeps separate motifs separate
+        # faces with only held vertices have no effect; leaving them out keeps separate motifs separate
         return Domain(everywhere, foreground, pulled, touching_vertices(~foreground), base_px, share)
     acting = foreground if mode == "cut" else covered | foreground
     return Domain(acting, acting, pulled, np.zeros((rows + 1, cols + 1), bool), base_px)

@@ -1,4 +1,4 @@
-"""Solved heights to the heights that were asked for, in millimetres."""
+"""Scale solved heights to the requested height, in millimetres."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from nmaptool.reliefs.layout import Layout
 
 @dataclass(frozen=True, eq=False)
 class FinishedHeights:
-    """Heights of a relief and how they were reached.
+    """Heights of a relief and how they were computed.
 
     Attributes
     ----------
     z_mm : (H+1, W+1) float64
     range_mm, relief_range_mm : (float, float), float
-        Of the surface; of what stands out of the background.
+        Lowest and highest height of the surface; height range of the relief above the background.
     below_share : float
         Share of the motif below a held background.
     delta_px, scale : float
-        Delta that they were made with, factor on all heights or on the slopes.
+        The delta used; the factor on all heights or on the slopes.
     statistics : SolveStatistics
     """
 
@@ -49,19 +49,19 @@ def finish(
     settings: SolveSettings,
     warm_start: SystemHeights | None,
 ) -> FinishedHeights:
-    """Heights z = base + h0 + delta h1 with the exact range that was asked for.
+    """Return heights z = base + h0 + delta h1 with exactly the requested range.
 
     Parameters
     ----------
     heights : SystemHeights
     layout : Layout
     delta : float
-        In px.
+        Delta in px.
     options : ReliefOptions
     pitch_mm : float
     settings : SolveSettings
     warm_start : SystemHeights or None
-        Where to start from.
+        Heights of a similar system, from which the solver starts.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def finish(
     if options.fit == "slope":
         slope = factor_for_range(delta * inside(second), inside(first), wanted_px, "the slopes", pitch_mm)
     else:
-        side = -1.0 if delta < 0 else 1.0  # an engraving stays an engraving
+        side = -1.0 if delta < 0 else 1.0  # keeps the sign: an engraving stays an engraving
         delta = side * factor_for_range(inside(first), side * inside(second), wanted_px, "delta", pitch_mm)
     above = slope * first
     above += delta * second
@@ -100,19 +100,19 @@ def _in_px(length: Length | None, layout: Layout, pitch_mm: float) -> float | No
 
 
 def _factor(above: Float64, layout: Layout, wanted_px: float, options: ReliefOptions) -> float:
-    """What all heights are multiplied by."""
+    """Return the factor on all heights."""
     low, high = layout.range_of(above)
     base_px = layout.domain.base_px
     rounding = 1e-12 * max(1.0, float(np.abs(above).max()), 0.0 if base_px is None else float(np.abs(base_px).max()))
     if high - low <= rounding:
-        raise InputError(f"`height='{options.height}'`: the relief is flat and cannot be scaled to a height")
+        raise InputError(f"`height='{options.height}'`: the relief is flat, so no factor gives it a height")
     return wanted_px / (high - low)
 
 
 def _finished(
     above: Float64, layout: Layout, pitch_mm: float, delta: float, scale: float, statistics: SolveStatistics
 ) -> FinishedHeights:
-    """The heights in mm, in the array of those in px above the background."""
+    """Return the heights in mm; ``above``, in px above the background, is overwritten."""
     low, high = layout.range_of(above)
     relief_range_mm = (high - low) * pitch_mm
     below = layout.share_below(above) if layout.holds else 0.0

@@ -1,4 +1,4 @@
-"""Exact height: pick the factor t for which a + t b has a given range (max - min)."""
+"""Exact height: find the factor t for which a + t b has a given range (max - min)."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ _MAX_STEPS = 200
 
 
 def spread_of(values: Float64) -> float:
-    """Max - min."""
+    """Return the maximum minus the minimum."""
     return float(values.max() - values.min())
 
 
 def _range_and_slope(a: Float64, b: Float64, t: float) -> tuple[float, float]:
-    """Range of a + t b and its right-hand derivative in t."""
+    """Return the range of a + t b and its right-hand derivative in t."""
     z = a + t * b
     top, bottom = int(z.argmax()), int(z.argmin())
     return float(z[top] - z[bottom]), float(b[top] - b[bottom])
 
 
 def least_range(a: Float64, b: Float64) -> tuple[float, float]:
-    """The t with the least range of a + t b, and that range; the range is convex and piecewise linear in t.
+    """Return the t that minimises the range of a + t b, and that range; it is convex and piecewise linear in t.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def least_range(a: Float64, b: Float64) -> tuple[float, float]:
     for _ in range(_MAX_STEPS):
         if slope_low >= 0 or slope_high <= 0 or high - low <= 1e-15 * max(1.0, abs(high)):
             break
-        # where the two tangents cross: exact after finitely many steps
+        # the crossing of the two tangents; exact after finitely many steps
         cross = (value_high - value_low + slope_low * low - slope_high * high) / (slope_low - slope_high)
         value, slope = _range_and_slope(a, b, cross)
         tangent = value_low + slope_low * (cross - low)
@@ -51,7 +51,7 @@ def least_range(a: Float64, b: Float64) -> tuple[float, float]:
 
 
 def factor_for_range(a: Float64, b: Float64, wanted: float, what: str, pitch_mm: float) -> float:
-    """The largest t for which a + t b has the range ``wanted``; never negative, which would turn b inside out.
+    """Return the largest t for which a + t b has the range ``wanted``; never negative, which would invert b.
 
     Parameters
     ----------
@@ -60,25 +60,25 @@ def factor_for_range(a: Float64, b: Float64, wanted: float, what: str, pitch_mm:
     wanted : float
         Range in px.
     what : str
-        Option to name in the error.
+        What t scales, for the error message.
     pitch_mm : float
-        To say the least reachable height in mm.
+        Pitch, to convert the smallest reachable height to mm for the error message.
 
     Raises
     ------
     InputError
-        If no t >= 0 reaches the range; the message says the least reachable one.
+        If no t >= 0 reaches the range; the message states the smallest reachable one.
     """
-    # a response that is the same everywhere, up to the solver's tolerance, moves the relief but keeps its range
+    # if b is the same everywhere, up to the solver's tolerance, it moves the relief but does not change its range
     without_effect = spread_of(b) <= 1e-4 * float(abs(b).max())
     best, least = (0.0, spread_of(a)) if without_effect else least_range(a, b)
     if best < 0:
         best, least = 0.0, spread_of(a)
     if wanted < least or without_effect:
-        reason = "has no effect here: it stays at" if without_effect else "alone does not reach: the least is"
+        reason = "does not change the height, which is" if without_effect else "alone gives at least"
         raise InputError(
             f"`height='{wanted * pitch_mm:g}mm'`: changing {what} {reason} {least * pitch_mm:.4g} mm; "
-            f"{'' if without_effect else 'ask for more, or '}use `fit='scale'`"
+            f"{'' if without_effect else 'choose a larger `height`, or '}use `fit='scale'`"
         )
     t = best + max(1.0, best)
     value, slope = _range_and_slope(a, b, t)

@@ -13,18 +13,18 @@ from nmaptool.core.parallel import for_each_band
 from nmaptool.core.progress import Progress
 from nmaptool.solver import DirectMethod, Solver
 
-# parts are solved this much more closely than asked, so that their sum is as close as asked at every delta but those
-# where the two loads all but cancel; not closer than what rounding allows
+# parts are solved to a tolerance smaller by _CLOSER, so that their sum is in tolerance at every delta except where the
+# two loads nearly cancel; rounding allows no tolerance below _CLOSEST
 _CLOSER = 8.0
 _CLOSEST = 1e-13
-# a load this small beside those it is the sum of is not known well
+# a load this small compared to its two terms is inaccurate
 _CANCELLED = 1e-10
 _VERTICES_AT_ONCE = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
 class SolveSettings:
-    """How well and how long to solve."""
+    """Tolerance, iteration limit and progress callback of a solve."""
 
     tolerance: float
     max_iterations: int
@@ -33,14 +33,14 @@ class SolveSettings:
 
 @dataclass(frozen=True, eq=False)
 class SolveStatistics:
-    """The solver's iterations for one answer, and how well that answer solves the system."""
+    """The solver's iterations for one result, and the residual of that result."""
 
     residual: float
     iterations: int = 0
     history: tuple[float, ...] = ()
 
     def after(self, *others: SolveStatistics) -> SolveStatistics:
-        """The answer, reached after others."""
+        """Return these statistics with the iterations of earlier solves added."""
         everything = (*others, self)
         return SolveStatistics(
             self.residual, sum(a.iterations for a in everything), sum((a.history for a in everything), start=())
@@ -57,19 +57,19 @@ class _Solved:
 
 
 class SystemHeights:
-    """A prepared system, its two loads and the heights solved with it so far.
+    """A prepared system, its two loads and the heights solved so far.
 
     Parameters
     ----------
     solver : Solver
     base_px : (H+1, W+1) float64 or None
-        The background's height; None is 0.
+        Height of the background; None is 0.
     load : (H+1, W+1) float64
         Load for delta = 0.
     pull : (H+1, W+1) float32
-        Load of delta = 1.
+        Load that delta = 1 adds.
     kept : bool
-        Whether this is asked more than once; else the load is given up as it is used.
+        Whether heights are requested more than once; if not, the load is released when it is used.
     """
 
     def __init__(self, solver: Solver, base_px: Float64 | None, load: Float64, pull: Float32, kept: bool) -> None:
@@ -86,18 +86,18 @@ class SystemHeights:
     def at(
         self, delta: float, settings: SolveSettings, warm_start: SystemHeights | None = None
     ) -> tuple[Float64, SolveStatistics]:
-        """Heights in px above the background; the array is nobody else's.
+        """Return heights in px above the background, as a new array.
 
-        The first delta is solved as it is; a second one splits the heights into their parts, and then every delta is
-        their sum.
+        The first delta is solved directly. The second one splits the heights into their two parts; from then on, the
+        heights at every delta are their sum.
 
         Parameters
         ----------
         delta : float
-            In px.
+            Delta in px.
         settings : SolveSettings
         warm_start : SystemHeights, optional
-            Of weights close by: its heights are where the solver starts.
+            A system with similar weights; the solver starts from its heights.
 
         Raises
         ------
@@ -123,7 +123,7 @@ class SystemHeights:
     def parts(
         self, settings: SolveSettings, warm_start: SystemHeights | None = None
     ) -> tuple[Float64, Float64, SolveStatistics]:
-        """(h0, h1): heights above the background for delta = 0, and what delta = 1 adds. Not to be written to.
+        """Return (h0, h1): heights above the background for delta = 0, and what delta = 1 adds. Do not write to them.
 
         Raises
         ------
@@ -139,11 +139,11 @@ class SystemHeights:
         return first.above, second.above, SolveStatistics(residual).after(*spent)
 
     def _release(self) -> None:
-        """Give up what the heights were solved with: nothing more will be asked."""
+        """Release the solver and the loads: no more heights will be requested."""
         del self.solver, self._load, self._pull
 
     def guess(self, delta: float) -> Float64 | None:
-        """The best that is known of the heights at a delta without solving."""
+        """Return the best estimate of the heights at a delta that needs no solve; None if there is none."""
         if self._parts is not None:
             return self._sum(delta)
         return None if self._whole is None else self._whole.above
@@ -175,20 +175,20 @@ class SystemHeights:
         return self._solve(load, self._base, settings, start, delta)
 
     def _split_closer(self, settings: SolveSettings, warm_start: SystemHeights | None) -> tuple[SolveStatistics, ...]:
-        """Solve the parts so well that their sums are as good as asked."""
+        """Solve the parts accurately enough for their sums to be in tolerance."""
         closer = min(settings.tolerance, max(settings.tolerance / _CLOSER, _CLOSEST))
         if closer <= self._out_of_reach:
             return ()
         try:
             spent = self._split(replace(settings, tolerance=closer), warm_start)
-        except ConvergenceError as error:  # the whole may be within reach where its parts are not
+        except ConvergenceError as error:  # the whole may converge even if its parts do not
             self._out_of_reach = closer
             return (SolveStatistics(math.inf, len(error.history), error.history),)
         self._whole = None
         return spent
 
     def _split(self, settings: SolveSettings, warm_start: SystemHeights | None) -> tuple[SolveStatistics, ...]:
-        """Solve the parts that are not there, or not as well as asked."""
+        """Solve the parts that are missing or not in tolerance."""
         first, second = self._parts or (None, None)
         spent = []
         if second is None or second.residual > settings.tolerance:
@@ -216,7 +216,7 @@ class SystemHeights:
         self, load: Float64, held_z: Float64 | None, settings: SolveSettings, start: Float64 | None, delta: float = 0.0
     ) -> tuple[_Solved, SolveStatistics]:
         if isinstance(self.solver.method, DirectMethod):
-            start = None  # it has the answer at once
+            start = None  # a direct method needs no start
         elif start is not None and held_z is not None:
             start = start + held_z
         solution = self.solver.solve(
@@ -234,7 +234,7 @@ class SystemHeights:
         return _Solved(above, solution.residual, delta), statistics
 
     def _residual_at(self, delta: float) -> float:
-        """What the residual of the parts' sum is at most, relative to its load; the largest over the islands."""
+        """Return an upper bound of the relative residual of the parts' sum, the largest over the islands."""
         if self._parts is None:
             return math.inf
         if self._squares is None:
@@ -249,7 +249,7 @@ class SystemHeights:
         return float(np.max(np.divide(off, np.sqrt(square), out=np.zeros_like(off), where=square > 0)))
 
     def _load_squares(self) -> tuple[Float64, Float64, Float64]:
-        """(count+1,) each: sums over the islands of the squares of both loads and of their product."""
+        """Return (count+1,) sums per island of the squared first load, the product, and the squared second load."""
         system, islands = self.solver.system, self.solver.islands
         first = self._load
         assert first is not None

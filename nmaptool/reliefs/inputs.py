@@ -1,4 +1,4 @@
-"""What a relief is given, checked: sizes, weights, motif, curved background, size of a pixel."""
+"""Check the inputs of a relief: sizes, weights, motif, curved background, pitch."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.plain_arrays import as_float32, as_mask, check_sizes, is_array
 
-# a mask that changes by less than this per px is a ramp to fade over, not a smoothed edge to cut at one half
+# a mask that changes by less than this per px is a ramp to fade along, not a smoothed edge to cut at 0.5
 _RAMP_PER_PX = 0.2
 _FAINTEST = 0.02
-# slopes under this are flat in a flat map's 8-bit codes
+# smaller slopes cannot be told from flat in 8-bit codes
 _FLAT_TILT = 1.5 / 127
 _SAME_PITCH = 1e-3
 
 
 def check_weights(maps: dict[str, Any]) -> dict[str, Float32 | None]:
-    """Weight maps as float32.
+    """Return weight maps as float32.
 
     Raises
     ------
     InputError
-        If a value is not finite, too large, or negative where that means nothing.
+        If a value is not finite, too large, or negative in a map other than delta.
     """
     checked: dict[str, Float32 | None] = {}
     for name, values in maps.items():
@@ -42,15 +42,15 @@ def check_weights(maps: dict[str, Any]) -> dict[str, Float32 | None]:
         array = as_float32(values, f"the {name} map")
         bad = not np.isfinite(array).all() or np.abs(array).max() > LARGEST_WEIGHT
         if bad or (name != "delta" and array.min() < 0):
-            sign = "" if name == "delta" else " and not negative"
-            raise InputError(f"the {name} map must be finite{sign}, at most {LARGEST_WEIGHT:g}")
+            sign = "" if name == "delta" else ", not negative"
+            raise InputError(f"the {name} map: values must be finite{sign} and at most {LARGEST_WEIGHT:g}")
         checked[name] = array
     return checked
 
 
 @dataclass(frozen=True, eq=False)
 class ReliefMaps:
-    """What a relief is made of, checked: all of one size.
+    """The checked inputs of a relief, all of the same size.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class ReliefMaps:
     mask : (H, W) float32 or None
     surface : NormalMap or Height or None
     mu, beta, delta : (H, W) float32 or None
-        What multiplies them.
+        Factors on mu, beta and delta.
     """
 
     original: NormalMap
@@ -80,14 +80,14 @@ class ReliefMaps:
 def check_maps(
     original: Any, detail: Any, mask: Any, surface: Any, mu_map: Any, beta_map: Any, delta_map: Any
 ) -> ReliefMaps:
-    """The inputs of a relief, checked.
+    """Check and convert the inputs of a relief.
 
     Raises
     ------
     InputError
-        If sizes differ, or a map holds bad values.
+        If sizes differ, or a map has bad values.
     UsageError
-        If one is not what it should be, or there is a mu map without a detail map.
+        If an input has the wrong type, or there is a mu map without a detail map.
     """
     coverage = None if mask is None else as_mask(mask)
     original = as_normal_map(original, "the original", coverage)
@@ -96,7 +96,7 @@ def check_maps(
         detail = as_normal_map(detail, "the detail map", coverage)
         others[f"the detail map {detail.name}"] = detail.frame.shape
     elif mu_map is not None:
-        raise UsageError("`mu_map`: weighs the detail map; give one with `detail`")
+        raise UsageError("`mu_map`: has no effect without a detail map; give one with `detail`")
     if coverage is not None:
         others["the mask"] = coverage.shape
     if is_array(surface):
@@ -110,7 +110,7 @@ def check_maps(
 
 
 def pitch_of(original: NormalsLike, options: ReliefOptions | None = None) -> tuple[float, str]:
-    """Tell the size of a pixel of a relief, and where it comes from.
+    """Return the pitch of a relief and where it comes from.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def pitch_of(original: NormalsLike, options: ReliefOptions | None = None) -> tup
     Raises
     ------
     InputError, UsageError
-        As `nmaptool.NormalMap.from_array`, where an array or something else is given.
+        As for `nmaptool.NormalMap.from_array`, if ``original`` is not a NormalMap.
 
     Examples
     --------
@@ -147,27 +147,27 @@ def pitch_of(original: NormalsLike, options: ReliefOptions | None = None) -> tup
 
 
 def motif_of(original: NormalMap, mask: Float32 | None, fading: bool) -> Mask:
-    """(H, W) bool: the motif, from the map's own background or from a mask.
+    """Return the motif as (H, W) bool, from the map's background or from a mask.
 
     Parameters
     ----------
     original : NormalMap
     mask : (H, W) float32 or None
-        Motif where 0.5 or more; where it rises slowly and ``fading``, all of the ramp.
+        Motif where 0.5 or more; with ``fading``, slow ramps of the mask belong to the motif entirely.
     fading : bool
-        Whether a held background lets the motif fade into it.
+        Whether the motif may fade into a held background.
 
     Raises
     ------
     InputError
-        If nothing is left.
+        If the motif is empty.
     """
     kind = original.decoding.background
     if mask is None:
         if not original.foreground.any():
             raise InputError(
-                f"{original.name}: every pixel is background ({kind}); nothing is left to make a relief of; "
-                "if it is a surface, say `background_color='none'`"
+                f"{original.name}: every pixel is background ({kind}), so there is no motif; if the whole map is a "
+                "surface, use `background_color='none'`"
             )
         return original.foreground
     chosen = mask >= 0.5
@@ -179,16 +179,16 @@ def motif_of(original: NormalMap, mask: Float32 | None, fading: bool) -> Mask:
     both = np.asarray(chosen & (original.coverage >= 0.5))
     if not both.any():
         raise InputError(
-            f"the mask selects only background ({kind}) of {original.name}; is it upside down or inverted?"
+            f"the mask selects only background ({kind}) of {original.name}; check whether it is inverted or upside down"
         )
     return both
 
 
 def height_term_mask(original: NormalMap, motif: Mask, mask: Float32 | None) -> Mask:
-    """Where the height term acts: the motif, without the flat patches of a map with a flat background.
+    """Return where the height term acts: the motif, without the flat patches of a map with a flat background.
 
-    Such a map shows whether a patch inside the motif is raised or sunk by the slopes around it alone; pulled to a
-    height, the insides of letters would be filled.
+    In such a map, only the slopes around a flat patch inside the motif show whether it is raised or sunk. The height
+    term would pull it up and fill the insides of letters.
     """
     if mask is not None or not original.flat_background:
         return motif
@@ -197,20 +197,20 @@ def height_term_mask(original: NormalMap, motif: Mask, mask: Float32 | None) -> 
 
 
 def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> tuple[Float64 | None, Mask | None]:
-    """(H+1, W+1) heights in px of the curved background and (H, W) bool where it is; None for other modes.
+    """Return the (H+1, W+1) heights in px of the curved background and its (H, W) mask; None for other modes.
 
-    Beyond its own edge it goes on level, for a motif that overhangs.
+    For motifs that overhang its edge, it is continued outwards at the height of the edge.
 
     Raises
     ------
     UsageError
-        If a curved background is missing, or there without its mode.
+        If a curved background is missing, or given in another mode.
     InputError
-        If it has holes, or pixels of another size.
+        If it has holes, or another pitch.
     """
     if options.background != "surface":
         if surface is not None:
-            raise UsageError(f"`surface`: only goes with `background='surface'`, not {options.background}")
+            raise UsageError(f"`surface`: needs `background='surface'`, found {options.background}")
         return None, None
     if surface is None:
         raise UsageError("`background='surface'`: needs the curved background, such as `surface='background.png'`")
@@ -230,7 +230,7 @@ def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> tupl
 
 
 def _extended(z: Float64, ground: Mask) -> Float64:
-    """Heights at vertices off the ground: those of the nearest one on it."""
+    """Return heights in which each vertex off the ground has the height of the nearest vertex on it."""
     if ground.all():
         return z
     from scipy import ndimage  # takes long to load

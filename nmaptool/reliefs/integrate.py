@@ -1,4 +1,4 @@
-"""A normal map that is a surface all over, to its heights."""
+"""Integrate a normal map to heights."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from nmaptool.types.plain_arrays import as_mask, check_sizes
 def integrate(
     normals: NormalsLike, mask: MaskLike | None = None, *, slope_cap: float = 3.0, tolerance: float = 1e-8
 ) -> Float64:
-    """Heights whose slopes are those of the normals in the least-squares sense (paper, Eq. 8 without the height term).
+    """Return heights whose slopes fit the normals in the least-squares sense (paper, Eq. 8 without the height term).
 
     Parameters
     ----------
     normals : NormalMap or (H, W, 3) float of any type
-        In eye space: x right, y up, z to the viewer, row 0 at the top.
+        Normals in eye space: x right, y up, z towards the viewer, row 0 at the top.
     mask : (H, W) bool or float in [0, 1], optional
-        The surface is where the mask is 0.5 or more and, for a NormalMap, its coverage, too. Where the mask is 0, the
+        The surface is where the mask, and the coverage of a NormalMap, are 0.5 or more. Where the mask is 0, the
         vectors of an array may be anything. Default: everything that is covered.
     slope_cap : float
-        Steeper slopes are reduced to this one, above 0; normals that face away count as infinitely steep.
+        Steeper slopes are reduced to this value, above 0; normals that face away count as infinitely steep.
     tolerance : float
         Relative residual of the solve, 1e-14 to 1.
 
     Returns
     -------
     (H+1, W+1) float64
-        Heights at the corners of the pixels, in px; positive is nearer to the viewer. The lowest is 0, and so is
-        everything outside the surface. Parts that do not touch each other are placed at the same mean height.
+        Heights at the corners of the pixels, in px; positive is towards the viewer. The lowest is 0, and so are all
+        heights outside the surface. Parts that do not touch each other have the same mean height.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def integrate(
 
     Examples
     --------
-    A plane that rises by half a pixel a pixel to the right:
+    A plane that rises by half a pixel per pixel to the right:
 
     >>> normals = np.zeros((2, 4, 3))
     >>> normals[...] = -0.5, 0, 1
@@ -63,15 +63,15 @@ def integrate(
     covered = normal_map.coverage >= 0.5
     if not covered.any():
         raise InputError(
-            f"{normal_map.name}: all of it is background ({normal_map.decoding.background}); if it is a surface, say "
-            "`background_color='none'`"
+            f"{normal_map.name}: every pixel is background ({normal_map.decoding.background}); if the whole map is a "
+            "surface, use `background_color='none'`"
         )
     if chosen is not None:
         check_sizes(normal_map.name, covered.shape, {"the mask": chosen.shape})
         covered &= chosen >= 0.5
         if not covered.any():
-            raise InputError("the mask selects nothing of the surface: it must be 0.5 or more there")
-    ReliefOptions(slope_cap=slope_cap, tolerance=tolerance)  # refuses what cannot be meant
+            raise InputError("the mask selects no part of the surface: set it to 0.5 or more there")
+    ReliefOptions(slope_cap=slope_cap, tolerance=tolerance)  # checks the values
     domain = build_domain("free", covered, covered)
     targets = build_targets(normal_map, None, domain, Weights(0, 0, 0), slope_cap, "eq6")
     solver = prepare(QuadSystem(targets.weight, targets.beta, domain.held))

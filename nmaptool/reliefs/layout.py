@@ -1,4 +1,4 @@
-"""A domain and what is counted on it."""
+"""A domain and its statistics."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from nmaptool.reliefs.standing import Standing
 
 
 class Layout:
-    """A domain and what is counted on it, once.
+    """A domain and its statistics, computed once.
 
     Parameters
     ----------
     domain : Domain
     motif : (H, W) bool
     tolerance : float
-        To which the background's height was integrated, where it is a normal map.
+        Tolerance to which the background was integrated, if it is a normal map.
     standing : Standing, optional
         The motif, where it stands on its plate with walls.
     flat_share : float
@@ -46,14 +46,14 @@ class Layout:
         return touching_vertices(self.motif)
 
     def inside(self, z: Float64) -> Float64:
-        """The heights of the surface's vertices, one after the other."""
+        """Return the heights of the surface's vertices as a 1-D array."""
         return z.ravel() if self._inside is None else z[self._inside]
 
     def range_of(self, z: Float64) -> tuple[float, float]:
-        """Least and greatest height of the surface."""
+        """Return the lowest and highest height of the surface."""
         values = self.inside(z)
         return float(values.min()), float(values.max())
 
     def share_below(self, above: Float64) -> float:
-        """Share of the motif's vertices below the background."""
+        """Return the share of the motif's vertices that are below the background."""
         return np.count_nonzero((above < 0) & self._motif_vertices) / np.count_nonzero(self._motif_vertices)

@@ -1,4 +1,4 @@
-"""One or two normal maps to a height field in millimetres."""
+"""Solve one or two normal maps for a height field in millimetres."""
 
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ def relief(
 ) -> Relief:
     """Solve for a bas-relief: detail-preserving from O and D (Eq. 6), or structure-preserving from B alone (Eq. 8).
 
-    For other options on the same maps, `ReliefSession` computes only what a changed option affects.
+    To solve the same maps with other options, use `ReliefSession`, which recomputes only what a changed option affects.
 
     Parameters
     ----------
     original : NormalMap or (H, W, 3) float of any type
         The original map O, or the base map B.
     detail : NormalMap or (H, W, 3) float of any type, optional
-        The detail map D, same size; flat where there is no detail.
+        The detail map D, of the same size; flat where there is no detail.
     options : ReliefOptions, optional
         Height, width, weights, background, solver.
     mask : (H, W) bool or float in [0, 1], optional
-        Foreground where 0.5 or more. Where the mask is 0, an array of normals may hold anything. Default: the
+        Foreground where 0.5 or more. Where the mask is 0, the vectors of an array may be anything. Default: the
         foreground of the map.
     surface : NormalMap, (H, W, 3) float or Height, optional
         The curved background for ``background="surface"``.
     mu_map, beta_map, delta_map : (H, W) float of any type, optional
-        Multiply mu, beta and delta per pixel; finite, mu and beta not negative.
+        Factors on mu, beta and delta per pixel; finite, and not negative for mu and beta.
     progress : callable, optional
         Called with the stage, such as "setting up" or "solving", and the share done, 0 to 1.
 
@@ -52,7 +52,7 @@ def relief(
     Raises
     ------
     InputError
-        If sizes differ, nothing is foreground, a map holds bad values, or the exact height cannot be reached.
+        If sizes differ, nothing is foreground, a map has bad values, or the exact height cannot be reached.
     UsageError
         If options contradict each other, or a value is neither a map nor an array.
     LimitError

@@ -1,4 +1,4 @@
-"""The account of a relief, from its heights and what they were solved with."""
+"""Build the report of a relief from its heights and the solver's statistics."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from nmaptool.reliefs.targets import Weights, to_pixels
 from nmaptool.solver import Solver
 from nmaptool.types.relief import ReliefReport
 
-# where so much of a motif on a flat background is flat, it is likely lettering or an emblem
+# if more than this share of a motif on a flat background is flat, it is probably lettering or an emblem
 _MUCH_FLAT = 0.1
 
 
 @dataclass(frozen=True)
 class SolverFacts:
-    """What a report says of a solver; the solver itself is free to go.
+    """Facts about a solver for the report; the solver itself can be released.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class SolverFacts:
 
 
 def facts_of(solver: Solver) -> SolverFacts:
-    """What a report says of a solver."""
+    """Return the facts about a solver for the report."""
     islands = solver.islands
     floating = int(islands.floating.sum())
     return SolverFacts(solver.method.name, solver.unknowns, islands.count, floating, solver.planned_bytes)
@@ -50,7 +50,10 @@ def report_of(
     longer_side: int,
     pulled: bool,
 ) -> ReliefReport:
-    """The account of one relief; ``pitch`` is in mm, and where it is from; ``pulled``: beta is not 0 everywhere."""
+    """Return the report of one relief.
+
+    ``pitch`` is the pitch in mm and its source; ``pulled`` says whether beta is not 0 everywhere.
+    """
     reach_px = weights.reach_px(options.energy)
     low, high = heights.range_mm
     return ReliefReport(
@@ -90,13 +93,13 @@ def _warnings(options: ReliefOptions, layout: Layout, scale: float, reach_px: fl
     found = []
     if not layout.holds:
         if not pulled:
-            found.append("beta is 0 and nothing is held: delta has no effect, heights are given with mean 0")
+            found.append("`beta` is 0 and nothing is held: `delta` has no effect, and the heights have mean 0")
         elif options.background in ("plane", "surface"):
-            found.append("no background was found to hold: the whole picture is surface, its height counts from delta")
+            found.append("the map has no background to hold: the whole picture is surface, pulled to height `delta`")
     if layout.left_alone > _MUCH_FLAT * layout.motif_share and pulled:
-        found.append("much of the motif is flat; for lettering and emblems `beta=0` keeps every height of the map")
+        found.append("much of the motif is flat; for lettering and emblems, `beta=0` keeps every height of the map")
     if reach_px < 1:
-        found.append(f"beta is so large that shape is kept over {reach_px:.2g} px only: little but delta is left")
+        found.append(f"`beta` is so large that it flattens shapes wider than {reach_px:.2g} px; use a smaller `beta`")
     if options.fit == "slope" and scale < 0.05:
-        found.append(f"the slopes were scaled by {scale:.2g} to reach the height: little of the shape is left")
+        found.append(f"the slopes were scaled by {scale:.2g} to reach `height`, so little of the shape remains")
     return found

@@ -1,4 +1,4 @@
-"""Reliefs of the same maps again and again: what an earlier one has worked out serves the next."""
+"""Solve many reliefs of the same maps, reusing the results of earlier solves."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _CappedPair = tuple[CappedSlopes, CappedSlopes | None]
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class _Case:
-    """One setting of everything that needs a solve, and what was worked out for it.
+    """One combination of the options that need a solve, and its results.
 
-    ``ground``, ``system`` and ``shape`` are the values that the layout, the solver and the heights depend on.
+    ``ground``, ``system`` and ``shape`` hold the values that the layout, the solver and the heights depend on.
     """
 
     ground: tuple[object, ...]
@@ -47,18 +47,19 @@ class _Case:
 class ReliefSession:
     """Solve reliefs of the same maps with changing options, such as for a live preview.
 
-    Only what a changed option affects is computed again. A new delta, height, fit, width or looser tolerance needs no
-    solver iterations: heights are linear in delta, and their two parts are kept from the second delta on. A new mu,
-    beta, slope cap or energy starts from the previous heights. Results equal those of `nmaptool.relief` to the
-    tolerance; each has arrays of its own, which no later solve changes.
+    Only what a changed option affects is recomputed. A new delta, height, fit, width or looser tolerance needs no
+    solver iterations: heights are linear in delta, and their two parts are kept from the second delta on. With a new
+    mu, beta, slope cap or energy, the solver starts from the previous heights. Results equal those of `nmaptool.relief`
+    within the tolerance; each has its own arrays, which later solves do not change.
 
     Parameters
     ----------
     original, detail, mask, surface, mu_map, beta_map, delta_map
         As for `nmaptool.relief`.
     keep : int
-        How many settings of mu, beta, background and so on to keep with their solver and heights, latest used first: 2
-        allow to go back and forth between two. Each takes the memory of a solve and 32 bytes a pixel. 0 keeps nothing.
+        How many combinations of mu, beta, background and so on to keep with their solver and heights, the most recently
+        used ones first; with 2, you can go back and forth between two. Each takes the memory of a solve plus 32 bytes
+        per pixel. 0 keeps nothing.
 
     Notes
     -----
@@ -68,7 +69,7 @@ class ReliefSession:
     Raises
     ------
     InputError
-        If sizes differ or a map holds bad values.
+        If sizes differ or a map has bad values.
     UsageError
         If an input has the wrong type, there is a mu map without a detail map, or ``keep`` is negative.
     """
@@ -87,11 +88,11 @@ class ReliefSession:
     ) -> None:
         self._maps = given.check_maps(original, detail, mask, surface, mu_map, beta_map, delta_map)
         if keep < 0:
-            raise UsageError(f"keep {keep}: must be zero or more")
+            raise UsageError(f"`keep={keep}`: must be zero or more")
         self._keep = keep
-        self._cases: list[_Case] = []  # the latest used first
+        self._cases: list[_Case] = []  # most recently used first
         self._lock = threading.Lock()
-        self._solving: int | None = None  # the thread that does
+        self._solving: int | None = None  # the thread that is solving
 
     def solve(self, options: ReliefOptions | None = None, *, progress: Progress | None = None) -> Relief:
         """Solve for the relief with these options.
@@ -101,12 +102,12 @@ class ReliefSession:
         options : ReliefOptions, optional
             Height, width, weights, background, solver.
         progress : callable, optional
-            Called with the name of the stage and the share done, 0 to 1; what it raises ends the solve.
+            Called with the name of the stage and the share done, 0 to 1; an exception that it raises ends the solve.
 
         Returns
         -------
         Relief
-            Its report counts the iterations of this very solve: 0 where none was needed.
+            Its report counts the iterations of this solve only: 0 if none was needed.
 
         Raises
         ------
@@ -129,7 +130,7 @@ class ReliefSession:
         """
         options = options or ReliefOptions()
         if self._solving == threading.get_ident():
-            raise UsageError("a session cannot solve while it solves: ask it after the progress callback has returned")
+            raise UsageError("a session cannot solve inside its own progress callback: call it after that has returned")
         with self._lock:
             self._solving = threading.get_ident()
             try:
@@ -148,7 +149,7 @@ class ReliefSession:
             warm_start = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
         with stages.stage("solve"):
             settings = SolveSettings(options.tolerance, options.max_iterations, progress)
-            # kept even where the height asked for turns out not to be reached
+            # kept even if the requested height turns out to be unreachable
             self._cases = [case, *(c for c in self._cases if c is not case)][: self._keep]
             heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, settings, warm_start)
         with stages.stage("finish"):
@@ -176,9 +177,9 @@ class ReliefSession:
         return Weights(options.mu if maps.detail is not None else 0.0, beta, delta, maps.mu, maps.beta, maps.delta)
 
     def _case_for(self, options: ReliefOptions, weights: Weights, pitch_mm: float, stages: Stages) -> _Case:
-        """The case of these options: one that is there, or a new one made from what the others have in common."""
+        """Return the case of these options: a kept one, or a new one that reuses what other cases share with it."""
         maps = self._maps
-        # mu and the energy do nothing without a detail map
+        # mu and the energy have no effect without a detail map
         energy = options.energy if maps.detail is not None else "eq6"
         stiffened = weights.mu if energy == "eq6" else 0.0
         ground = self._ground_key(options, pitch_mm)
@@ -222,7 +223,7 @@ class ReliefSession:
         )
 
     def _capped(self, slope_cap: float) -> _CappedPair:
-        """Capped slopes of the maps."""
+        """Return the capped slopes of the maps."""
         known = next((c.capped for c in self._cases if c.slope_cap == slope_cap), None)
         if known is not None:
             return known
@@ -233,20 +234,20 @@ class ReliefSession:
         )
 
     def _solver_of(self, system: tuple[object, ...], options: ReliefOptions) -> Solver | None:
-        """A solver that is there already."""
+        """Return a kept solver for these values, if there is one."""
         solver = next((c.heights.solver for c in self._cases if c.system == system), None)
         if solver is not None:
             solver.check_memory(options.memory_limit_bytes)
         return solver
 
     def _ground_key(self, options: ReliefOptions, pitch_mm: float) -> tuple[object, ...]:
-        """What the layout depends on, besides the tolerance to which a normal map of the background is integrated."""
+        """Return what the layout depends on, except the tolerance to which a background's normal map is integrated."""
         if options.background != "surface":
             return (options.background, options.edge)
         return (options.background, options.slope_cap if isinstance(self._maps.surface, NormalMap) else pitch_mm)
 
     def _holds(self, case: _Case, options: ReliefOptions) -> bool:
-        """Whether a case's background is as exact as asked."""
+        """Whether the background of a case was integrated to the requested tolerance."""
         integrated = options.background == "surface" and isinstance(self._maps.surface, NormalMap)
         return not integrated or case.layout.tolerance <= options.tolerance
 

@@ -1,4 +1,4 @@
-"""Normals and weights to the linear system: Eq. 6 and Eq. 8 of Wei et al. 2018 (and Eq. 4), resolution apart."""
+"""Build the linear system from normals and weights, at any resolution: Eq. 4, 6 and 8 of Wei et al. 2018."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _Array = TypeVar("_Array", Float32, Float64)
 
 @dataclass(frozen=True, eq=False)
 class Weights:
-    """mu, beta and delta in pixels of this very picture, each a scalar times an optional (H, W) map.
+    """mu, beta and delta in pixels of this picture, each a scalar times an optional (H, W) map.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Weights:
 
 
 def to_pixels(beta: float, delta: float, longer_side: int, per_pixel: bool) -> tuple[float, float]:
-    """Beta and delta as they are meant at 1000 px on the longer side, for this size; or literally.
+    """Convert beta and delta, which are defined for 1000 px on the longer side, to this size; not if ``per_pixel``.
 
     >>> to_pixels(0.01, 10.0, 500, per_pixel=False)
     (0.04, 5.0)
@@ -59,7 +59,7 @@ def to_pixels(beta: float, delta: float, longer_side: int, per_pixel: bool) -> t
 
 @dataclass(frozen=True, eq=False)
 class CappedSlopes:
-    """A map's slopes, no steeper than a cap.
+    """Slopes of a map, reduced to a cap where they are steeper.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class CappedSlopes:
 
 
 def capped_slopes(normals: Float32, cap: float) -> CappedSlopes:
-    """Capped slopes of (H, W, 3) float32 unit normals."""
+    """Return the capped slopes of (H, W, 3) float32 unit normals."""
     shape = normals.shape[:2]
     p, q, steep = np.empty(shape, np.float32), np.empty(shape, np.float32), np.empty(shape, bool)
 
@@ -92,7 +92,7 @@ def capped_slopes(normals: Float32, cap: float) -> CappedSlopes:
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """The pieces of the right-hand side and the weights, in float32: sums over faces are float64.
+    """The terms of the right-hand side and the weights, in float32; sums over faces are float64.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Targets:
     beta : (H+1, W+1) float32
         Height weight per vertex.
     pull : (H+1, W+1) float32
-        beta delta for delta = 1; the same array as ``beta`` without a delta map.
+        beta delta for delta = 1; without a delta map, it is the same array as ``beta``.
     steep_share : float
         Share of the acting faces whose slope was capped.
     """
@@ -116,7 +116,7 @@ class Targets:
     steep_share: float
 
     def shape_load(self, base_px: Float64 | None) -> Float64:
-        """(H+1, W+1) float64 load for delta = 0: that of the slopes, and beta times the background's height."""
+        """Return the (H+1, W+1) float64 load for delta = 0: slopes, plus beta times the height of the background."""
         load = np.zeros(self.beta.shape)
 
         def fill(band: slice) -> None:
@@ -128,7 +128,7 @@ class Targets:
             lower[:, :-1] -= falling
             lower[:, 1:] += rising
             if base_px is not None:
-                load[band] += self.beta[band] * base_px[band]  # float64, as the heights are
+                load[band] += self.beta[band] * base_px[band]  # in float64, like the heights
 
         for_each_band(len(load), _rows_at_once(load.shape), fill)
         return load
@@ -143,7 +143,7 @@ def build_targets(
     energy: str,
     capped: tuple[CappedSlopes, CappedSlopes | None] | None = None,
 ) -> Targets:
-    """State the least-squares problem for one or two maps.
+    """Build the least-squares problem for one or two maps.
 
     Parameters
     ----------
@@ -156,10 +156,10 @@ def build_targets(
     cap : float
         Slope cap.
     energy : {"eq6", "eq4"}
-        "eq6": target slope (g_O + mu g_D)/(1 + mu) with weight 1 + mu; "eq4": g_O + mu g_D with weight 1. Both count
-        from the slopes of a held background, and fade with the share of each face that is motif.
+        "eq6": target slope (g_O + mu g_D)/(1 + mu) with weight 1 + mu; "eq4": g_O + mu g_D with weight 1. Both are
+        relative to the slopes of a held background, and scaled by the share of each face that is motif.
     capped : pair of CappedSlopes, optional
-        Capped slopes of both maps, where they are known already.
+        Capped slopes of both maps, if already computed.
     """
     shape = original.frame.shape
     if capped is None:
@@ -182,7 +182,7 @@ def build_targets(
             p[band] += mu * second.p[band]
             q[band] += mu * second.q[band]
         if domain.base_px is not None:
-            # what stands out of the held background, on top of the background itself
+            # add the slopes of the held background to those of the motif
             p_base, q_base = height_slopes(domain.base_px[band.start : band.stop + 1])
             p[band] += (weight[band] - share) * p_base
             q[band] += (weight[band] - share) * q_base
@@ -204,7 +204,7 @@ def _mapped(value: float, by: Float32 | None, band: slice) -> Any:
 
 
 def _at_vertices(faces: Float32, by: Float32 | None = None) -> Float32:
-    """(H+1, W+1) quarter of the sum over the faces at each vertex, each face times ``by``."""
+    """Return (H+1, W+1): a quarter of the sum of ``faces`` times ``by`` over the faces at each vertex."""
     rows, cols = faces.shape
     out = np.zeros((rows + 1, cols + 1), np.float32)
 
@@ -222,13 +222,13 @@ def _at_vertices(faces: Float32, by: Float32 | None = None) -> Float32:
 
 
 def _halves(p: Float32, q: Float32) -> tuple[Float64, Float64]:
-    """Half the sum and half the difference of slopes, in float64."""
+    """Return half the sum and half the difference of slopes, in float64."""
     wide = p.astype(np.float64)
     return (wide + q) / 2, (wide - q) / 2
 
 
 def _faces_at(band: slice, vertices: _Array, rows: int) -> tuple[slice, _Array, slice, _Array]:
-    """The rows of faces above a band of vertices and those of its vertices that have one, and the same below."""
+    """Return the rows of faces above a band of vertices and the vertices that have such a face; the same for below."""
     above = slice(max(band.start - 1, 0), band.stop - 1)
     below = slice(band.start, min(band.stop, rows))
     return above, vertices[len(vertices) - (above.stop - above.start) :], below, vertices[: below.stop - below.start]

@@ -1,1 +1,1 @@
-"""Drawing meshes: which face each pixel sees."""
+"""Render meshes: the face that each pixel sees."""

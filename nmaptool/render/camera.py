@@ -1,4 +1,4 @@
-"""The camera: which way it looks, how the mesh is framed, and where each point falls in the picture."""
+"""The camera: its direction, the framing of the mesh, and the projection of points."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options import BakeOptions
 from nmaptool.types.mesh import Mesh
 
-# of the mesh's extent across the view: how far in front of the mesh a perspective camera stands at least
+# smallest distance of a perspective camera from the mesh, as a share of the mesh's extent across the view
 _CLEARANCE = 0.01
 
 
@@ -24,9 +24,9 @@ class Camera:
     Attributes
     ----------
     rotation : (3, 3) float64
-        Takes directions of the mesh to eye space.
+        Rotates directions of the mesh to eye space.
     center : (3,) float64
-        Point of the rotated mesh that falls on the picture's centre; the picture plane passes through it.
+        Point of the rotated mesh at the picture's centre; the picture plane passes through it.
     unit_per_px : float
         Size of a pixel on the picture plane.
     rows, cols : int
@@ -43,11 +43,11 @@ class Camera:
     distance: float | None = None
 
     def to_eye(self, points: Float64) -> Float64:
-        """(..., 3) points of the mesh in eye space, the picture's centre at the origin."""
+        """Convert (..., 3) points of the mesh to eye space, with the picture's centre at the origin."""
         return np.asarray(points @ self.rotation.T - self.center)
 
     def project(self, points: Float64) -> Float64:
-        """Where points of the mesh fall in the picture.
+        """Project points of the mesh onto the picture.
 
         Parameters
         ----------
@@ -56,8 +56,8 @@ class Camera:
         Returns
         -------
         (N, 3) float64
-            Column and row in px from the upper left corner, and nearness: larger is nearer, and as the picture is
-            crossed it changes linearly along every straight line and plane.
+            Column and row in px from the upper left corner, and nearness: larger is nearer, and it is
+            linear across the picture along every straight line and plane.
 
         Raises
         ------
@@ -70,13 +70,13 @@ class Camera:
         if self.distance is not None:
             ahead = self.distance - eye[:, 2]
             if not (ahead > 1e-6 * self.distance).all():
-                raise UsageError("the camera stands inside the mesh; use a larger `pitch` or a smaller `fov`")
+                raise UsageError("the camera is inside the mesh; use a larger `pitch` or a smaller `fov`")
             nearness = self.distance / ahead
             scale *= nearness
         return np.column_stack([self.cols / 2 + eye[:, 0] * scale, self.rows / 2 - eye[:, 1] * scale, nearness])
 
     def rays(self, col: Float64, row: Float64) -> Float64:
-        """(..., 3) float64: from the surface to the eye at picture positions, scaled so that z is 1."""
+        """(..., 3) float64: directions from the surface to the eye at picture positions, scaled so that z is 1."""
         out = np.zeros((*np.shape(col), 3))
         out[..., 2] = 1
         if self.distance is not None:
@@ -98,11 +98,11 @@ def view_rotation(azimuth: float, elevation: float, roll: float, up: str) -> Flo
     Parameters
     ----------
     azimuth : float
-        Degrees that the camera walks around the up axis, counter-clockwise seen from above; 0 is the front.
+        Degrees of the camera around the up axis, counter-clockwise seen from above; 0 is the front.
     elevation : float
-        Degrees that it climbs; 90 looks straight down.
+        Degrees of the camera above the horizon; 90 looks straight down.
     roll : float
-        Degrees that the picture turns counter-clockwise.
+        Degrees by which the picture is rotated counter-clockwise.
     up : str
         ``y``: the front is seen from +z; ``z``: from -y.
     """
@@ -127,12 +127,12 @@ def _turn(first: int, second: int, degrees: float) -> Float64:
 
 
 def frame_camera(mesh: Mesh, options: BakeOptions, azimuth: float, elevation: float) -> Camera:
-    """A camera that looks at a mesh from a direction and shows all of it, or what ``pitch`` and ``target`` say.
+    """Make a camera that sees a mesh from a direction and shows all of it, unless ``pitch`` or ``target`` is given.
 
     Parameters
     ----------
     mesh : Mesh
-        Clean.
+        Cleaned.
     options : BakeOptions
     azimuth, elevation : float
         Degrees, see `view_rotation`.
@@ -151,14 +151,14 @@ def frame_camera(mesh: Mesh, options: BakeOptions, azimuth: float, elevation: fl
     room = np.array([cols - 2 * margin, rows - 2 * margin])
     if not (room > 0).all():
         raise UsageError(
-            f"`margin='{options.margin}'`: leaves nothing of {cols} x {rows}; use a smaller one, such as "
+            f"`margin='{options.margin}'`: leaves no room in {cols} x {rows} px; use a smaller one, such as "
             f"{min(rows, cols) / 10:g}px"
         )
     low, high = turned.min(axis=0), turned.max(axis=0)
     center = (low + high) / 2
     extent = (high - low)[:2].max()
     if not extent > 0:
-        raise InputError(f"{mesh.name}: is seen edge-on from here; choose another `view`")
+        raise InputError(f"{mesh.name}: is seen exactly edge-on; choose another `view`")
     tangent = math.tan(math.radians(options.fov) / 2) * 2 / max(rows, cols)  # per px
     if options.fov:
         center[:2], distance = _fitted(turned - center * (0, 0, 1), room / 2 * tangent)
@@ -175,7 +175,7 @@ def frame_camera(mesh: Mesh, options: BakeOptions, azimuth: float, elevation: fl
 
 
 def _fitted(points: Float64, tangents: NDArray[np.float64]) -> tuple[Float64, float]:
-    """Centre (x, y) and least distance from z = 0 at which an eye sees all points within the slopes ``tangents``."""
+    """Centre (x, y) and smallest distance from z = 0 at which an eye sees all points within the slopes ``tangents``."""
     depth = points[:, 2:] * tangents
     outer, inner = (points[:, :2] + depth).max(axis=0), (points[:, :2] - depth).min(axis=0)
     distance = float(((outer - inner) / (2 * tangents)).max())

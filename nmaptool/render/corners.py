@@ -1,4 +1,4 @@
-"""Normals at the corners of faces, for smooth shading that leaves creases sharp."""
+"""Normals at the corners of faces, for smooth shading that keeps creases sharp."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from nmaptool.types.mesh import Mesh, sum_by
 
 
 def corner_normals(mesh: Mesh, directions: Float64, crease: float) -> Float64:
-    """Normals of the faces around each corner, averaged by the angle they span there.
+    """Average the normals of the faces around each corner, weighted by their angles at the vertex.
 
     Parameters
     ----------
     mesh : Mesh
-        Clean and welded.
+        Cleaned and welded.
     directions : (M, 3) float64
         Unit normals of the faces: the mesh's own, or a base layer's.
     crease : float
-        Degrees; faces whose normals differ by more do not count for each other.
+        Degrees; faces whose normals differ by more are not averaged with each other.
 
     Returns
     -------
@@ -34,7 +34,7 @@ def corner_normals(mesh: Mesh, directions: Float64, crease: float) -> Float64:
     length = np.sqrt(np.einsum("ij,ij->i", total, total))
     mean = total / np.where(length > 1e-12, length, 1)[:, None]
     out = mean.take(vertex, axis=0)
-    # where every face lies within half the crease of the mean, all of them count for each other
+    # if every face is within half the crease angle of the mean, all of them are averaged
     off = np.einsum("ij,ij->i", directions.take(face, axis=0), out) < np.cos(np.radians(min(crease, 180) / 2))
     sharp = np.zeros(len(mesh.vertices), bool)
     sharp[vertex[off]] = True
@@ -45,11 +45,11 @@ def corner_normals(mesh: Mesh, directions: Float64, crease: float) -> Float64:
 
 
 def _within_crease(vertex: NDArray[np.integer], own: Float64, weighted: Float64, crease: float) -> Float64:
-    """For each corner, the sum over the corners at its vertex whose faces lie within the crease."""
+    """For each corner, the unit sum over the corners at its vertex whose faces are within the crease angle."""
     order = np.argsort(vertex, kind="stable")
     starts = np.flatnonzero(np.diff(vertex[order], prepend=-1))
     sizes = np.diff(np.append(starts, len(vertex)))
-    size = np.repeat(sizes, sizes)  # of each corner's fan
+    size = np.repeat(sizes, sizes)  # number of corners at the vertex of each corner
     first = np.repeat(np.arange(len(vertex)), size)
     begin = np.repeat(np.repeat(starts, sizes), size)
     within = np.arange(len(first)) - np.repeat(np.cumsum(size) - size, size)

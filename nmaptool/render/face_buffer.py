@@ -1,4 +1,4 @@
-"""What a camera sees at each pixel: which face, how far, any field of normals on the mesh, all from one drawing."""
+"""What a camera sees at each pixel, from one rendering: the face, its distance, any field of normals on the mesh."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from nmaptool.render.camera import Camera
 from nmaptool.render.numpy_raster import Draw
 from nmaptool.types.mesh import Faces, Mesh
 
-# of the picture, worked on at a time
+# pixels processed at a time
 _PIXELS_AT_ONCE = 2_000_000
-# slope up to which the depth of a pixel may lie outside its face
+# largest slope with which depth is extrapolated beside a face
 _STEEPEST = 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class FaceBuffer:
-    """A drawing of a mesh.
+    """A rendering of a mesh: the face at each sample.
 
     Attributes
     ----------
     camera : Camera
-        Of the picture, not of its samples.
+        The camera of the picture, not of its samples.
     supersample : int
         Samples across a pixel.
     sampled_faces : (H * s, W * s) int32
         Face at each sample, -1 where nothing is seen.
     vertices : (N, 3) float64
-        In eye space.
+        Vertices in eye space.
     faces : (M, 3) int32
     normals : (M, 3) float64
         Geometric normals of the faces in eye space.
@@ -46,7 +46,7 @@ class FaceBuffer:
     normals: Float64
 
     def pixel_faces(self) -> NDArray[np.int32]:
-        """(H, W) int32: the face at the sample next to each pixel's centre, or any other of its samples; else -1."""
+        """(H, W) int32: the face at the sample next to each pixel's centre, else at any of its samples, else -1."""
         s = self.supersample
         middle = s // 2
         out = self.sampled_faces[middle::s, middle::s].copy()
@@ -62,13 +62,13 @@ class FaceBuffer:
         Parameters
         ----------
         pixel_faces : (H, W) int32
-            As `pixel_faces` gives them.
+            From `pixel_faces`.
 
         Returns
         -------
         (H, W) float32
-            In units of the mesh; 0 where nothing is seen. A perspective camera counts from its eye, an orthographic
-            one stands at the nearest point of the mesh.
+            In units of the mesh; 0 where nothing is seen. It is measured from the eye of a perspective camera, or from
+            the nearest point of the mesh for an orthographic one.
         """
         row, col = np.nonzero(pixel_faces >= 0)
         face = pixel_faces[row, col]
@@ -76,7 +76,7 @@ class FaceBuffer:
         height = np.ascontiguousarray(self.vertices[:, 2])
         a, b, c = (height.take(self.faces[:, k].take(face)) for k in range(3))
         low, high = (two(two(a, b), c) for two in (np.minimum, np.maximum))
-        # a pixel's centre may lie beside the face its samples see, but grazing faces must not run away there
+        # a pixel's centre may lie beside the face that its samples see; limit the depth of grazing faces there
         nx, ny, nz = np.abs(self.normals.take(face, axis=0)).T
         beside = 0.5 * self.camera.unit_per_px * np.minimum((nx + ny) / np.maximum(nz, 1e-12), _STEEPEST)
         z = z.clip(low - beside, high + beside).clip(height.min(), height.max())
@@ -86,7 +86,7 @@ class FaceBuffer:
         return out
 
     def _hit(self, face: NDArray[np.int32], col: Float64, row: Float64) -> Float64:
-        """Points of eye space where the planes of faces are seen at picture positions."""
+        """Points in eye space where the planes of faces are seen at picture positions."""
         start = self.camera.plane_points(col, row)
         ray = self.camera.rays(col, row)
         anchor, normal = self.vertices.take(self.faces[:, 0].take(face), axis=0), self.normals.take(face, axis=0)
@@ -96,25 +96,25 @@ class FaceBuffer:
         return np.asarray(start + along[:, None] * ray)
 
     def normal_layer(self, directions: Float64) -> tuple[Float32, Float32]:
-        """A field of normals as the camera sees it, turned to the viewer.
+        """Render a field of normals, with each normal turned towards the viewer.
 
         Parameters
         ----------
         directions : (M, 3) or (M, 3, 3) float64
-            Directions in the mesh's space, one a face or one a corner (interpolated across the face).
+            Directions in the mesh's space, one per face or one per corner (interpolated across the face).
 
         Returns
         -------
         normals : (H, W, 3) float32
-            Unit normals; (0, 0, 1) where nothing is seen. For a perspective camera their slopes are those of the
-            surface's image: they integrate to distance * ln(depth), so that a map is that of a height field.
+            Unit normals; (0, 0, 1) where nothing is seen. For a perspective camera, their slopes are measured in
+            the picture: they integrate to distance * ln(depth), so that the map is that of a height field.
         coverage : (H, W) float32
             Share of the samples that see the mesh.
         """
         s = self.supersample
         rows, cols = self.camera.rows, self.camera.cols
         turned = (directions @ self.camera.rotation.T).astype(np.float32)
-        plain = turned.ndim == 2 and self.camera.distance is None  # one vector a face is all there is
+        plain = turned.ndim == 2 and self.camera.distance is None  # one vector per face
         if plain:  # a last row for index -1
             turned = np.vstack([self._toward(turned, self.normals[:, 2]), np.zeros((1, 3), np.float32)])
         normals = np.empty((rows, cols, 3), np.float32)
@@ -166,22 +166,22 @@ class FaceBuffer:
 
 
 def supersampled_camera(camera: Camera, factor: int) -> Camera:
-    """The camera of a picture's samples."""
+    """The camera for the samples of a picture."""
     return replace(
         camera, unit_per_px=camera.unit_per_px / factor, rows=camera.rows * factor, cols=camera.cols * factor
     )
 
 
 def draw_face_buffer(mesh: Mesh, camera: Camera, draw: Draw, supersample: int) -> FaceBuffer:
-    """Draw a mesh once.
+    """Render a mesh once.
 
     Parameters
     ----------
     mesh : Mesh
-        Clean.
+        Cleaned.
     camera : Camera
     draw : callable
-        `nmaptool.render.numpy_raster.visible_faces` or what `nmaptool.render.gl.drawing` gives.
+        `nmaptool.render.numpy_raster.visible_faces`, or ``draw`` of `nmaptool.render.gl.drawing`.
     supersample : int
         Samples across a pixel.
     """

@@ -1,4 +1,4 @@
-"""Which face each pixel sees, drawn by OpenGL through pyrender: EGL, then OSMesa, then the platform's window."""
+"""Render the face that each pixel sees, with OpenGL through pyrender: EGL, then OSMesa, then a window."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from nmaptool.render.numpy_raster import Draw
 from nmaptool.render.offscreen import PLATFORM_VARIABLE, Offscreen
 from nmaptool.types.mesh import Faces
 
-# software OpenGL says 16384 and fails there; two buffers of four samples a pixel take 100 MB at this size
+# software OpenGL reports 16384 but fails at it; two buffers of four samples per pixel take 100 MB at this size
 TILE_PX = 2048
 PLATFORMS = ("egl", "osmesa", "window")
 _REMEDY = (
-    "install OpenGL's libraries (Debian, Ubuntu: sudo apt-get install libegl1 libgl1 libgl1-mesa-dri libxrender1; "
-    "Fedora: sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers libXrender), or draw without them, slower: "
-    "`renderer='numpy'`"
+    "install the OpenGL libraries (Debian, Ubuntu: sudo apt-get install libegl1 libgl1 libgl1-mesa-dri libxrender1; "
+    "Fedora: sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers libXrender), or render without them, which is "
+    "slower: `renderer='numpy'`"
 )
 
 
 @contextlib.contextmanager
 def drawing(renderer: str = "auto") -> Iterator[tuple[Draw, str]]:
-    """An OpenGL context for any number of drawings; everything it holds is freed at the end.
+    """Open an OpenGL context for any number of renderings; all its resources are freed at the end.
 
     Parameters
     ----------
@@ -39,12 +39,12 @@ def drawing(renderer: str = "auto") -> Iterator[tuple[Draw, str]]:
     Yields
     ------
     draw, platform
-        ``draw`` as `nmaptool.render.numpy_raster.visible_faces`, and which platform was had.
+        ``draw``, used like `nmaptool.render.numpy_raster.visible_faces`, and the platform that is used.
 
     Raises
     ------
     RendererError
-        If no context can be had; says why, and what to install.
+        If no context is available; the message says why, and what to install.
     """
     context = _open(renderer)
     try:
@@ -63,11 +63,11 @@ def _open(renderer: str) -> Offscreen:
         loaded = {name for name in sys.modules if _is_graphics(name)}
         try:
             return Offscreen(platform)
-        except Exception as error:  # noqa: BLE001 - drivers and their bindings fail in every way there is
+        except Exception as error:  # noqa: BLE001 - drivers and their bindings raise all kinds of errors
             reasons.append(f"{platform}: {_reason(platform, error)}")
         for name in [name for name in sys.modules if _is_graphics(name) and name not in loaded]:
             del sys.modules[name]  # PyOpenGL binds itself to a platform when it is imported
-    raise RendererError(f"no OpenGL context can be had ({'; '.join(reasons)}); {_REMEDY}")
+    raise RendererError(f"no OpenGL context is available ({'; '.join(reasons)}); {_REMEDY}")
 
 
 def _reason(platform: str, error: Exception) -> str:
@@ -82,7 +82,7 @@ def _is_graphics(name: str) -> bool:
 
 
 def _draw(context: Offscreen, points: Float64, faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
-    """The whole picture, in tiles that the renderer can hold."""
+    """Render the whole picture, in tiles that the renderer can hold."""
     toward = _turned_to_viewer(points, faces)
     near = points[:, 2]
     depth = 0.999 - (near - near.min()) * (1.998 / max(float(np.ptp(near)), 1e-30))
@@ -104,16 +104,16 @@ def _draw(context: Offscreen, points: Float64, faces: Faces, rows: int, cols: in
 
 
 def _turned_to_viewer(points: Float64, faces: Faces) -> Faces:
-    """Faces counter-clockwise as seen: pyrender culls back faces where it draws segments."""
+    """Orient faces counter-clockwise as seen, because pyrender culls back faces in segmentation."""
     col, row = (np.ascontiguousarray(points[:, axis]) for axis in (0, 1))
     a, b, c = (np.ascontiguousarray(faces[:, k]) for k in range(3))
     left, top = col.take(a), row.take(a)
-    away = (col.take(b) - left) * (row.take(c) - top) > (col.take(c) - left) * (row.take(b) - top)  # rows count down
+    away = (col.take(b) - left) * (row.take(c) - top) > (col.take(c) - left) * (row.take(b) - top)  # rows go down
     return np.column_stack([np.where(away, c, a), b, np.where(away, a, c)])
 
 
 def _touches(clip: NDArray[np.float32], faces: Faces) -> NDArray[np.bool_]:
-    """Faces whose bounding box meets the tile."""
+    """Mask of the faces whose bounding box overlaps the tile."""
     out = np.ones(len(faces), bool)
     for axis in (0, 1):
         corner = clip[:, axis][faces]
@@ -140,7 +140,7 @@ def _draw_tile(context: Offscreen, clip: NDArray[np.float32], faces: Faces, rows
 
 
 def face_numbers(color: NDArray[np.uint8]) -> NDArray[np.int32]:
-    """Face numbers out of drawn bytes.
+    """Decode face numbers from rendered bytes.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A rasteriser in NumPy: no graphics driver, exact pixel centres, the yardstick of the one that has a driver."""
+"""A rasteriser in NumPy: needs no graphics driver, samples exact pixel centres, and is the reference for OpenGL."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from nmaptool.types.mesh import Faces
 
 _PAIRS_AT_ONCE = 2_000_000
 
-# (points, faces, rows, cols) -> face at each pixel: `visible_faces`, or what `nmaptool.render.gl.drawing` gives
+# (points, faces, rows, cols) -> face at each pixel: `visible_faces`, or ``draw`` of `nmaptool.render.gl.drawing`
 Draw = Callable[[Float64, Faces, int, int], NDArray[np.int32]]
 
 
 def visible_faces(points: Float64, faces: Faces, rows: int, cols: int) -> NDArray[np.int32]:
-    """Which face is nearest at each pixel's centre.
+    """Find the nearest face at the centre of each pixel.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def visible_faces(points: Float64, faces: Faces, rows: int, cols: int) -> NDArra
     Returns
     -------
     (rows, cols) int32
-        Face number, -1 where nothing is seen. Edges belong to both their faces; of two faces equally near, the one
+        Face number, -1 where nothing is seen. Edges belong to both their faces; if two faces are equally near, the one
         with the higher number is seen.
     """
     shown = np.full(rows * cols, -1, np.int32)
@@ -56,14 +56,14 @@ def visible_faces(points: Float64, faces: Faces, rows: int, cols: int) -> NDArra
         face, near = face[inside], near[inside]
         better = near >= nearest[pixel]
         face, near, pixel = face[better], near[better], pixel[better]
-        order = np.argsort(near, kind="stable")  # of several writes to one pixel the last, the nearest, stays
+        order = np.argsort(near, kind="stable")  # of several writes to one pixel, the last and nearest wins
         nearest[pixel[order]] = near[order]
         shown[pixel[order]] = face[order]
     return shown.reshape(rows, cols)
 
 
 def _portions(count: NDArray[np.int64]) -> list[tuple[int, int, NDArray[np.int64] | None]]:
-    """Ranges of faces whose candidate pixels fit in memory; a large face alone, its pixels in portions."""
+    """Ranges of faces whose candidate pixels fit in memory; a large face is alone, and its pixels are split."""
     out: list[tuple[int, int, NDArray[np.int64] | None]] = []
     total = np.concatenate([[0], np.cumsum(count)])
     first = 0

@@ -1,8 +1,8 @@
-"""pyrender's offscreen renderer, with shaders of our own: the only module that calls pyrender.
+"""pyrender's offscreen renderer with our own shaders: the only module that calls pyrender.
 
-pyrender has no public way to draw with other shaders, to free a drawing's buffers, or to close one OpenGL context and
-leave the others alone. These names of its inside are used here and nowhere else; pyproject.toml pins the versions that
-have them, and tests/test_private_names.py says which one is gone:
+pyrender has no public way to render with other shaders, to free the buffers of a rendering, or to close one OpenGL
+context without the others. Only this module uses these private names; pyproject.toml pins the versions that have them,
+and tests/test_private_names.py reports any that is missing:
 
 - ``OffscreenRenderer._renderer`` and ``._platform``
 - ``Renderer._program_cache``, ``._update_context``, ``.dpscale`` and ``.delete``
@@ -28,7 +28,7 @@ _SHADERS = Path(__file__).parent / "shaders"
 
 
 class Offscreen:
-    """An OpenGL context that draws face numbers."""
+    """An OpenGL context that renders face numbers."""
 
     def __init__(self, platform: str) -> None:
         self.platform = platform
@@ -42,12 +42,12 @@ class Offscreen:
             os.environ[PLATFORM_VARIABLE] = self.platform
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of the packages' own making
+                warnings.simplefilter("ignore")  # about the packages themselves
                 from pyrender import OffscreenRenderer
                 from pyrender.shader_program import ShaderProgramCache
 
                 offscreen = OffscreenRenderer(cols, rows)
-            offscreen._renderer.dpscale = 1  # or a Mac would draw at twice the size and blend face numbers
+            offscreen._renderer.dpscale = 1  # otherwise a Mac renders at twice the size and blends face numbers
             offscreen._renderer._program_cache = ShaderProgramCache(shader_dir=str(_SHADERS))
             return offscreen
         finally:
@@ -57,23 +57,23 @@ class Offscreen:
                 os.environ[PLATFORM_VARIABLE] = before
 
     def _sized(self, rows: int, cols: int) -> Any:
-        """The renderer, set up for pictures of this size."""
+        """The renderer, resized for pictures of this size."""
         offscreen = self._offscreen
         if (offscreen.viewport_height, offscreen.viewport_width) != (rows, cols):
             if offscreen._platform.supports_framebuffers():
                 offscreen.viewport_width, offscreen.viewport_height = cols, rows
-            else:  # pyrender would make a new one with its own shaders
+            else:  # pyrender would open a new one with its own shaders
                 self.close()
                 self._offscreen = self._opened(rows, cols)
         return self._offscreen
 
     def draw(self, positions: NDArray[np.float32], faces: Faces, rows: int, cols: int) -> NDArray[np.uint8]:
-        """Draw faces with the shaders.
+        """Render faces with the shaders.
 
         Parameters
         ----------
         positions : (V, 3) float32
-            In clip space, which the shader takes as they are.
+            Positions in clip space, which the shader uses unchanged.
         faces : (F, 3) int32
         rows, cols : int
 
@@ -85,7 +85,7 @@ class Offscreen:
         from pyrender import Mesh, Node, OrthographicCamera, Primitive, RenderFlags, Scene
 
         scene = Scene()
-        scene.add(OrthographicCamera(1.0, 1.0))  # asked for, not used
+        scene.add(OrthographicCamera(1.0, 1.0))  # required by pyrender, not used
         node = Node(mesh=Mesh([Primitive(positions=positions, indices=faces.astype(np.uint32))]))
         scene.add_node(node)
         offscreen = self._sized(rows, cols)
@@ -93,11 +93,11 @@ class Offscreen:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             color: NDArray[np.uint8] = offscreen.render(scene, flags=flags, seg_node_map={node: (0, 0, 0)})[0]
-            offscreen._renderer._update_context(Scene(), flags)  # frees the buffers of this drawing
+            offscreen._renderer._update_context(Scene(), flags)  # frees the buffers of this rendering
         return color
 
     def close(self) -> None:
-        """Free everything; pyrender would end the whole display connection, under any other context of this process."""
+        """Free all resources; pyrender would end the whole display connection, even if other contexts use it."""
         offscreen = self._offscreen
         platform = offscreen._platform
         display = getattr(platform, "_egl_display", None)

@@ -1,4 +1,4 @@
-"""The renderer that was asked for: OpenGL, or NumPy where that is named."""
+"""Choose the renderer: OpenGL or NumPy."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from nmaptool.render.numpy_raster import Draw
 
 @contextlib.contextmanager
 def rendering(renderer: str) -> Iterator[tuple[Draw, str]]:
-    """What draws, and its name: see `nmaptool.render.gl.drawing`; OpenGL is not even imported for ``numpy``."""
+    """Yield a draw function and its name, see `nmaptool.render.gl.drawing`; ``numpy`` does not even import OpenGL."""
     if renderer == "numpy":
         yield numpy_raster.visible_faces, renderer
         return

@@ -1,6 +1,6 @@
-"""Least-squares heights on a quad grid: one statement of the operator (`system`), several ways to solve it.
+"""Least-squares heights on a quad grid: one definition of the operator (`system`), several methods to solve it.
 
-Setup and solve are apart: `prepare` returns a solver that serves any number of right-hand sides.
+Setup and solve are separate: `prepare` returns a solver for any number of right-hand sides.
 """
 
 from nmaptool.solver.prepare import DirectMethod, Solution, Solver, choose, prepare

@@ -16,7 +16,7 @@ from nmaptool.solver.system import QuadSystem
 
 
 def assemble(system: QuadSystem, unknown: Mask) -> sparse.csr_matrix:
-    """The operator restricted to ``unknown`` vertices, in CSR: a 9-point stencil, zeros dropped.
+    """Return the operator restricted to the ``unknown`` vertices as a CSR matrix: a 9-point stencil without zeros.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class AmgMethod:
     ----------
     system : QuadSystem
     islands : Islands
-        Its anchors are left out besides the held vertices, one per floating island.
+        Its anchors, one per floating island, are left out of the matrix, as are the held vertices.
     """
 
     name = "amg"
@@ -78,7 +78,7 @@ class AmgMethod:
             if report is not None and len(seen) > 1:
                 report(seen[-1] / start)
 
-        # pyamg warns of small curvature, whatever the filters say; recorded, nobody sees it: the residual decides
+        # pyamg warns about small curvature despite warning filters; hidden by recording, because the residual decides
         with warnings.catch_warnings(record=True):
             x, _ = krylov.cg(
                 self._matrix,

@@ -1,4 +1,4 @@
-"""The one place for pyamg's hierarchy: engines that share nothing else share it."""
+"""The pyamg hierarchy, with the settings that the relief solvers and the mesh reconstruction share."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _COARSEST = 500
 
 
 def hierarchy_of(matrix: sparse.csr_matrix) -> Any:
-    """Ruge and Stueben's hierarchy of a matrix, by pyamg."""
+    """Return pyamg's Ruge-Stueben hierarchy of a matrix."""
     import pyamg
 
     # the second pass of coarsening nearly halves the iterations on ragged masks

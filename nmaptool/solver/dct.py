@@ -16,12 +16,12 @@ from nmaptool.solver.system import QuadSystem
 
 
 class DctMethod:
-    """Diagonal solve in the cosine basis, in place: the first in float64, corrections of it in float32.
+    """Diagonal solve in the cosine basis, in place: the first solve in float64, its corrections in float32.
 
-    After division by the vertices' shares (1, 1/2, 1/4) the operator's eigenvalues are
+    After division by the shares of the vertices (1, 1/2, 1/4), the eigenvalues of the operator are
     k ((1+cx)(1-cy) + (1-cx)(1+cy) + (1-cx)(1-cy)) + beta with cx = cos(pi j/W), cy = cos(pi i/H). With fx = 1 - cx and
-    fy = 1 - cy that is (2 k fy + beta) + k (2 - fy) fx: two numbers a row and one a column, none of them negative, make
-    them all without a loss of digits, and need no array of their own.
+    fy = 1 - cy, they are (2 k fy + beta) + k (2 - fy) fx. This computes them from two numbers per row and one per
+    column, all non-negative, without cancellation and without storing them in an array.
     """
 
     name = "dct"
@@ -31,19 +31,19 @@ class DctMethod:
         rows, cols = system.weight.shape
         weight = system.weight_range[1]
         beta = 4 * float(system.beta.flat[0])  # a corner has a quarter of it
-        # 1 - cos x as 2 sin^2(x/2): no digits are lost at low frequencies
+        # 1 - cos x as 2 sin^2(x/2): no cancellation at low frequencies
         fall_x = 2 * np.sin(np.pi * np.arange(cols + 1) / (2 * cols)) ** 2
         fall_y = (2 * np.sin(np.pi * np.arange(rows + 1) / (2 * rows)) ** 2)[:, None]
         self._factors = 2 * weight * fall_y + beta, weight * (2 - fall_y), fall_x
 
     def answer(self, right_hand_side: Float64) -> None:
-        """Solve in place, see `nmaptool.solver.method.DirectMethod`."""
+        """Solve in place; see `nmaptool.solver.method.DirectMethod`."""
         self._solve(right_hand_side)
 
     def improve(
         self, z: Float64, residual: Float32, reduction: float, max_iterations: int, report: Report | None
     ) -> tuple[float, ...]:
-        """One solve, as exact as float32; see `nmaptool.solver.method.Method`."""
+        """Correct by one solve in float32; see `nmaptool.solver.method.Method`."""
         self._solve(residual)
 
         def add(band: slice) -> None:

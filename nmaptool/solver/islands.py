@@ -1,4 +1,4 @@
-"""Parts of a system that share no face: each has its own residual, and its own null space where nothing holds it."""
+"""Islands: parts of a system without a common vertex. Each has its own residual, and a free constant if not held."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from nmaptool.core.grid import touching_vertices
 from nmaptool.solver.runs import Runs
 from nmaptool.solver.system import QuadSystem, See
 
-# a height weight this small beside the slopes' weights is lost in rounding when both are added up
+# a height weight this small compared to the weights of the slopes is lost in rounding when they are added
 _NO_TIE = 1e-11
-# with one below this a residual hardly tells how high an island lies
+# below this, the residual hardly depends on the mean height of an island
 _WEAK_TIE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Constants:
-    """What is known of the islands that nothing holds, before their shapes are.
+    """Constants of the islands without held vertices, known before their shapes are solved.
 
     Attributes
     ----------
     level : (count+1,) float64 or None
-        The constant that solves each of them on the whole: sum of beta z = sum of the load. Taken out first, it leaves
-        a problem about shape alone, however small beta or large delta is. None where all are 0.
+        The constant that solves each island in sum: sum of beta z = sum of the load. Subtracting it first leaves a
+        problem of shape alone, however small beta or large delta is. None if all are 0.
     mean : (count+1,) float64 or None
-        Mean of the rest of the load on floating islands, where it cannot be met. None where all are 0.
+        Mean of the remaining load on floating islands, which no heights can match. None if all are 0.
     """
 
     level: Float64 | None
@@ -38,20 +38,20 @@ class Constants:
 
 
 class Islands:
-    """Book-keeping of a system's islands.
+    """The islands of a system, and sums, norms and constants on them.
 
     Attributes
     ----------
     count : int
     floating : (count+1,) bool
-        Islands that neither held vertices nor a noticeable height weight tie: their shape is known up to a constant.
-        Number 0 stands for the vertices of no island and never floats.
+        Islands with neither held vertices nor a noticeable height weight: their heights are known up to a constant.
+        Index 0 is for vertices outside every island and never floats.
     """
 
     def __init__(self, system: QuadSystem) -> None:
         self._system = system
         self._faces, self.count = system.faces()
-        # nothing holds them; one island of which all is held is none that floats
+        # islands without held vertices; a single island that is held entirely does not float
         self._loose = self._find_loose()
         if self.count > 1:
             _ = self._runs
@@ -71,11 +71,11 @@ class Islands:
     @functools.cached_property
     def _runs(self) -> Runs:
         runs = Runs(self._faces, self.count)
-        self._faces = np.zeros((0, 0), bool)  # they say it all
+        self._faces = np.zeros((0, 0), bool)  # the runs replace them
         return runs
 
     def _find_loose(self) -> Mask:
-        """(count+1,) bool: islands without a held vertex."""
+        """Return (count+1,) bool: islands without a held vertex."""
         held = self._system.held
         if self.count == 1:
             return np.array([False, not (held.any() and (held & touching_vertices(self._faces != 0)).any())])
@@ -87,14 +87,14 @@ class Islands:
 
     @property
     def labels(self) -> NDArray[np.int32]:
-        """(H+1, W+1) island of each vertex, 0 for none; computed on every access."""
+        """(H+1, W+1) island of each vertex, 0 for none; recomputed on every access."""
         return self._runs.map()
 
     @property
     def anchors(self) -> Mask:
-        """(H+1, W+1) bool: one vertex of each floating island, to be left out of a matrix that is factored.
+        """(H+1, W+1) bool: one vertex of each floating island, to leave out of an assembled matrix.
 
-        Its height is 0 then; the constant is settled by `center`.
+        Its height is then 0; `center` sets the constant.
         """
         out = np.zeros(self._system.beta.shape, bool)
         if self.floating.any():
@@ -104,19 +104,20 @@ class Islands:
     def residual(
         self, load: Float64, z: Float64 | None, out: NDArray[Any] | None, constants: Constants | None = None
     ) -> Float64:
-        """Put load - A z into ``out`` as `QuadSystem.residual` does.
+        """Write load - A z to ``out`` as `QuadSystem.residual` does.
 
         Parameters
         ----------
         load, z, out
-            As there; where an island floats and there are constants, ``out`` is needed.
+            As for `QuadSystem.residual`; ``out`` is required if constants are given and an island floats.
         constants : Constants, optional
-            What is taken off; floating islands then have mean 0, since only that part can be met.
+            Their part of the load is subtracted. The residual of floating islands then has mean 0, because no heights
+            can change its mean.
 
         Returns
         -------
         (count+1,) float64
-            Its Euclidean norm on each island.
+            Euclidean norm of the residual on each island.
         """
         system = self._system
         less = None if constants is None else self._less(constants)
@@ -136,7 +137,7 @@ class Islands:
             return self._norms(found)
         assert out is not None
         system.residual(load, z, out, less=less, see=plain)
-        # next to nothing by now: rounding, and what a height term does that is lost in it
+        # almost 0 by now: rounding, and the effect of a height term too small to count
         mean = np.where(self.floating, runs.total(found) / self._sizes, 0.0)
 
         def balance(band: slice) -> None:
@@ -148,7 +149,7 @@ class Islands:
         return self._norms(found)
 
     def _less(self, constants: Constants) -> See | None:
-        """Takes beta * level and the mean off a band."""
+        """Return a function that subtracts beta * level and the mean from a band."""
         if constants.level is None and constants.mean is None:
             return None
         runs, beta = self._runs, self._system.beta
@@ -162,14 +163,17 @@ class Islands:
         return take
 
     def _norms(self, squares: Float64) -> Float64:
-        """(count+1,) norms from the sums of squares of runs; one island's counts the vertices of none, too."""
+        """Return the (count+1,) norms from the sums of squares of the runs.
+
+        The norm of a single island includes the vertices outside it.
+        """
         found = self._runs.total(squares)
         if self.count == 1:
             found = np.array([0.0, found.sum()])
         return np.asarray(np.sqrt(found))
 
     def keep(self, which: Mask, out: NDArray[Any]) -> None:
-        """Set ``out`` to 0 on all islands but those of ``which`` (count+1,)."""
+        """Set ``out`` to 0 on all islands except those in ``which`` (count+1,)."""
         if which.all() or (self.count == 1 and which[1]):
             return
         runs = self._runs
@@ -180,7 +184,7 @@ class Islands:
         runs.each(clear)
 
     def constants(self, load: Float64) -> Constants:
-        """The level of each island nothing holds, and the mean of what is left of the load on floating islands."""
+        """Return the level of each island without held vertices, and the mean remaining load of floating islands."""
         if not self._loose.any():
             return Constants(None, None)
         runs, beta = self._runs, self._system.beta
@@ -206,14 +210,14 @@ class Islands:
         runs.each(work)
 
     def center(self, z: Float64) -> None:
-        """Shift floating and weakly tied islands in place: to meet the height term if there is one, else to mean 0.
+        """Shift floating and weakly tied islands in place: to satisfy the height term in sum, or to mean 0 without one.
 
-        What solves an island that nothing holds meets the height term on the whole, however small beta is.
+        The exact solution of an island without held vertices satisfies the height term in sum, however small beta is.
 
         Parameters
         ----------
         z : (H+1, W+1) float64
-            Without the islands' levels.
+            Heights without the levels of the islands.
         """
         if not self._weak.any():
             return

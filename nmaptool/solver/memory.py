@@ -1,4 +1,4 @@
-"""Memory that solving takes, known before any of it is asked for."""
+"""Estimate the memory that a solve needs before any of it is allocated."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ from nmaptool.core.errors import LimitError
 from nmaptool.core.memory import available_bytes
 from nmaptool.core.units import memory_text
 
-# Measured at the peak of set-up and solve, beyond weight, beta, held and the right-hand side: bytes a vertex, and bytes
-# a vertex to be solved for. Heights in float64, the residual in the method's precision, the map of unknowns and the
-# islands' book-keeping are in them. Noise and mazes take up to a third more of multigrid.
+# Measured at the peak of set-up and solve, excluding weight, beta, held and the right-hand side: bytes per vertex, and
+# bytes per unknown vertex. They include the float64 heights, the residual in the method's precision, the map of
+# unknowns and the data on islands. With multigrid, noise and mazes take up to a third more.
 BYTES_PER_VERTEX = {"dct": 16, "multigrid": 65, "float64 multigrid": 120, "amg": 16}
 BYTES_PER_UNKNOWN = {"dct": 0, "multigrid": 0, "float64 multigrid": 0, "amg": 560}
-# room for bands, one for each thread, and what the libraries keep
+# the bands, one per thread, and what the libraries keep
 _BESIDE = 16_000_000
 
 
 def kind_of(method: str, has_wide_weights: bool) -> str:
-    """What the plan knows a method by: multigrid holds float64 for weights that span much."""
+    """Return the key of a method in the tables above: multigrid uses float64 if the weights span a wide range."""
     return "float64 multigrid" if method == "multigrid" and has_wide_weights else method
 
 
 def estimate(system_shape: tuple[int, int], unknowns: int, method: str) -> int:
-    """Bytes that `nmaptool.solver.prepare` and one solve take at their peak.
+    """Return the peak memory in bytes of `nmaptool.solver.prepare` and one solve.
 
     Parameters
     ----------
     system_shape : (int, int)
-        Of the faces: H, W.
+        Rows and columns of faces: H, W.
     unknowns : int
     method : {"dct", "multigrid", "float64 multigrid", "amg"}
 
@@ -40,19 +40,19 @@ def estimate(system_shape: tuple[int, int], unknowns: int, method: str) -> int:
 
 
 def plan(system_shape: tuple[int, int], unknowns: int, method: str, limit_bytes: int | None) -> int:
-    """The estimate, if it fits.
+    """Return the estimate in bytes, or raise an error if it exceeds the limit.
 
     Parameters
     ----------
     system_shape, unknowns, method
         As for `estimate`.
     limit_bytes : int or None
-        None: what the machine has to give.
+        None: the memory that is free on the machine.
 
     Raises
     ------
     LimitError
-        If it does not fit: how much is needed, how much there is, and what to do.
+        If it exceeds the limit; the message says how much is needed, how much is available, and what to do.
     """
     needed = estimate(system_shape, unknowns, method)
     allowed = available_bytes() if limit_bytes is None else limit_bytes
@@ -63,7 +63,7 @@ def plan(system_shape: tuple[int, int], unknowns: int, method: str, limit_bytes:
     if limit_bytes is None:
         found, last = f"{memory_text(allowed)} are free", "close other programs"
     else:
-        # a little more, so that it is enough as it is printed
+        # 5% more, so that the rounded number in the message is enough
         found, last = f"`memory_limit` allows {memory_text(allowed)}", f"raise it to {memory_text(needed * 21 // 20)}"
     raise LimitError(
         f"{cols} x {rows} px: the {method} solver needs about {memory_text(needed)} of memory, {found}; "

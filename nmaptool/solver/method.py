@@ -1,4 +1,4 @@
-"""What a way to solve a system offers; the loop around it is in `nmaptool.solver.solve`."""
+"""The interface of the methods that solve a system; the loop around them is in `nmaptool.solver.solve`."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ Report = Callable[[float], None]
 
 
 class Method(Protocol):
-    """Corrects heights, given a residual.
+    """Computes a correction of the heights from a residual.
 
     Attributes
     ----------
     name : str
     precision : type
-        np.float32 or np.float64: of the residual that it takes.
+        np.float32 or np.float64: the type of the residual that it accepts.
     """
 
     name: str
 
     @property
     def precision(self) -> type[np.floating[Any]]:
-        """Of the residual."""
+        """Type of the residual."""
 
     def improve(
         self, z: Float64, residual: NDArray[Any], reduction: float, max_iterations: int, report: Report | None
@@ -38,10 +38,10 @@ class Method(Protocol):
         ----------
         z : (H+1, W+1) float64
         residual : (H+1, W+1) of the method's precision
-            0 where nothing is to be solved; may be overwritten.
+            0 at vertices that are not unknown; may be overwritten.
         reduction : float
-            |residual| that is asked for, relative to that given. A method may stop where its precision ends; it is
-            called again with a fresh residual.
+            Norm of the residual to reach, relative to the given one. A method may stop earlier at the limit of its
+            precision; it is then called again with a newly computed residual.
         max_iterations : int
         report : callable, optional
             Called with the relative residual after each iteration.
@@ -49,13 +49,13 @@ class Method(Protocol):
         Returns
         -------
         tuple of float
-            Relative residual after each iteration, at least one.
+            Relative residual after each iteration; at least one value.
         """
 
 
 @runtime_checkable
 class DirectMethod(Method, Protocol):
-    """A method that answers at once and in place; only for systems where nothing is held."""
+    """A method that solves directly and in place; only for systems without held vertices."""
 
     def answer(self, right_hand_side: Float64) -> None:
-        """Turn a right-hand side (H+1, W+1) float64 into heights, in place."""
+        """Replace a right-hand side (H+1, W+1) float64 by the heights, in place."""

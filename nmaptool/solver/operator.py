@@ -1,11 +1,11 @@
-"""The operator without a matrix: sums of neighbours as shifted pieces of flat rows, in bands on all cores.
+"""The operator without a matrix: sums over neighbours as shifted slices of flat rows, in bands on all cores.
 
-With dx and dy the differences of heights along the edges of the grid, a quarter of
+With dx and dy the differences of heights along the edges of the grid, (L z)_v is a quarter of
 
     2 (W dx to the left - W dx to the right) + (w (dy + dy) of the faces above - of the faces below)
 
-is (L z)_v, where W is the sum of the weights of the two faces at an edge. Differences come first: where heights are
-large and smooth, nothing is lost in rounding.
+where W is the sum of the weights of the two faces at an edge. Taking differences first avoids rounding errors where
+heights are large and smooth.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.parallel import for_each_band
 
-# NumPy lets other threads run during pieces of this size without much waiting for its lock
+# with slices of this size, NumPy's threads wait little for the interpreter lock
 ELEMENTS_AT_ONCE = 1 << 16
 
 Weights = NDArray[np.floating[Any]]
-# given a band of rows, (rows * (W+1),) A z there and as much room to compute in; both may be overwritten
+# called with a band of rows, its (rows * (W+1),) A z and a work array of that size; both arrays may be overwritten
 Finish = Callable[[slice, Float64, Float64], None]
 
 
 def rows_at_once(columns: int) -> int:
-    """Rows in a band of an array with so many columns."""
+    """Return the number of rows per band for an array with this many columns."""
     return max(1, ELEMENTS_AT_ONCE // columns)
 
 
 class Operator:
-    """A z of a system, a band at a time.
+    """Computes A z of a system, one band at a time.
 
     Parameters
     ----------
@@ -45,19 +45,19 @@ class Operator:
         self._weight = weight
         self._beta = beta
         self._rows_at_once = rows_at_once(beta.shape[1])
-        # room for one band each; kept, since asking the system for fresh memory costs as much as computing in it
+        # work space of one band each; reused, because allocating it costs as much as the computation
         self._spare: list[tuple[Float64, ...]] = []
 
     def each(self, z: Float64 | None, finish: Finish, where: Mask | None = None) -> None:
-        """Give every band of A z to ``finish``, in no order.
+        """Call ``finish`` with every band of A z, in any order.
 
         Parameters
         ----------
         z : (H+1, W+1) float64, C order, or None
-            None stands for 0 everywhere.
+            None means 0 everywhere.
         finish : callable
         where : (H+1, W+1) bool, optional
-            Vertices that count; a band without any may get 0. Default: all.
+            Vertices that matter; A z may be 0 in a band without any. Default: all.
         """
 
         def work(band: slice) -> None:
@@ -73,7 +73,7 @@ class Operator:
         for_each_band(len(self._beta), self._rows_at_once, work)
 
     def around(self, band: slice) -> Float64:
-        """(rows, W+1) sum of the face weights around each vertex of a band."""
+        """Return the (rows, W+1) sum of the face weights around each vertex of a band."""
         pairs = np.zeros((band.stop - band.start, self._beta.shape[1]))
         rows = len(self._weight)
         below, above = slice(band.start, min(band.stop, rows)), slice(max(band.start - 1, 0), band.stop - 1)
@@ -94,19 +94,19 @@ class Operator:
     def _product(
         self, z: Float64, band: slice, edge: Float64, faces: Float64, a: Float64, b: Float64, c: Float64
     ) -> tuple[Float64, Float64]:
-        """A z of a band, flat, in ``b``; ``a`` is free again."""
+        """Return A z of a band, flat, in ``b``, and ``a`` as a work array."""
         stride = z.shape[1]
         count = (band.stop - band.start) * stride
         heights = self._heights(z, band, edge)
         half = self._halves(band, faces)
         here = heights[stride:-stride]
-        # along the rows: what flows over the edge to the left less what flows over the one to the right
+        # along the rows: the flow over the left edge minus the flow over the right one
         flow = a[: count + 1]
         flow[0] = 0
         np.subtract(heights[stride + 1 : count + stride + 1], here, out=flow[1:])
         flow[1:] *= np.add(half[:-stride], half[stride:], out=b[:count])
         across = np.subtract(flow[:-1], flow[1:], out=b[:count])
-        # along the columns: the same by faces
+        # along the columns: the same, by faces
         steps = a[: count + stride + 1]
         np.subtract(heights[stride:], heights[:-stride], out=steps[:-1])
         steps[-1] = 0
@@ -122,7 +122,7 @@ class Operator:
         return across, a[:count]
 
     def _heights(self, z: Float64, band: slice, room: Float64) -> Float64:
-        """Rows of the band, one above and one below, flat; rows beyond the picture are 0."""
+        """Return the heights of the band and of one row above and below it, flat; rows outside the picture are 0."""
         rows, stride = z.shape
         if band.start > 0 and band.stop < rows:
             return z[band.start - 1 : band.stop + 1].reshape(-1)
@@ -133,7 +133,7 @@ class Operator:
         return out
 
     def _halves(self, band: slice, room: Float64) -> Float64:
-        """Half the weights of the faces above and below the band's vertices, flat, 0 at the end of each row."""
+        """Return half the weights of the faces above and below the band, flat, with a 0 at the end of each row."""
         rows, stride = len(self._weight), self._beta.shape[1]
         out = room[: (band.stop - band.start + 1) * stride]
         grid = out.reshape(-1, stride)

@@ -1,4 +1,4 @@
-"""Choose a method, see that there is memory for it, prepare it once for any number of right-hand sides."""
+"""Choose a method, check that there is memory for it, and prepare it once for any number of right-hand sides."""
 
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ from nmaptool.solver.system import QuadSystem
 
 __all__ = ["DirectMethod", "Method", "Solution", "Solver", "choose", "prepare"]
 
-# multigrid takes its time by the picture, amg by the unknowns: with fewer than this share of them it is the quicker
-# (bench.crossover)
+# the time of multigrid depends on the size of the picture, that of amg on the number of unknowns; if the share of
+# unknowns is below this, amg is faster (bench.crossover)
 _SPARSE = 0.05
 
 
 def choose(system: QuadSystem, wanted: str) -> str:
-    """The method to use: "auto" takes the DCT where it is exact, amg for a few lines on a wide picture, else multigrid.
+    """Return the name of the method to use.
+
+    "auto" chooses the DCT where it is exact, amg for a few lines on a large picture, and otherwise multigrid.
 
     Raises
     ------
@@ -51,16 +53,16 @@ def prepare(
     method : str
         A `nmaptool.options.SolverName`.
     memory_limit_bytes : int, optional
-        Most memory to take. Default: what is free on the machine.
+        Memory that the solve may use. Default: the free memory of the machine.
     like : Solver, optional
-        Of a similar system, such as before a slider moved: what can be taken over from it saves time.
+        Solver of a similar system, such as before a slider moved. Its coarse levels are reused if possible.
 
     Raises
     ------
     UsageError
-        As `choose`.
+        As for `choose`.
     LimitError
-        If it takes more memory than it may; nothing but the map of unknowns has been allocated then.
+        If it needs more memory than allowed; only the map of unknowns has been allocated by then.
     """
     chosen = choose(system, method)
     kind = kind_of(chosen, system.has_wide_weights)
@@ -70,7 +72,7 @@ def prepare(
 
 
 def _method(name: str, system: QuadSystem, islands: Islands, like: Solver | None) -> Method:
-    # imported when used: each brings libraries that the others do without
+    # imported when used: each needs libraries that the others do not
     if name == "dct":
         from nmaptool.solver.dct import DctMethod
 

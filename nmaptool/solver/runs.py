@@ -1,4 +1,4 @@
-"""Rows cut into runs of one label, so that sums over islands and constants on them cost little more than one pass."""
+"""Runs of equal labels along rows; with them, sums and constants per island cost little more than one pass."""
 
 from __future__ import annotations
 
@@ -16,20 +16,21 @@ Labels = NDArray[np.signedinteger[Any] | np.bool_]
 
 
 class Runs:
-    """Where labels change along the flat rows of each band.
+    """The runs of equal labels along the flat rows of each band.
 
     Parameters
     ----------
     faces : (H, W) bool or int32
         Label of each face, 0 for none; a vertex has the label of the faces that it touches.
     count : int
-        The greatest label.
+        The largest label.
 
     Attributes
     ----------
     labels : (R,) int32
-        Of the runs of all bands.
+        Label of each run, over all bands.
     lengths : (R,) int
+        Number of vertices in each run.
     """
 
     def __init__(self, faces: Labels, count: int) -> None:
@@ -57,20 +58,20 @@ class Runs:
         self.lengths = np.concatenate([np.diff(s, append=end) for s, end in zip(starts, ends, strict=True)])
 
     def _size(self, number: int) -> int:
-        """Vertices of a band."""
+        """Return the number of vertices in a band."""
         return int((min((number + 1) * self._step, self.shape[0]) - number * self._step) * self.shape[1])
 
     def of(self, band: slice) -> slice:
-        """Numbers of the runs of a band."""
+        """Return the indices of the runs in a band, as a slice."""
         number = band.start // self._step
         return slice(int(self._places[number]), int(self._places[number + 1]))
 
     def add(self, band: slice, values: NDArray[Any]) -> NDArray[Any]:
-        """(runs of the band,) sums of (rows * (W+1),) values."""
+        """Return the sum of (rows * (W+1),) values over each run of the band."""
         return np.asarray(np.add.reduceat(values, self._starts[band.start // self._step]))
 
     def sums(self, of: Callable[[slice], Float64]) -> Float64:
-        """(count+1,) sums over each label of values that ``of`` gives for a band, flat."""
+        """Return the (count+1,) sums per label of the flat values that ``of`` returns for each band."""
         found = np.empty(len(self.labels))
 
         def look(band: slice) -> None:
@@ -80,11 +81,11 @@ class Runs:
         return self.total(found)
 
     def total(self, of_runs: Float64) -> Float64:
-        """(count+1,) sums over each label of (R,) values."""
+        """Return the (count+1,) sums per label of (R,) values per run."""
         return np.bincount(self.labels, of_runs, minlength=self._count + 1).astype(np.float64, copy=False)
 
     def spread(self, band: slice, of_labels: NDArray[Any]) -> NDArray[Any]:
-        """(rows * (W+1),) each vertex's value of (count+1,) values."""
+        """Return the value of each vertex of a band, (rows * (W+1),), from (count+1,) values per label."""
         runs = self.of(band)
         return np.repeat(of_labels[self.labels[runs]], self.lengths[runs])
 
@@ -93,19 +94,19 @@ class Runs:
         for_each_band(self.shape[0], self._step, work)
 
     def firsts(self) -> NDArray[np.intp]:
-        """(count+1,) flat place of the first vertex of each label; of no meaning for a label that no vertex has."""
+        """Return the (count+1,) flat index of the first vertex of each label; undefined for labels without vertices."""
         found = np.zeros(self._count + 1, np.intp)
         places = np.cumsum(self.lengths) - self.lengths
-        found[self.labels[::-1]] = places[::-1]  # the last one written is the first one in the picture
+        found[self.labels[::-1]] = places[::-1]  # reversed, so that the first run of each label is written last
         return found
 
     def map(self) -> NDArray[np.int32]:
-        """(H+1, W+1) label of each vertex."""
+        """Return the (H+1, W+1) label of each vertex."""
         return np.repeat(self.labels, self.lengths).reshape(self.shape)
 
 
 def _of_vertices(faces: Labels, band: slice) -> NDArray[Any]:
-    """(rows, W+1) greatest label of the faces at each vertex of a band."""
+    """Return the (rows, W+1) largest label of the faces around each vertex of a band."""
     columns = faces.shape[1] + 1
     out = np.zeros((band.stop - band.start, columns), faces.dtype)
     above = faces[max(band.start - 1, 0) : band.stop - 1]

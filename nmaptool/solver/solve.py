@@ -1,4 +1,4 @@
-"""The loop around every method: a float64 residual, a correction, again until each island is within tolerance."""
+"""The loop around every method: compute a float64 residual, correct, and repeat until each island is in tolerance."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from nmaptool.solver.memory import kind_of, plan
 from nmaptool.solver.method import DirectMethod, Method, Report
 from nmaptool.solver.system import QuadSystem, extremes
 
-# loads of another size are solved in another unit
-# a load this small beside its level is rounding
+# a load this small compared to its level is rounding error
 _ROUNDING = 1e-15
+# loads outside this range are scaled before the solve
 _LEAST, _MOST = 1e-12, 1e12
 
 
@@ -35,7 +35,7 @@ class Solution:
         Largest relative residual |load - A z| / |load| over the islands, from the matrix-free operator.
     iterations : int
     history : tuple of float
-        Relative residual after each iteration, as the solver saw it; measured where a method was done.
+        Relative residual after each iteration, as estimated by the method; the last value of each pass is measured.
     """
 
     z: Float64
@@ -45,7 +45,7 @@ class Solution:
 
 
 class Solver:
-    """A prepared system: one set-up, any number of right-hand sides.
+    """A prepared system that solves for any number of right-hand sides.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Solver:
     method : Method
     islands : Islands
     planned_bytes : int
-        Memory that a solve was reckoned to take, see `nmaptool.solver.memory`; 0 where nobody did.
+        Estimated memory of a solve, see `nmaptool.solver.memory`; 0 if it was not estimated.
     """
 
     def __init__(self, system: QuadSystem, method: Method, islands: Islands, planned_bytes: int = 0) -> None:
@@ -64,11 +64,12 @@ class Solver:
         self.unknowns = int(np.count_nonzero(system.unknown))
 
     def check_memory(self, limit_bytes: int | None) -> None:
-        """Refuse a limit that the solver, which is there already, would not have been made under.
+        """Check that this solver would have been allowed under a memory limit.
 
         Raises
         ------
         LimitError
+            If its estimated memory exceeds the limit.
         """
         if limit_bytes is not None:
             plan(
@@ -97,19 +98,19 @@ class Solver:
         held_z : (H+1, W+1) float64, optional
             Heights of the held vertices; default 0.
         start : (H+1, W+1) float64, optional
-            Heights to start from, such as those of a similar right-hand side. Time depends on them, and nothing else.
+            Heights to start from, such as those of a similar right-hand side. They change only the time of the solve.
         tolerance : float
             Relative residual to reach on every island.
         max_iterations : int
         progress : callable, optional
-            Called with a word and a share in 0..1.
+            Called with the name of the stage and the share done, 0 to 1.
 
         Raises
         ------
         InputError
-            If the load, a held height or the start is not finite or of another shape.
+            If the load, a held height or the start is not finite or has the wrong shape.
         ConvergenceError
-            If the tolerance is not reached; the history is in the error.
+            If the tolerance is not reached; the error holds the history.
         """
         direct = self.method if start is None and isinstance(self.method, DirectMethod) else None
         on_the_way = _Solve(self, np.ascontiguousarray(load, np.float64), held_z, in_place=direct is not None)
@@ -120,8 +121,8 @@ class Solver:
             history.append(float(relative.max()))
         else:
             relative = on_the_way.begin(start)
-        # most often one pass does it; where a method's precision ends, or islands much smaller than the rest lag behind
-        # the common norm, the next begins with what is left
+        # usually one pass is enough; further passes are needed at the limit of a method's precision, or if islands much
+        # smaller than the rest converge more slowly than the common norm
         while relative.max() > tolerance and len(history) < max_iterations:
             lagging, before = relative > tolerance, relative
             asked = 0.8 * tolerance, max_iterations - len(history)
@@ -133,8 +134,8 @@ class Solver:
         if not worst <= tolerance:
             raise ConvergenceError(
                 f"the {self.method.name} solver stopped at a relative residual of {worst:.1e} after {len(history)} "
-                f"iterations, {tolerance:.0e} was asked; raise `max_iterations` or `tolerance`, or use a larger beta "
-                f"(history: {' '.join(f'{r:.1e}' for r in history[-8:])})",
+                f"iterations, but the tolerance is {tolerance:.0e}; raise `max_iterations` or `tolerance`, or use a "
+                f"larger `beta` (history: {' '.join(f'{r:.1e}' for r in history[-8:])})",
                 tuple(history),
             )
         report(0.0)
@@ -142,9 +143,9 @@ class Solver:
 
 
 class _Solve:
-    """One right-hand side on its way: heights without their islands' constants, and what is left of the load.
+    """State of the solve for one right-hand side: the heights without the constants of their islands, and the residual.
 
-    A constant has no shape, so the level takes beta * level off the load and nothing else.
+    The slopes of a constant are zero, so a level changes the load by beta * level only.
     """
 
     def __init__(self, solver: Solver, load: Float64, held_z: Float64 | None, in_place: bool) -> None:
@@ -160,7 +161,7 @@ class _Solve:
         if not np.isfinite(size):
             raise InputError("the right-hand side holds NaN or infinite values")
         self._flat = held_z is None or not self._z.any()
-        # by a power of two that loses no digit: squares in float32 end at 1e19
+        # squares in float32 overflow above 1e19; scaling by a power of two is exact
         self._unit = 1.0 if size == 0 or _LEAST < size < _MOST else 2.0 ** math.frexp(size)[1]
         self._load = load if self._unit == 1 else load / self._unit
         if self._unit != 1:
@@ -173,13 +174,13 @@ class _Solve:
             self._scale_by_shape(left)
 
     def _scale_by_shape(self, left: NDArray[Any] | None) -> None:
-        """Count residuals against what is left of the load without the level, however large that is."""
+        """Measure residuals relative to the load without the level, however large the level is."""
         flat = None if self._flat else self._z
         shape = self._islands.residual(self._load, flat, self._room() if left is None else left, self._constants)
         self.scale = np.where(shape > _ROUNDING * self.scale, shape, 0.0)
 
     def answer(self, method: DirectMethod) -> Float64:
-        """Solve in place; the relative residual of each island."""
+        """Solve in place and return the relative residual of each island."""
         self._islands.residual(self._load, None, self._z, self._constants)
         method.answer(self._z)
         self._flat = False
@@ -189,7 +190,7 @@ class _Solve:
         return self._relative(self._room())
 
     def begin(self, start: Float64 | None) -> Float64:
-        """Take what was solved before; the relative residual of each island."""
+        """Begin with earlier heights, if there are any, and return the relative residual of each island."""
         if start is not None:
             self._put(start)
         elif self._constants.level is None and self._constants.mean is None and self._left is not None:
@@ -199,9 +200,9 @@ class _Solve:
     def improve(
         self, relative: Float64, lagging: Mask, tolerance: float, max_iterations: int, report: _Report
     ) -> tuple[Float64, list[float]]:
-        """One pass for the islands that lag: the relative residual of each island, and the history of the pass."""
+        """Do one pass on the lagging islands; return each island's relative residual and the history of the pass."""
         share = float(relative.max())
-        if self._left is None:  # only its norms were wanted before
+        if self._left is None:  # only its norms were needed before
             self._relative(self._room())
         left = self._room()
         self._islands.keep(lagging, left)
@@ -212,7 +213,7 @@ class _Solve:
         return now, [*(each * share for each in seen[:-1]), float(now.max())]
 
     def finished(self) -> Float64:
-        """The heights with their constants."""
+        """Return the heights with their constants."""
         self._left = None
         self._islands.add(self._z, self._constants.level)
         if self._unit != 1:
@@ -225,20 +226,20 @@ class _Solve:
         return self._left
 
     def _relative(self, left: NDArray[Any] | None) -> Float64:
-        """(count+1,) residual relative to the load; 0 on islands whose load is 0."""
+        """Return the (count+1,) residual relative to the load; 0 on islands whose load is 0."""
         norms = self._islands.residual(self._load, None if self._flat else self._z, left, self._constants)
         return np.divide(norms, self.scale, out=np.zeros_like(norms), where=self.scale > 0)
 
     def _put(self, start: Float64) -> None:
-        """Start heights at the unknown vertices, less their level; 0 on islands without a load."""
+        """Set the unknown vertices to the start heights minus their level; 0 on islands without a load."""
         z, system, islands = self._z, self._system, self._islands
         if start.shape != z.shape or not np.isfinite(extremes(start)).all():
-            raise InputError(f"heights to start from must be finite and of shape {z.shape}, found {start.shape}")
+            raise InputError(f"the start heights must be finite and of shape {z.shape}; found shape {start.shape}")
         np.divide(start, self._unit, out=z, where=system.unknown)
         if self._constants.level is not None:  # 0 on islands that are held: those heights stay
             islands.add(z, -self._constants.level)
         silent = self.scale == 0
-        silent[0] &= islands.count > 1  # one island's norm counts what belongs to none, too
+        silent[0] &= islands.count > 1  # the norm of a single island includes the vertices outside it
         if silent.any():
             z[system.unknown & silent[islands.labels]] = 0
         islands.center(z)
@@ -246,7 +247,7 @@ class _Solve:
 
 
 class _Report:
-    """Progress from residuals; it only moves forward."""
+    """Reports progress computed from residuals; it never goes backwards."""
 
     def __init__(self, progress: Progress | None, tolerance: float) -> None:
         self._progress = progress
@@ -254,12 +255,12 @@ class _Report:
         self._shown = 0.0
 
     def __call__(self, relative: float) -> None:
-        """Tell the share that a residual stands for."""
+        """Report the share done at this residual, on a logarithmic scale."""
         if self._progress is not None:
             share = math.log(min(max(relative, 1e-300), 1.0)) / self._asked
             self._shown = min(max(share, self._shown), 1.0)
             self._progress("solving", self._shown)
 
     def times(self, share: float) -> Report | None:
-        """The same for residuals relative to one that is ``share`` of the load."""
+        """Return the same report for residuals relative to ``share`` times the load."""
         return None if self._progress is None else lambda relative: self(relative * share)

@@ -1,12 +1,13 @@
-"""The operator and the energy, stated once.
+"""The operator and the energy, defined once.
 
-A picture of H x W pixels is a grid of H x W square faces and (H+1) x (W+1) vertices with unit edges; heights z live on
-the vertices. Per face f with weight k_f, R = I - 1/4 and target corner heights h_f (of mean 0),
+A picture of H x W pixels is a grid of H x W square faces and (H+1) x (W+1) vertices with unit edges; the heights z are
+those of the vertices. With R = I - 1/4, and with the weight k_f and the target corner heights h_f (of mean 0) of each
+face f, the energy
 
     E(z) = sum_f k_f |R z_f - h_f|^2 + sum_v beta_v (z_v - delta_v)^2            (Wei et al. 2018, Eq. 6 to 8)
 
-is least where (L + diag(beta)) z = g + beta delta, with (L z)_v = sum over the faces f at v of
-k_f (z_v - mean of z on f) and g_v the sum of k_f h_f over the corners at v.
+is minimal where (L + diag(beta)) z = g + beta delta. Here (L z)_v is the sum over the faces f at v of
+k_f (z_v - mean of z on f), and g_v the sum of k_f h_f over the corners at v.
 """
 
 from __future__ import annotations
@@ -25,19 +26,19 @@ from nmaptool.core.grid import corner_mean, touching_vertices
 from nmaptool.core.parallel import for_each_band
 from nmaptool.solver.operator import Operator, Weights, rows_at_once
 
-# given a band of rows and (rows * (W+1),) float64 of them
+# called with a band of rows and its (rows * (W+1),) float64 values
 See = Callable[[slice, Float64], None]
 
 _MOST_SPAN = 1e3
 
 
 def slope_load(p: Float64, q: Float64) -> Float64:
-    """(H+1, W+1) load g of the target corner heights h = -+p/2 -+q/2 (y up, row 0 on top).
+    """Return the (H+1, W+1) load g of the target corner heights h = -+p/2 -+q/2 (y up, row 0 at the top).
 
     Parameters
     ----------
     p, q : (H, W) float64
-        Target slopes, each already multiplied by its face's weight.
+        Target slopes, each multiplied by the weight of its face.
     """
     rows, cols = p.shape
     rising, falling = (p + q) / 2, (p - q) / 2
@@ -50,7 +51,7 @@ def slope_load(p: Float64, q: Float64) -> Float64:
 
 
 def energy(z: Float64, weight: Float64, p: Float64, q: Float64) -> float:
-    """Shape energy sum_f w_f |R(z_f - h_f)|^2 of heights z against slopes p, q; straight from its definition.
+    """Return the shape energy sum_f w_f |R(z_f - h_f)|^2 of heights z for target slopes p, q, by its definition.
 
     Parameters
     ----------
@@ -69,7 +70,7 @@ def energy(z: Float64, weight: Float64, p: Float64, q: Float64) -> float:
 
 @dataclass(frozen=True, eq=False)
 class QuadSystem:
-    """The linear system (L + diag(beta)) z = load, some vertices held.
+    """The linear system (L + diag(beta)) z = load, where some vertices may be held.
 
     Parameters
     ----------
@@ -78,12 +79,12 @@ class QuadSystem:
     beta : (H+1, W+1) float32 or float64
         Height weight per vertex, >= 0. Not copied.
     held : (H+1, W+1) bool
-        Vertices whose height is given.
+        Vertices whose height is prescribed.
 
     Raises
     ------
     InputError
-        If shapes do not fit, a weight is negative or not finite, or no weight is left.
+        If shapes do not match, a weight is negative or not finite, or the weights of all faces are zero.
     """
 
     weight: Weights
@@ -94,10 +95,10 @@ class QuadSystem:
         rows, cols = self.weight.shape
         if self.beta.shape != (rows + 1, cols + 1) or self.held.shape != self.beta.shape:
             raise InputError(
-                f"weights of shape {self.weight.shape} need height weights and held vertices of shape "
-                f"{(rows + 1, cols + 1)}, found {self.beta.shape} and {self.held.shape}"
+                f"face weights of shape {self.weight.shape} need height weights and held vertices of shape "
+                f"{(rows + 1, cols + 1)}; found {self.beta.shape} and {self.held.shape}"
             )
-        for name in ("weight", "beta"):  # bands are flat pieces of them
+        for name in ("weight", "beta"):  # bands are flat slices of them
             values = getattr(self, name)
             if values.dtype not in (np.float32, np.float64) or not values.flags.c_contiguous:
                 kept = values.dtype if values.dtype == np.float32 else np.float64
@@ -111,12 +112,12 @@ class QuadSystem:
 
     @functools.cached_property
     def weight_range(self) -> tuple[float, float]:
-        """Least and greatest weight of a face."""
+        """Smallest and largest weight of a face."""
         return extremes(self.weight)
 
     @functools.cached_property
     def has_wide_weights(self) -> bool:
-        """Whether the faces' weights differ by so much that float32 is not enough to precondition with."""
+        """Whether the weights of the faces differ so much that a preconditioner in float32 is not accurate enough."""
         least, most = self.weight_range
         if least == 0:
             least = float(np.min(self.weight, where=self.weight > 0, initial=most))
@@ -124,11 +125,11 @@ class QuadSystem:
 
     @functools.cached_property
     def operator(self) -> Operator:
-        """A z in bands."""
+        """Computes A z in bands."""
         return Operator(self.weight, self.beta)
 
     def apply(self, z: Float64) -> Float64:
-        """(H+1, W+1) float64 (L + diag(beta)) z; no matrix is made."""
+        """Return (L + diag(beta)) z as (H+1, W+1) float64, without building a matrix."""
         out = np.empty(self.beta.shape)
 
         def keep(band: slice, product: Float64, _: Float64) -> None:
@@ -146,23 +147,23 @@ class QuadSystem:
         less: See | None = None,
         see: See | None = None,
     ) -> float:
-        """Put load - A z into ``out`` at vertices to solve for and 0 elsewhere; computed in float64.
+        """Write load - A z to ``out`` at unknown vertices and 0 elsewhere; computed in float64.
 
         Parameters
         ----------
         load, z : (H+1, W+1) float64, C order
-            z None stands for 0 everywhere.
+            z None means 0 everywhere.
         out : (H+1, W+1) float32 or float64, C order, or None
-            None: only the norm is wanted.
+            None: compute only the norm.
         less : callable, optional
-            Called with every band and load - A z there, to take off what else does not count, in place.
+            Called with every band and its load - A z; subtracts in place what does not count.
         see : callable, optional
-            Called with every band and the residual there.
+            Called with every band and its residual.
 
         Returns
         -------
         float
-            Its Euclidean norm.
+            Euclidean norm of the residual.
         """
         squares = np.zeros(self.beta.shape[0])
 
@@ -171,7 +172,7 @@ class QuadSystem:
             if less is not None:
                 less(band, left)
             left *= self.unknown[band].reshape(-1)
-            squares[band.start] = np.multiply(left, left, out=other).sum()  # BLAS brings threads of its own
+            squares[band.start] = np.multiply(left, left, out=other).sum()  # not BLAS: it would start its own threads
             if see is not None:
                 see(band, left)
             if out is not None:
@@ -182,7 +183,7 @@ class QuadSystem:
 
     @functools.cached_property
     def unknown(self) -> Mask:
-        """(H+1, W+1) bool: vertices to solve for."""
+        """(H+1, W+1) bool: unknown vertices."""
         if self.weight_range[0] > 0:
             return ~self.held
         out = touching_vertices(self.weight > 0)
@@ -195,9 +196,9 @@ class QuadSystem:
         return out
 
     def faces(self) -> tuple[NDArray[np.int32] | Mask, int]:
-        """(H, W) label of each face's island (0: none) and their count; a mask where there is one island.
+        """Return the (H, W) label of the island of each face (0: none) and the number of islands.
 
-        Faces that share a vertex are one island.
+        Faces that share a vertex belong to the same island. If there is only one island, the labels are a mask.
         """
         if self.weight_range[0] > 0:
             return np.broadcast_to(np.True_, self.weight.shape), 1
@@ -208,7 +209,7 @@ class QuadSystem:
         return (acting, 1) if found == 2 else (labels, found - 1)
 
     def islands(self) -> tuple[NDArray[np.int32], int]:
-        """Label of each vertex's island (0: none) and their count; faces that share a vertex are one island."""
+        """Return the (H+1, W+1) label of the island of each vertex (0: none) and the number of islands."""
         faces, count = self.faces()
         labels = np.zeros(self.beta.shape, np.int32)
         for corner in (labels[:-1, :-1], labels[:-1, 1:], labels[1:, :-1], labels[1:, 1:]):
@@ -235,7 +236,7 @@ class QuadSystem:
 
 
 def extremes(values: NDArray[Any]) -> tuple[float, float]:
-    """Least and greatest value of a 2-D array; NaN if there is one."""
+    """Return the smallest and largest value of a 2-D array; NaN if it contains one."""
     found = np.empty((len(values), 2))
     step = rows_at_once(values.shape[1])
 
@@ -247,7 +248,7 @@ def extremes(values: NDArray[Any]) -> tuple[float, float]:
 
 
 def vertex_share(shape: tuple[int, int]) -> Float64:
-    """(H+1, W+1) share of its full four faces that each vertex has: 1, 1/2 on edges, 1/4 at corners."""
+    """Return the (H+1, W+1) share of four faces that each vertex has: 1 inside, 1/2 on edges, 1/4 at corners."""
     down, across = np.ones(shape[0] + 1), np.ones(shape[1] + 1)
     down[[0, -1]] = across[[0, -1]] = 0.5
     return down[:, None] * across

@@ -1,4 +1,4 @@
-"""What comparing two ways of rebuilding a mesh returns: figures of both, curves, a verdict, pictures."""
+"""The result of comparing two ways of rebuilding a mesh: measurements of both, curves, verdicts, pictures."""
 
 from __future__ import annotations
 
@@ -16,26 +16,28 @@ from nmaptool.types.shown import OneLine
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contender(OneLine):
-    """One scheme on the shared targets (paper, Fig. 13).
+    """The result of one scheme for the shared target normals (paper, Fig. 13).
 
     Attributes
     ----------
     options : ReconstructOptions
     mesh : Mesh
-        Rebuilt, its centroid on that of the given mesh.
+        The rebuilt mesh, moved so that its centroid is that of the given mesh.
     deviation_mm : (N,) float64
-        How far each vertex is from where it was, after that.
+        Distance of each vertex from its original position, after that move.
     rms_mm, mean_mm, max_mm : float
-        Of the deviation.
+        Root mean square, mean and maximum of the deviation.
     hausdorff_mm, to_original_mm, from_original_mm : float
-        Largest distance from a vertex of either mesh to the surface of the other, and of the two directions alone.
+        Largest distance from a vertex of either mesh to the surface of the other; the same from this mesh to the
+        original, and from the original to this mesh.
     normal_mean_deg, normal_median_deg, normal_p95_deg : float
-        Angles between face normals and targets; the mean is over areas of the given mesh.
+        Angles between face normals and targets; the mean is weighted by the areas of the given mesh.
     histogram : (B,) float64
-        Share of the area in each bin of the comparison's ``edges_deg``; the last holds all beyond.
+        Share of the area in each bin of the comparison's ``edges_deg``; the last also holds all larger angles.
     folded : int
-        Faces more than a right angle from their targets.
+        Faces whose normals are more than a right angle from their targets.
     volume_share : float or None
+        Volume gained by a closed mesh, as a share of its volume; None for an open mesh.
     seconds : float
     """
 
@@ -62,7 +64,7 @@ class Contender(OneLine):
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """One run of a sweep: mean normal deviation in degrees, rms vertex deviation in mm, faces left folded over."""
+    """One run of a sweep: mean normal deviation in degrees, RMS vertex deviation in mm, number of folded faces."""
 
     closeness: float | None
     steps: int
@@ -78,17 +80,17 @@ class Verdict:
     Attributes
     ----------
     rival : str
-        Which curve of Poisson's.
+        The curve of Poisson that gSfG is compared with.
     holds : str
         ``yes``, ``no`` or ``in part``.
     points, held : int
-        Points of the rival's front (those that none of its own beats), and how many of them gSfG beats.
+        Number of points on the rival's Pareto front, and how many of them gSfG beats.
     held_deg : tuple of float
-        Normal deviations of those.
+        Normal deviations of the points that gSfG beats.
     ratio_low, ratio_high : float or None
-        gSfG's vertex deviation over Poisson's at those points that gSfG reaches.
+        Smallest and largest ratio of gSfG's vertex deviation to Poisson's, over the points that gSfG reaches.
     summary : str
-        The same in a sentence.
+        The verdict as a sentence.
     """
 
     rival: str
@@ -103,14 +105,14 @@ class Verdict:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RenderedView(OneLine):
-    """A picture of a contender, at twice the size it is shown in.
+    """A rendering of a contender, at twice its size in the figure.
 
     Attributes
     ----------
     deviation_mm : (2 H, 2 W) float32
-        Of the face at each sample; NaN where nothing is seen.
+        Deviation of the face seen at each sample; NaN where no face is seen.
     shade : (2 H, 2 W) float32
-        Light on it, 0 to 1.
+        Shading, 0 to 1.
     """
 
     deviation_mm: Float32
@@ -130,15 +132,14 @@ class Comparison(OneLine):
     normal_before_deg : float
         Mean angle between the given mesh's normals and the targets.
     edges_deg : (B + 1,) float64
-        Bins of the histograms.
+        Edges of the histogram bins.
     contenders : mapping
-        ``gsfg`` and ``poisson``: what the figure shows. Of Poisson's sweep it is the run that comes nearest to
-        gSfG's.
+        ``gsfg`` and ``poisson``, as the figure shows them. ``poisson`` is the run of its sweep that is closest to gSfG.
     curves : mapping
-        Name to points of a sweep.
+        The points of each sweep, by name.
     verdicts : tuple of Verdict
     rendered_views : mapping of str to RenderedView
-        Pictures of the contenders.
+        Renderings of the contenders.
     seconds : mapping of str to float
     """
 

@@ -1,4 +1,4 @@
-"""An edited normal map, and the report of how it was made."""
+"""An edited normal map and its report."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class ComposeReport(Report):
     command : str
         ``blend``, ``paste``, ``transform``, ``convert``, ``stack``.
     options : mapping
-        As given, as plain values.
+        The options given, as plain values.
     layers : tuple of mapping
-        What became of each layer: name, mode, strength, where it lies in px, its share of the canvas.
+        For each layer: name, mode, strength, position in px, share of the canvas.
     curl_before : float or None
-        Mean |curl| of what it started from, in slope per px: see `nmaptool.core.vectors.mean_abs_curl`.
+        Mean |curl| of the input, in slope per px: see `nmaptool.core.vectors.mean_abs_curl`.
     curl_after : float
-        The same of the result.
+        Mean |curl| of the result.
     seconds : mapping of str to float
         Time by stage.
     warnings : tuple of str
@@ -44,13 +44,13 @@ class ComposeReport(Report):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Composition(Pictured):
-    """An edited normal map, and how it came about.
+    """An edited normal map and the report of the edit.
 
     Attributes
     ----------
     normal_map : NormalMap
     placed : (H, W) float32 in [0, 1]
-        Where layers lie above the lowest one: the mask for a relief whose background keeps its height.
+        Coverage of the layers above the lowest one: the mask for a relief whose background keeps its height.
     report : ComposeReport
     """
 

@@ -1,4 +1,4 @@
-"""What converting a normal map to another kind of file did."""
+"""The report of converting a normal map file."""
 
 from __future__ import annotations
 
@@ -11,22 +11,23 @@ from nmaptool.types.composition import ComposeReport
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ConvertReport(ComposeReport):
-    """What a conversion did, beside what every edit reports; ``curl_after`` is that of the codes as written.
+    """The report of a conversion; ``curl_after`` is measured on the codes as written.
 
     Attributes
     ----------
     source, target : mapping
-        What the file was and what it is now: bits, green, zero code, components, background.
+        Properties of the input and the output file: bits, green, zero code, components, background.
     vectors : int
         Pixels where the map is defined.
     off_length : int
-        Vectors that were off unit length by more than rounding: no unit vector has their codes. They are normalised.
+        Vectors whose length differs from 1 by more than rounding, so that no unit vector has their codes. They are
+        normalised.
     off_length_largest : float
-        By how much at most.
+        The largest such difference.
     rim_pixels : int
-        Anti-aliased pixels that took the normals just inside them; their coverage is in alpha.
+        Anti-aliased pixels that were given the normals just inside them; their coverage is in alpha.
     flattened : int
-        Pixels of a flat background that were noise and are flat now.
+        Pixels of a flat background whose noise was removed.
     """
 
     source: Mapping[str, Any] = field(default_factory=dict)

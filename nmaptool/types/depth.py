@@ -1,4 +1,4 @@
-"""What depth_to_normals gives back: a normal map, its jumps, and the account of what was decided."""
+"""The result of depth_to_normals: a normal map, its jumps and a report."""
 
 from __future__ import annotations
 
@@ -13,39 +13,41 @@ from nmaptool.types.shown import Pictured, counted
 
 @dataclass(frozen=True, repr=False)
 class DepthReport(Report):
-    """What was read off a depth or height picture, and from what.
+    """What was found in a depth or height picture, and the source of each value.
 
     Attributes
     ----------
     options : DepthOptions
-        As given.
+        The options given.
     kind : str
-        ``depth`` or ``height`` where the file says so, else ``grey``.
+        ``depth`` or ``height`` if the file states it, otherwise ``grey``.
     bits : int
-        Bits that the picture really uses.
+        Bits that the picture actually uses.
     scale_px, scale_from : float, str
-        How far white stands above black, or the highest float above the lowest, and whether that was ``given``, in
-        the ``file`` or ``assumed``.
+        Height of white above black, or of the highest float above the lowest, and its source: ``given``, ``file`` or
+        ``assumed``.
     range_px : float
-        How far the highest pixel of the surface stands above the lowest.
+        Height of the highest pixel of the surface above the lowest.
     pitch_mm : float or None
         Size of a pixel.
     inverted, inverted_from : bool, str
-        Whether dark or small is near.
+        Whether dark or small values are near, and the source of this.
     fov, fov_from : float, str
         Degrees across the longer side; 0 is orthographic.
     step_px, noise_px : float
-        Height of a step of the stored values (0: none), and deviation of the noise beyond it (0: none was found).
+        Height of a step of the stored values (0 if there are no steps), and standard deviation of the noise beyond it
+        (0 if none was found).
     tolerance_px : float
-        How far the fitted surface may leave the stored heights; 0 where nothing was fitted.
+        How far the fitted surface may depart from the stored heights; 0 if nothing was fitted.
     jump_px : float or None
-        Least height of a jump; None where none was looked for.
+        Smallest height of a jump; None if jumps were not looked for.
     jumps, jump_share : int, float
-        Pixels beside a jump, and as a share of the surface.
+        Pixels beside a jump: their number, and their share of the surface.
     mixed_pixels : int
         Pixels of smoothed outlines that were moved to the side they mostly belong to.
     background, background_share : str, float
-        ``none``, ``empty`` (pixels without depth), ``flat``, ``cut`` or both, such as ``empty, flat``.
+        ``none``, ``empty`` (pixels without depth), ``flat``, ``cut`` or both, such as ``empty, flat``; and its share of
+        the picture.
     curl : float
         Mean |curl| of the map in slope per px.
     seconds : mapping of str to float
@@ -85,7 +87,7 @@ class DepthResult(Pictured):
     Attributes
     ----------
     normal_map : NormalMap
-        Its coverage is 0 where there is no depth and on the background, unless that was to be kept as a plate.
+        Its coverage is 0 where there is no depth, and on the background unless that is kept as a plate.
     jumps : (H, W) float32
         Height in px of the largest jump beside each pixel, 0 elsewhere.
     report : DepthReport

@@ -22,7 +22,7 @@ class Height(Pictured):
     Parameters
     ----------
     z_mm : (H+1, W+1) float64
-        Heights at vertices; 0 where no pixel of the domain touches.
+        Heights at vertices; 0 at vertices that touch no pixel of the domain.
     domain : (H, W) bool
         Pixels (faces) that belong to the surface.
     frame : Frame
@@ -40,7 +40,7 @@ class Height(Pictured):
     def __post_init__(self) -> None:
         rows, cols = self.frame.shape
         if self.frame.pitch_mm is None:
-            raise InputError("a height field needs the size of a pixel in mm")
+            raise InputError("a height field needs a pixel size in mm; set pitch_mm of its frame")
         if self.z_mm.shape != (rows + 1, cols + 1) or self.z_mm.dtype != np.float64:
             raise InputError(
                 f"heights are {self.z_mm.dtype} {self.z_mm.shape}, expected float64 {(rows + 1, cols + 1)}"
@@ -52,7 +52,7 @@ class Height(Pictured):
         if not np.all(np.isfinite(self.z_mm)):
             raise InputError("heights must be finite")
         if not self.domain.any():
-            raise InputError("the height field has no pixel in its domain")
+            raise InputError("the domain of the height field is empty")
         object.__setattr__(self, "z_mm", read_only(self.z_mm))
         object.__setattr__(self, "domain", read_only(self.domain))
         if self.raised is not None:
@@ -71,7 +71,7 @@ class Height(Pictured):
 
     @property
     def range_mm(self) -> tuple[float, float]:
-        """Lowest and highest vertex of the domain."""
+        """Heights of the lowest and the highest vertex of the domain."""
         inside = self.z_mm[self.vertex_mask]
         return float(inside.min()), float(inside.max())
 

@@ -1,4 +1,4 @@
-"""What callers hand over, a value of the package or a plain array, as the value that a feature computes with."""
+"""Convert arguments, which may be plain arrays, to the values that features compute with."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ _CHANNELS = {1: ("Y",), 2: ("R", "G"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A
 
 
 def as_normal_map(value: Any, what: str = "the map", mask: Float32 | None = None) -> NormalMap:
-    """A normal map as it is, or one made of an array of normals.
+    """Return a normal map unchanged, or make one from an array of normals.
 
     Parameters
     ----------
     value : NormalMap or (H, W, 3) float
     what : str
-        What to call it in messages, such as "the original".
+        Name for messages, such as "the original".
     mask : (H, W) float32, optional
-        Where an array holds normals: above 0. A NormalMap knows that itself.
+        An array holds normals where this is above 0. Ignored for a NormalMap, which has its own coverage.
 
     Raises
     ------
     InputError
         See `nmaptool.NormalMap.from_array`.
     UsageError
-        If it is something else, such as a path.
+        If the value is neither, such as a path.
     """
     if isinstance(value, NormalMap):
         return value
@@ -57,19 +57,19 @@ def as_normal_map(value: Any, what: str = "the map", mask: Float32 | None = None
 
 
 def as_raster(value: Any, what: str = "the picture") -> RasterImage:
-    """A picture as it is, or one made of an array of grey values or colours.
+    """Return a picture unchanged, or make one from an array of grey values or colours.
 
     Parameters
     ----------
     value : RasterImage or (H, W) or (H, W, 1 to 4) uint8, uint16 or float
-        Channels are grey; red and green; red, green and blue; these and alpha.
+        By number of channels: grey; red and green; red, green and blue; red, green, blue and alpha.
     what : str
-        What to call it in messages.
+        Name for messages.
 
     Raises
     ------
     InputError, UsageError
-        If the array has another shape or type; if it is no picture and no array.
+        If the array has another shape or type, or the value is neither a picture nor an array.
     """
     if isinstance(value, RasterImage):
         return value
@@ -92,12 +92,12 @@ def as_raster(value: Any, what: str = "the picture") -> RasterImage:
 
 
 def as_height(value: Any, what: str = "the height field") -> Height:
-    """A height field as it is, or that of a relief.
+    """Return a height field unchanged, or that of a relief.
 
     Raises
     ------
     UsageError
-        If it is something else, such as an array, which does not know the size of a pixel.
+        If the value is neither, such as an array, which has no pixel size.
     """
     if isinstance(value, Relief):
         return value.height

@@ -1,4 +1,4 @@
-"""What was measured in a normal map, and what is wrong with it."""
+"""Measurements of a normal map, and the problems found in it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from nmaptool.types.shown import counted
 
 @dataclass(frozen=True)
 class Finding:
-    """Something wrong or doubtful, and what to do about it."""
+    """A problem or doubt, and its remedy."""
 
     code: str
     message: str
@@ -20,32 +20,32 @@ class Finding:
 
 @dataclass(frozen=True, repr=False)
 class Inspection(Report):
-    """Everything `inspect_map` measures; shares are of the foreground unless said otherwise.
+    """Everything `inspect_map` measures; shares are of the foreground unless stated otherwise.
 
     Attributes
     ----------
     name, cols, rows, bits, channels, layer, pitch_mm
         The file.
     decoding : Decoding
-        Convention, zero code and background, each with its source; ``curl_ratio`` is how many times more curl the
-        other green would have.
+        Convention, zero code and background, each with its source; ``curl_ratio`` is the mean |curl| with green down
+        over that with green up.
     foreground_share, coverage_mean : float
-        Of the picture.
+        Share of the picture that is foreground, and mean coverage of the picture.
     unit_length_error : float
         Mean of ||v| - 1| of the stored vectors.
     off_length_share : float
-        Share with an error above 0.1.
+        Share of vectors with an error above 0.1.
     away_share : float
-        Share with nz <= 0.
+        Share of vectors with nz <= 0.
     neutral_bias_px : float or None
-        Height by which the file's own flat code, read with the middle code as zero, tilts a flat map from one side of
-        the longer side to the other; None where no flat code stands out.
+        Height by which a flat map would tilt over its longer side if the file's own flat code were read with the middle
+        code as zero; None if no flat code stands out.
     mean_abs_curl : float
-        Slope per px.
+        Mean |curl|, in slope per px.
     outline_sign : float or None
         Mean of n . outward over the outline: near +1 for a raised motif, negative for an inverted one.
     better_swizzle : str or None
-        Channel order with clearly less curl.
+        Channel order with clearly less curl; None if there is none.
     premultiplied, eight_bit_data, lossy, is_float : bool
     color_chunks : tuple of str
     findings : tuple of Finding

@@ -1,4 +1,4 @@
-"""The layers of one view: original, base and detail normal maps on one grid, and the report of how they were made."""
+"""The layers of one view: original, base and detail normal maps on one grid, and their report."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class LayerReport(Report):
     Attributes
     ----------
     options : mapping
-        As given, plain values.
+        The options given, as plain values.
     mixture : Mixture
     detail_share : float
         Share of the surface (by area) or of the motif that is detail.
@@ -36,22 +36,22 @@ class LayerReport(Report):
     view : str
         Name of the view; empty for layers of a map.
     pitch_from : str
-        Where the size of a pixel comes from: ``given``, ``file`` or ``assumed``; empty where there is none.
+        Source of the pixel size: ``given``, ``file`` or ``assumed``; empty if it is not known.
     findings : MeshFindings or None
-        What was dropped from the mesh.
+        What was dropped from the mesh; None for layers of a map.
     faces : int
-        Faces that were filtered and drawn; 0 for layers of a map.
+        Faces that were filtered and rendered; 0 for layers of a map.
     mean_edge : float
         Mean edge length in units of the mesh, the unit of sigma_s; 0 for layers of a map.
     sigma_s_px : float
-        What sigma_s comes to in pixels; 0 where a learned filter was used.
+        sigma_s in pixels; 0 for a learned filter.
     model : str
-        Digest of the learned filter; empty for the others.
+        Digest of the learned filter; empty for other filters.
     renderer : str
-        Which platform drew.
+        Platform that rendered the mesh.
     camera : mapping
-        ``rotation`` (mesh to eye space), ``center`` (of the picture, in eye space), ``unit_per_px``, ``distance`` (of a
-        perspective camera's eye from the picture plane, else None), all in units of the mesh.
+        ``rotation`` (mesh to eye space), ``center`` (of the picture, in eye space), ``unit_per_px``, ``distance`` (from
+        the eye of a perspective camera to the picture plane, None if orthographic), all in units of the mesh.
     curl : mapping of str to float
         Mean |curl| of original, base and detail, in slope per px.
     seconds : mapping of str to float
@@ -87,23 +87,23 @@ class LayerReport(Report):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LayerSet(Pictured):
-    """The original, base and detail normal maps of one view, with depth and face numbers where they were rendered.
+    """The original, base and detail normal maps of one view, with depth and face numbers if they were rendered.
 
     Parameters
     ----------
     original, base, detail : NormalMap
-        On one grid, with one coverage.
+        All on the same grid, with the same coverage.
     report : LayerReport
     depth_mm : (H, W) float32, optional
-        Distance from the camera along its axis; 0 where nothing is seen. A perspective camera counts from its eye, an
-        orthographic one from the nearest point of the mesh.
+        Distance from the camera along its axis; 0 where nothing is seen. It is measured from the eye of a perspective
+        camera, or from the nearest point of the mesh for an orthographic one.
     faces : (H, W) int32, optional
-        Number of the face seen at each pixel, in the order of the mesh as it was given, from 0; -1 for none.
+        Index of the face seen at each pixel, from 0, in the order of the given mesh; -1 where none is seen.
 
     Raises
     ------
     InputError
-        If the layers do not fit each other.
+        If the layers differ in size or pitch.
     """
 
     original: NormalMap
@@ -116,7 +116,7 @@ class LayerSet(Pictured):
     def __post_init__(self) -> None:
         for layer in (self.base, self.detail):
             if layer.frame != self.original.frame:
-                raise InputError(f"{layer.name} is {layer.frame}, but the original {self.original.frame}")
+                raise InputError(f"{layer.name} is {layer.frame}, but the original is {self.original.frame}")
         for name in ("depth_mm", "faces"):
             array = getattr(self, name)
             if array is not None:

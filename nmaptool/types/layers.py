@@ -1,13 +1,14 @@
-"""Layers to be composed: maps with their place and mode, and groups of them."""
+"""Layers for composing: maps with their position and mode, and groups of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from nmaptool.core.arrays import Float32, read_only
-from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.errors import InputError, NmaptoolError, UsageError
 from nmaptool.options import GroupOptions, LayerOptions
 from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import NormalMap
@@ -17,21 +18,23 @@ from nmaptool.types.shown import OneLine, counted
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Layer(OneLine):
-    """A normal map with its place on a canvas.
+    """A normal map with its position on a canvas.
 
     Parameters
     ----------
     normal_map : NormalMap or (h, w, 3) float of any type
     options : LayerOptions
     mask : (h, w) bool or float in [0, 1], optional
-        Of the map's size: 1 shows the layer, 0 hides it.
+        Has the size of the map: 1 shows the layer, 0 hides it.
     mask_name : str
-        What to call the mask in messages, such as its file.
+        Name of the mask for messages, such as its file.
+    origin : str
+        What to call it in errors, such as "scene.toml, line 14: layer 2 (bunny)". Default: its name.
 
     Raises
     ------
     InputError
-        If the mask is of another size, leaves [0, 1], is not finite, or is black all over.
+        If the mask has another size, has values that are not finite or outside [0, 1], or is entirely black.
     UsageError
         If the map or the mask has a type that is not accepted.
     """
@@ -40,6 +43,7 @@ class Layer(OneLine):
     options: LayerOptions = field(default_factory=LayerOptions)
     mask: Float32 | None = None
     mask_name: str = ""
+    origin: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "normal_map", as_normal_map(self.normal_map, "the layer"))
@@ -49,7 +53,7 @@ class Layer(OneLine):
 
     @property
     def name(self) -> str:
-        """What to call it."""
+        """The name for messages."""
         return self.options.name or self.normal_map.name
 
     def _line(self) -> str:
@@ -59,7 +63,7 @@ class Layer(OneLine):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LayerGroup(OneLine):
-    """Layers that are composed among themselves first.
+    """Layers that are composed with each other first.
 
     Parameters
     ----------
@@ -67,15 +71,18 @@ class LayerGroup(OneLine):
         From the lowest to the topmost; a map alone is a layer with the default options.
     options : GroupOptions
     mask : (H, W) bool or float in [0, 1], optional
-        Of the canvas's size: 1 shows the group, 0 hides it.
+        Has the size of the canvas: 1 shows the group, 0 hides it.
     mask_name : str
-        What to call the mask in messages, such as its file.
+        Name of the mask for messages, such as its file.
+    origin : str
+        What to call it in errors, such as "scene.toml, line 14: layer 2 (bunny)". Default: its name.
     """
 
     layers: tuple[Layer | LayerGroup, ...]
     options: GroupOptions = field(default_factory=GroupOptions)
     mask: Float32 | None = None
     mask_name: str = ""
+    origin: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", as_layers(self.layers, f"the layers of {self.name or 'a group'}"))
@@ -87,43 +94,54 @@ class LayerGroup(OneLine):
 
     @property
     def name(self) -> str:
-        """What to call it."""
+        """The name for messages."""
         return self.options.name
 
     def _line(self) -> str:
         return f"{self.name}: {counted(len(self.layers), 'layer')}"
 
 
+@contextmanager
+def errors_about(layer: Layer | LayerGroup) -> Iterator[None]:
+    """Errors that are raised within call a layer by its origin, where it has one."""
+    try:
+        yield
+    except NmaptoolError as error:
+        if not layer.origin:
+            raise
+        raise type(error)(f"{layer.origin}: {str(error).removeprefix(f'{layer.name}: ')}") from None
+
+
 LayerLike: TypeAlias = Layer | LayerGroup | NormalsLike
 
 
 def as_layers(values: Any, what: str = "the layers") -> tuple[Layer | LayerGroup, ...]:
-    """Layers and groups as they are, maps and arrays as layers with the default options.
+    """Return layers and groups unchanged, and maps and arrays as layers with the default options.
 
     Raises
     ------
     UsageError
-        If it is no list of them.
+        If the value is not a list of these.
     """
     if isinstance(values, Layer | LayerGroup | NormalMap | str) or not isinstance(values, Iterable):
-        raise UsageError(f"{what} must be a list of Layer, found {type(values).__name__}")
+        raise UsageError(f"{what} must be a list of Layer objects, found {type(values).__name__}")
     return tuple(each if isinstance(each, Layer | LayerGroup) else Layer(each) for each in values)
 
 
 def check_mask(mask: Float32, name: str, shape: tuple[int, ...], mask_name: str = "") -> None:
-    """Refuse a mask that does not fit ``shape``, leaves [0, 1], is not finite, or shows nothing.
+    """Refuse a mask that has another shape, has values outside [0, 1] or not finite, or is entirely black.
 
     Raises
     ------
     InputError
-        Says ``name``, the layer, and ``mask_name``, the mask's file, where it has one.
+        The message names the layer, ``name``, and the file of the mask, ``mask_name``, if there is one.
     """
     subject = f"{mask_name}: the mask of {name}" if mask_name else f"the mask of {name}"
     if mask.shape != shape:
         found, wanted = (f"{s[1]} x {s[0]}" if len(s) == 2 else str(s) for s in (mask.shape, shape))
-        raise InputError(f"{subject} is {found}, expected {wanted}, as what it masks; resize it")
+        raise InputError(f"{subject} is {found}, expected {wanted}, the size of what it masks; resize it")
     low, high = float(mask.min()), float(mask.max())
     if not (low >= 0 and high <= 1):  # also for NaN
         raise InputError(f"{subject} must lie between 0 and 1, but holds {low:g} to {high:g}; scale its values")
     if not mask.any():
-        raise InputError(f"{subject} is empty (black all over); white shows the layer")
+        raise InputError(f"{subject} is entirely black, which hides everything; paint what to show white")

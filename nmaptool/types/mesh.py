@@ -1,4 +1,4 @@
-"""Triangle meshes: the value that travels from a file to the camera and from a relief to a file."""
+"""Triangle meshes, as read from files, made from reliefs, rendered and written."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ Faces = NDArray[np.int32]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(OneLine):
-    """Triangles.
+    """A triangle mesh.
 
     Parameters
     ----------
     vertices : (N, 3) float64
-        Positions in the mesh's own units; they may be NaN until `nmaptool.meshes.clean.clean_mesh` has dropped those.
+        Positions in the mesh's own units; they may be NaN until `nmaptool.meshes.clean.clean_mesh` drops such vertices.
     faces : (M, 3) int32
         Vertices of each triangle, counter-clockwise seen from outside.
     mm_per_unit : float
-        Millimetres to one unit of the vertices.
+        Millimetres per unit of the vertices.
     unit_from : str
-        Where ``mm_per_unit`` comes from: ``given``, ``file`` (its format fixes it) or ``assumed``.
+        Source of ``mm_per_unit``: ``given``, ``file`` (fixed by its format) or ``assumed``.
     name : str
-        What to call the mesh in messages: a file name.
+        Name of the mesh for messages: a file name.
 
     Raises
     ------
     InputError
-        If shapes or types do not fit, or a face names a vertex that is not there.
+        If a shape or type is wrong, or a face refers to a missing vertex.
     """
 
     vertices: Float64
@@ -53,13 +53,15 @@ class Mesh(OneLine):
                 raise InputError(
                     f"{self.name}: {what} are {array.dtype} {array.shape}, expected {np.dtype(dtype).name} (count, 3)"
                 )
-        if len(self.faces) and not (self.faces.min() >= 0 and self.faces.max() < len(self.vertices)):
-            raise InputError(
-                f"{self.name}: a face names vertex {int(self.faces.max())} of {len(self.vertices)}; "
-                "the file is damaged: export it again"
-            )
+        if len(self.faces):
+            lowest, highest = int(self.faces.min()), int(self.faces.max())
+            if lowest < 0 or highest >= len(self.vertices):
+                raise InputError(
+                    f"{self.name}: a face refers to vertex {lowest if lowest < 0 else highest}, which is missing "
+                    f"(vertices: {len(self.vertices)}); the file is damaged: export it again"
+                )
         if not (math.isfinite(self.mm_per_unit) and self.mm_per_unit > 0):
-            raise InputError(f"{self.name}: {self.mm_per_unit} mm to a unit: must be greater than zero")
+            raise InputError(f"{self.name}: {self.mm_per_unit} mm per unit: must be greater than zero")
         object.__setattr__(self, "vertices", read_only(self.vertices))
         object.__setattr__(self, "faces", read_only(self.faces))
 
@@ -70,24 +72,24 @@ class Mesh(OneLine):
 
     @property
     def corners(self) -> Float64:
-        """(M, 3, 3) float64: the three corners of each face, each x, y, z."""
+        """(M, 3, 3) float64: x, y, z of the three corners of each face."""
         return np.asarray(self.vertices.take(self.faces, axis=0))
 
     @cached_property
     def geometry(self) -> FaceGeometry:
-        """`face_geometry`, worked out once."""
+        """`face_geometry`, computed once."""
         return face_geometry(self)
 
     @cached_property
     def mean_edge(self) -> float:
-        """`mean_edge_length`, worked out once."""
+        """`mean_edge_length`, computed once."""
         return mean_edge_length(self)
 
     @classmethod
     def from_arrays(
         cls, vertices: Any, faces: Any, mm_per_unit: float = 1.0, *, unit_from: str = "given", name: str = "mesh"
     ) -> Mesh:
-        """A mesh made of plain arrays or nested lists.
+        """Make a mesh from plain arrays or nested lists.
 
         Parameters
         ----------
@@ -96,11 +98,11 @@ class Mesh(OneLine):
         faces : (M, 3) int or float of any type
             Whole numbers from 0 to N - 1: the vertices of each triangle, counter-clockwise seen from outside.
         mm_per_unit : float
-            Millimetres to one unit of the vertices.
+            Millimetres per unit of the vertices.
         unit_from : str
-            ``given``, or ``assumed`` where nobody knows the unit: sizes that look odd are reported then.
+            ``given``, or ``assumed`` if the unit is not known; unusual sizes are then reported.
         name : str
-            What to call the mesh in messages.
+            Name of the mesh for messages.
 
         Returns
         -------
@@ -109,46 +111,46 @@ class Mesh(OneLine):
         Raises
         ------
         InputError
-            If a shape does not fit, or a face names a vertex that is not there.
+            If a shape is wrong, or a face refers to a missing vertex.
         UsageError
-            If a value is no array of numbers.
+            If a value is not an array of numbers.
 
         Examples
         --------
         >>> nm.Mesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], mm_per_unit=10)
-        <Mesh mesh: 3 vertices, 1 face, 10 mm to a unit (given)>
+        <Mesh mesh: 3 vertices, 1 face, 10 mm per unit (given)>
         """
         positions = as_vertices(vertices, name)
         return cls(positions, as_faces(faces, len(positions), name), float(mm_per_unit), unit_from, name)
 
     @classmethod
     def from_trimesh(cls, mesh: Any, mm_per_unit: float | None = None) -> Mesh:
-        """A mesh of the library trimesh.
+        """Make a mesh from a trimesh object.
 
         Parameters
         ----------
         mesh : trimesh.Trimesh
         mm_per_unit : float, optional
-            Millimetres to one unit of the vertices. Default: what ``mesh.units`` says, else 1, which is reported as
+            Millimetres per unit of the vertices. Default: that of ``mesh.units``, otherwise 1, which is reported as
             assumed.
 
         Returns
         -------
         Mesh
-            Called by the file that trimesh read, if any.
+            Named after the file that trimesh read, if any.
 
         Raises
         ------
         InputError
             If ``mesh.units`` is a unit that trimesh does not know.
         UsageError
-            If it is something else, such as a scene.
+            If the value is not a trimesh.Trimesh, such as a scene.
 
         Examples
         --------
         >>> import trimesh
         >>> nm.Mesh.from_trimesh(trimesh.creation.box())
-        <Mesh mesh: 8 vertices, 12 faces, 1 mm to a unit (assumed)>
+        <Mesh mesh: 8 vertices, 12 faces, 1 mm per unit (assumed)>
         """
         require_trimesh(mesh)
         found = trimesh_unit(mesh.units) if mm_per_unit is None else float(mm_per_unit)
@@ -157,12 +159,12 @@ class Mesh(OneLine):
         return cls.from_arrays(mesh.vertices, mesh.faces, found or 1.0, unit_from=unit_from, name=name)
 
     def to_trimesh(self) -> Any:
-        """The mesh as one of the library trimesh, with the same vertices in the same order.
+        """Make a trimesh object with the same vertices in the same order.
 
         Returns
         -------
         trimesh.Trimesh
-            Its ``units`` are set where the unit is known and has a name: mm, cm, m, in.
+            Its ``units`` are set if the unit is known and has a name: mm, cm, m, in.
 
         Raises
         ------
@@ -185,12 +187,12 @@ class Mesh(OneLine):
 
     def _line(self) -> str:
         size = f"{counted(len(self.vertices), 'vertex')}, {counted(len(self.faces), 'face')}"
-        return f"{self.name}: {size}, {self.mm_per_unit:.6g} mm to a unit ({self.unit_from})"
+        return f"{self.name}: {size}, {self.mm_per_unit:.6g} mm per unit ({self.unit_from})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FaceGeometry(OneLine):
-    """What the filters need to know of each face.
+    """Normal, area and centroid of each face.
 
     Attributes
     ----------
@@ -217,7 +219,7 @@ def cross(u: Float64, v: Float64) -> Float64:
 
 def face_geometry(mesh: Mesh) -> FaceGeometry:
     """Normals, areas and centroids of the faces of a mesh without degenerate faces."""
-    # here and in all that follows rows are fetched by take: several times quicker than by index
+    # rows are fetched with take, here and below: several times faster than indexing
     a, b, c = (mesh.vertices.take(mesh.faces[:, k], axis=0) for k in range(3))
     twice = cross(b - a, c - a)
     length = np.sqrt(np.einsum("ij,ij->i", twice, twice))
@@ -226,13 +228,13 @@ def face_geometry(mesh: Mesh) -> FaceGeometry:
 
 
 def directed_edges(faces: Faces) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First and second vertex of each face's edges, (3 M,) each: all first edges, all second ones, all third ones."""
+    """First and second vertex of each face's edges, (3 M,) each: all first edges, then all second, then all third."""
     first, second = (np.concatenate([faces[:, k] for k in order]).astype(np.int64) for order in ((0, 1, 2), (1, 2, 0)))
     return first, second
 
 
 def edge_keys(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.int64]:
-    """One number for each edge, the same in both directions: the lower vertex in the high half."""
+    """One integer for each edge, the same in both directions, with the lower vertex in the high half."""
     return np.minimum(first, second) << 32 | np.maximum(first, second)
 
 

@@ -1,4 +1,4 @@
-"""Plain arrays and trimesh objects as the vertices and faces of a mesh."""
+"""Convert plain arrays and trimesh objects to the vertices and faces of a mesh."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 
 
 def as_vertices(values: Any, name: str) -> Float64:
-    """(N, 3) float64 of any array of numbers."""
+    """Convert any array of numbers to (N, 3) float64."""
     array = as_numbers(values, f"{name}: vertices")
     _require_three(array, f"{name}: vertices", "")
     return array.astype(np.float64, copy=False).reshape(-1, 3)
 
 
 def as_faces(values: Any, vertices: int, name: str) -> NDArray[np.int32]:
-    """(M, 3) int32 of any array of whole numbers from 0 to ``vertices`` - 1.
+    """Convert any array of whole numbers from 0 to ``vertices`` - 1 to (M, 3) int32.
 
     Raises
     ------
     InputError
-        If it has another shape, or names a vertex that is not there.
+        If it has another shape, or refers to a missing vertex.
     """
     array = as_numbers(values, f"{name}: faces")
     _require_three(array, f"{name}: faces", "; split larger faces into triangles")
@@ -38,7 +38,8 @@ def as_faces(values: Any, vertices: int, name: str) -> NDArray[np.int32]:
     if wrong.any():
         face, corner = np.argwhere(wrong)[0]
         raise InputError(
-            f"{name}: face {face} names vertex {array[face, corner]:g}; expected whole numbers from 0 to {vertices - 1}"
+            f"{name}: face {face} refers to vertex {array[face, corner]:g}; expected whole numbers from 0 to "
+            f"{vertices - 1}"
         )
     return array.astype(np.int32)
 
@@ -49,25 +50,25 @@ def _require_three(array: NDArray[Any], what: str, remedy: str) -> None:
 
 
 def trimesh_unit(units: str | None) -> float | None:
-    """Millimetres to a unit that trimesh names; None where it names none.
+    """Millimetres per unit of a trimesh object; None if it states no unit.
 
     Raises
     ------
     InputError
         If trimesh does not know the unit.
     """
-    if units in (None, "none"):  # what trimesh makes of None
+    if units in (None, "none"):  # trimesh turns None into "none"
         return None
     from trimesh.units import unit_conversion  # takes long to load
 
     try:
         return float(unit_conversion(units, "mm"))
     except (KeyError, ValueError):
-        raise InputError(f"unit {units!r} of the trimesh mesh is not known; give mm_per_unit") from None
+        raise InputError(f"the trimesh mesh has the unknown unit {units!r}; give mm_per_unit") from None
 
 
 def require_trimesh(value: Any) -> None:
-    """Refuse what is no single trimesh mesh.
+    """Refuse anything but a single trimesh mesh.
 
     Raises
     ------

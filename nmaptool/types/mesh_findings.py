@@ -1,4 +1,4 @@
-"""What cleaning a mesh removed."""
+"""What cleaning a mesh changed."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class MeshFindings:
-    """What was found in a mesh and dropped.
+    """Counts of what was dropped, welded or flipped in a mesh.
 
     Attributes
     ----------
     vertices, faces : int
-        As the file holds them.
+        Numbers in the file.
     welded_vertices : int
-        Duplicates of another vertex's position.
+        Vertices at the position of another vertex.
     unreferenced_vertices : int
-        Finite ones that no face names.
+        Finite vertices that no face uses.
     nonfinite_vertices, nonfinite_faces : int
         Vertices that are NaN or infinite, and the faces that use them.
     degenerate_faces : int
-        Without area.
+        Faces without area.
     repeated_faces : int
-        With the same vertices as another.
+        Faces with the same vertices as another face.
     turned_faces : int
-        Wound the other way than their neighbours, and turned.
+        Faces wound opposite to their neighbours, which were flipped.
     """
 
     vertices: int

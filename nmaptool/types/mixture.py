@@ -14,14 +14,14 @@ from nmaptool.types.shown import OneLine
 
 @dataclass(frozen=True)
 class Gaussian:
-    """One part of the mixture: its share of the whole, mean and standard deviation of residual lengths."""
+    """One component of the mixture: its weight, and the mean and standard deviation of its residual lengths."""
 
     weight: float
     mean: float
     sigma: float
 
     def density(self, x: Float64) -> Float64:
-        """Weighted density at residual lengths; 0 everywhere where all residuals are alike."""
+        """Weighted density at residual lengths; 0 everywhere if all residuals are equal."""
         if self.sigma <= 0:
             return np.zeros_like(x)
         peak = self.weight / (self.sigma * np.sqrt(2 * np.pi))
@@ -35,18 +35,19 @@ class Mixture(OneLine):
     Attributes
     ----------
     edges : (B+1,) float64
-        Bounds of the histogram's bins, 0 to 2.
+        Edges of the histogram bins, 0 to 2.
     density : (B,) float64
-        Share of the area per unit of length; sums to 1 over the bins' widths.
+        Share of the area per unit of length; integrates to 1.
     low, high : Gaussian
-        Residuals of the base and of detail, by their means.
+        Residuals of the base and of detail: the components with the lower and the higher mean.
     theta : float
         Residuals longer than this are detail.
     form : str
-        ``weighted``: where the weighted densities cross between the means; ``unweighted``: where the plain ones do;
-        ``midpoint``: neither crosses there; ``none``: all residuals are alike, nothing is detail.
+        Where theta lies. ``weighted``: where the weighted densities cross between the means; ``unweighted``: where the
+        unweighted ones do; ``midpoint``: halfway, because neither cross there; ``none``: all residuals are equal, so
+        nothing is detail.
     iterations : int
-        Steps of expectation and maximisation.
+        Iterations of expectation maximisation.
     """
 
     edges: Float64

@@ -22,12 +22,12 @@ _VECTORS_AT_ONCE = 1 << 16
 
 @dataclass(frozen=True)
 class Decoding:
-    """What was decided when codes became normals, and from what: a record for messages and reports.
+    """How codes were decoded into normals, and the source of each decision: a record for messages and reports.
 
-    A relief, a composition or a depth map never depends on it.
+    Reliefs, compositions and depth maps never depend on it.
 
-    Attributes name the value and, with ``_from``, its source: ``given`` (an option), ``file`` (its metadata),
-    ``found`` (read off the picture) or ``assumed`` (the default).
+    Attributes hold a value and, with the suffix ``_from``, its source: ``given`` (an option), ``file`` (its metadata),
+    ``found`` (detected in the picture) or ``assumed`` (the default).
     """
 
     green: str = "up"
@@ -58,21 +58,22 @@ class NormalMap(Pictured):
     frame : Frame
         Size and pitch.
     foreground : (H, W) bool, optional
-        Where the motif is. Default: coverage of one half or more. It differs where the background is a defined, flat
-        part of the map.
+        Pixels of the motif. Default: coverage of at least one half. It differs from that if the background is a
+        defined, flat part of the map.
     name : str
-        What to call the map in messages.
+        Name of the map for messages.
     decoding : Decoding
         How its file was read.
     flat_background : bool
-        What lies outside the motif is a defined, flat part of the map, such as the plate that letters stand on. A
-        relief then has no height term on flat patches inside the motif: only the slopes around them tell whether they
-        are raised or sunk.
+        Whether the area outside the motif is a defined, flat part of the map, such as the plate behind raised letters.
+        A relief then has no height term on flat patches inside the motif: only the slopes around them decide whether
+        they are raised or sunken.
 
     Raises
     ------
     InputError
-        If shapes or types do not fit, a value is not finite, a normal is not unit length or coverage leaves [0, 1].
+        If a shape or type is wrong, a value is not finite, a normal is not of unit length or coverage is outside [0,
+        1].
     """
 
     normals: Float32
@@ -94,7 +95,9 @@ class NormalMap(Pictured):
                 f"{self.name}: coverage is {self.coverage.dtype} {self.coverage.shape}, expected float32 {shape}"
             )
         if not _are_unit(self.normals):
-            raise InputError(f"{self.name}: normals must be finite and of unit length; use nmaptool.core.vectors.unit")
+            raise InputError(
+                f"{self.name}: normals must be finite and of unit length; scale them with nmaptool.core.vectors.unit"
+            )
         if not (self.coverage.min() >= 0 and self.coverage.max() <= 1):
             raise InputError(f"{self.name}: coverage must lie in [0, 1]")
         if self.foreground is None:
@@ -108,19 +111,19 @@ class NormalMap(Pictured):
     def from_array(
         cls, normals: Any, mask: Any = None, pitch_mm: float | None = None, name: str = "normals"
     ) -> NormalMap:
-        """A normal map made of plain arrays.
+        """Make a normal map from plain arrays.
 
         Parameters
         ----------
         normals : (H, W, 3) float of any type
-            Vectors in eye space: x right, y up, z to the viewer, row 0 at the top. They are scaled to unit length;
-            float32 vectors that are unit length to rounding keep their bits.
+            Vectors in eye space: x right, y up, z towards the viewer, row 0 at the top. They are scaled to unit
+            length; float32 vectors already of unit length to rounding keep their bits.
         mask : (H, W) bool or float in [0, 1], optional
-            Where there are normals: becomes the coverage. Outside it (0), vectors may be anything and become flat.
+            Where normals are defined; becomes the coverage. Outside it (0), vectors may have any value and become flat.
         pitch_mm : float, optional
             Millimetres per pixel.
         name : str
-            What to call the map in messages.
+            Name of the map for messages.
 
         Returns
         -------
@@ -129,10 +132,10 @@ class NormalMap(Pictured):
         Raises
         ------
         InputError
-            If the array is not one of normals, the mask has another size or leaves [0, 1], or a vector inside the mask
-            has zero length or is not finite.
+            If the array does not hold normals, the mask has another size or values outside [0, 1], or a vector inside
+            the mask has zero length or is not finite.
         UsageError
-            If a value is no array of numbers.
+            If a value is not an array of numbers.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""A normal map and where it lies in a workspace."""
+"""A normal map with its place in a workspace."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ _FURTHEST_PX = 30_000
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PackedMap(OneLine):
-    """A normal map and how it lies in the workspace.
+    """A normal map and its settings as a layer of a workspace.
 
     Parameters
     ----------
     normal_map : NormalMap
     name : str
-        Of the layer; default: what the map is called.
+        Name of the layer. Default: the name of the map.
     left, top : int
-        Place of its first pixel on the canvas, px; may be negative.
+        Position of its top left pixel on the canvas, px; may be negative.
     mode : str
         How its vectors blend with those below: ``over``, or a mode of `nmaptool.blend`.
     strength : float
-        0 fades it to flat, 1 leaves it.
+        0 fades the map to flat, 1 leaves it unchanged.
     mask : (h, w) float32 in [0, 1], optional
-        Of the map's size; hides parts of it beside its coverage.
+        Has the size of the map; hides parts of it in addition to its coverage.
     visible : bool
     group : tuple of str
-        Names of the groups it is in, outermost first; layers in one group follow each other.
+        Names of the groups that contain it, outermost first. Only neighbouring layers can share a group.
     """
 
     normal_map: NormalMap
@@ -47,10 +47,14 @@ class PackedMap(OneLine):
     def __post_init__(self) -> None:
         shown = self.name or self.normal_map.name
         if max(abs(self.left), abs(self.top)) > _FURTHEST_PX:
-            raise UsageError(f"{shown}: lies at {self.left}, {self.top}; accepted are places within {_FURTHEST_PX} px")
+            raise UsageError(
+                f"{shown}: is placed at {self.left}, {self.top}; positions must be within {_FURTHEST_PX} px"
+            )
         if self.mask is not None and self.mask.shape != self.normal_map.frame.shape:
             rows, cols = self.mask.shape
-            raise InputError(f"{shown}: its mask is {cols} x {rows}, the map is {self.normal_map.frame}")
+            raise InputError(
+                f"{shown}: its mask is {cols} x {rows} but the map is {self.normal_map.frame}; make them the same size"
+            )
 
     def _line(self) -> str:
         name = self.name or self.normal_map.name

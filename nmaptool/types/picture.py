@@ -1,4 +1,4 @@
-"""Pictures as their files store them, and the grid that every picture lies on."""
+"""Pictures as stored in files, and the pixel grid."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from nmaptool.types.shown import OneLine
 
 @dataclass(frozen=True)
 class Frame:
-    """The picture's grid: its size in pixels and, where known, the size of a pixel.
+    """The grid of a picture: its size in pixels and, if known, the size of a pixel.
 
     Parameters
     ----------
@@ -52,30 +52,30 @@ class Frame:
 
     @property
     def with_pitch(self) -> str:
-        """Size and pitch in words, such as "96 x 64 px, 0.5 mm per px"."""
+        """Size and pitch as text, such as "96 x 64 px, 0.5 mm per px"."""
         pitch = "pitch unknown" if self.pitch_mm is None else f"{self.pitch_mm:.4g} mm per px"
         return f"{self} px, {pitch}"
 
 
 def largest_code(pixels: NDArray[Any]) -> int:
-    """The stored number of white: 255 or 65535; 1 for floats."""
+    """The stored value of white: 255 or 65535; 1 for floats."""
     return 1 if pixels.dtype == np.float32 else int(np.iinfo(pixels.dtype).max)
 
 
 @dataclass(frozen=True)
 class DepthFacts:
-    """What a depth or height file says about its values.
+    """What a depth or height file states about its values.
 
     Parameters
     ----------
     kind : str
         ``depth`` (distance from the eye, in floats; in integers, white is near) or ``height``.
     black_mm, white_mm : float or None
-        What 0 and the largest integer code stand for; None where the file does not say it.
+        Depth or height of code 0 and of the largest integer code; None if the file does not state it.
     fov_deg : float or None
-        Field of view across the longer side of the camera that depths were drawn with; 0 for an orthographic one.
+        Field of view, across the longer side, of the camera that rendered the depths; 0 if it was orthographic.
     at : str
-        Where heights lie on the grid: ``centers`` of the pixels, or their ``corners``, one more down and across.
+        Positions of the heights: the ``centers`` of the pixels, or their ``corners``, one more down and across.
     """
 
     kind: Literal["depth", "height"]
@@ -87,7 +87,7 @@ class DepthFacts:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RasterImage(OneLine):
-    """A picture as its file stores it, before any meaning is given to its channels.
+    """A picture as stored in its file, before its channels are interpreted.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class RasterImage(OneLine):
     channels : tuple of str
         Names, one per channel: R, G, B, A (or Y for grey).
     name : str
-        What to call it in messages: a file name.
+        Name for messages: a file name.
     bits : int
         Bits per channel in the file: 8, 16 or 32 (16 with float pixels is half).
     lossy : bool
@@ -104,7 +104,7 @@ class RasterImage(OneLine):
     attributes : mapping
         nmaptool's own metadata found in the file, keys without prefix.
     depth_facts : DepthFacts or None
-        What that metadata says about depths or heights.
+        What that metadata states about depths or heights.
     color_chunks : tuple of str
         Colour-management data found in the file, such as sRGB, gAMA, iCCP.
     layer : str or None
@@ -123,7 +123,7 @@ class RasterImage(OneLine):
 
     def __post_init__(self) -> None:
         if self.pixels.ndim != 3 or self.pixels.shape[2] != len(self.channels):
-            raise InputError(f"{self.name}: pixels of shape {self.pixels.shape} do not fit channels {self.channels}")
+            raise InputError(f"{self.name}: pixels of shape {self.pixels.shape} do not match channels {self.channels}")
         if self.pixels.dtype not in (np.uint8, np.uint16, np.float32):
             raise InputError(f"{self.name}: pixels of type {self.pixels.dtype}; expected uint8, uint16 or float32")
 

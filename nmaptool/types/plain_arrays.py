@@ -1,4 +1,4 @@
-"""Plain arrays made into what the package computes with: numbers, masks and unit normals, checked once."""
+"""Check plain arrays and convert them to numbers, masks and unit normals."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from nmaptool.core.vectors import FLAT, unit
 
 
 def is_array(value: object) -> bool:
-    """Whether a value stands for an array: one of NumPy or what turns into one, or nested lists."""
+    """Whether a value is an array, can be converted to one, or is a list."""
     return hasattr(value, "__array__") or isinstance(value, list | tuple)
 
 
 def as_numbers(value: Any, what: str) -> NDArray[Any]:
-    """Any array of booleans, integers or floats, as it is.
+    """Return any array of booleans, integers or floats, with its type.
 
     Raises
     ------
     UsageError
-        If it is something else, such as a path.
+        If the value is something else, such as a path.
     """
     try:
         array = np.asarray(value)
@@ -35,20 +35,20 @@ def as_numbers(value: Any, what: str) -> NDArray[Any]:
 
 
 def as_float32(value: Any, what: str) -> Float32:
-    """Any array of numbers as float32; what float32 cannot hold becomes infinite."""
+    """Convert any array of numbers to float32; values beyond its range become infinite."""
     with np.errstate(over="ignore"):
         return as_numbers(value, what).astype(np.float32, copy=False)
 
 
 def as_mask(value: Any, what: str = "the mask") -> Float32:
-    """A mask of any type as float32 in 0..1; bool counts as 0 and 1.
+    """Convert a mask of any type to float32 in [0, 1]; bool becomes 0 and 1.
 
     Raises
     ------
     InputError
-        If it leaves 0..1 or is not finite.
+        If a value is outside [0, 1] or not finite.
     UsageError
-        If it is no array of numbers.
+        If the value is not an array of numbers.
     """
     array = as_float32(value, what)
     if array.size and not (np.isfinite(array).all() and array.min() >= 0 and array.max() <= 1):
@@ -57,7 +57,7 @@ def as_mask(value: Any, what: str = "the mask") -> Float32:
 
 
 def check_sizes(name: str, shape: tuple[int, ...], others: dict[str, tuple[int, ...]]) -> None:
-    """Refuse inputs of another size than (rows, cols), which is that of ``name``.
+    """Refuse inputs whose size differs from ``shape`` (rows, cols), the size of ``name``.
 
     Raises
     ------
@@ -71,28 +71,28 @@ def check_sizes(name: str, shape: tuple[int, ...], others: dict[str, tuple[int, 
 
 
 def unit_normals(values: Any, coverage: Float32 | None, name: str) -> tuple[Float32, Float32]:
-    """Normals of unit length, flat where nothing is covered, and the coverage.
+    """Return normals of unit length, flat where nothing is covered, and the coverage.
 
     Parameters
     ----------
     values : (H, W, 3) float of any type
-        Vectors of any length; float32 that is unit length to rounding keeps its bits.
+        Vectors of any length; float32 vectors already of unit length to rounding keep their bits.
     coverage : (H, W) float32 in [0, 1] or None
         None covers everything.
     name : str
-        What to call them in messages.
+        Name for messages.
 
     Raises
     ------
     InputError
-        If the array is not one of normals, sizes differ, or a covered vector has no direction.
+        If the array does not hold normals, sizes differ, or a covered vector has no direction.
     UsageError
-        If it is no array of numbers.
+        If the value is not an array of numbers.
     """
     vectors = as_numbers(values, name)
     if vectors.dtype.kind != "f":
         raise InputError(
-            f"{name}: found {vectors.dtype}, expected floats from -1 to 1; turn codes into normals with "
+            f"{name}: found {vectors.dtype}, expected floats from -1 to 1; convert codes to normals with "
             "decode_normal_map"
         )
     if vectors.ndim != 3 or vectors.shape[2] != 3:
@@ -112,10 +112,10 @@ def _directions(vectors: NDArray[Any], inside: Mask, name: str) -> Float32:
     if lost.any():
         row, col = np.argwhere(lost)[0]
         raise InputError(
-            f"{name}: {np.count_nonzero(lost)} of {np.count_nonzero(inside)} normals have no direction (zero length or "
-            f"not finite), the first at row {row}, column {col}; leave them out with a mask"
+            f"{name}: normals without a direction (zero length or not finite): {np.count_nonzero(lost)} of "
+            f"{np.count_nonzero(inside)}, the first at row {row}, column {col}; exclude them with a mask"
         )
-    # squares of very long and very short vectors are no float32 numbers
+    # squares of very long or very short vectors exceed the range of float32
     extreme = inside & ((largest < 0.25) | (largest > 4))
     if not inside.all() or extreme.any():
         vectors = np.where(inside[..., None], vectors, np.array(FLAT, vectors.dtype))

@@ -1,4 +1,4 @@
-"""Recipes: layers and their places as a designer writes them down, before any file is read.
+"""Recipes: layers and their positions as a designer writes them, before any map is read.
 
 A recipe is a mapping, as ``tomllib`` reads it from a file: a table ``canvas`` and a list ``layer``, from the lowest to
 the topmost; `nmaptool.read_recipe` reads the file.
@@ -14,16 +14,16 @@ from nmaptool.core.errors import InputError
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
 from nmaptool.types.shown import OneLine, counted
 
-# of groups in groups and recipes in recipes, and of layers in all: beyond it a recipe is a slip of the hand or a trap
+# limits for nested groups and recipes, and for all layers: larger recipes are mistakes or attacks
 DEEPEST = 16
 MOST_LAYERS = 1000
 
-# a recipe cannot raise the limit of what is read
+# a recipe cannot raise the size limit of its maps
 READ_KEYS = tuple(f.name for f in fields(ReadOptions) if f.name != "max_megapixels")
 
 
 class _Part(OneLine):
-    """What layers, groups and links to recipes share: a first field that must not be empty."""
+    """Base of layers, groups and links to recipes; the first field must not be empty."""
 
     _lacking: ClassVar[str]
     options: LayerOptions | GroupOptions
@@ -41,19 +41,19 @@ class _Part(OneLine):
 
     @property
     def label(self) -> str:
-        """What to call it in messages."""
+        """Name for messages."""
         return self.origin or self.options.name
 
     @property
     def files(self) -> Iterator[str]:
-        """The mask, where there is one; the files of another recipe are not known yet."""
+        """The mask, if there is one; the files of a linked recipe are not known yet."""
         if self.mask is not None:
             yield self.mask
 
 
 @dataclass(frozen=True, repr=False)
 class RecipeLayer(_Part):
-    """A normal map file with its place on the canvas.
+    """A normal map file with its position on the canvas.
 
     Parameters
     ----------
@@ -61,13 +61,13 @@ class RecipeLayer(_Part):
         ``FILE`` or ``FILE.exr:layer``, relative to the recipe's folder.
     options : LayerOptions
     mask : str, optional
-        Grey picture of the map's size, white where the layer shows.
+        Grey picture with the size of the map, white where the layer shows.
     read : mapping
         Fields of `nmaptool.ReadOptions` for this file, without ``max_megapixels``.
     hidden : bool
-        Leave it out.
+        Whether to leave it out.
     origin : str
-        What to call it in messages, such as "scene.toml: layer 2 (bunny)".
+        Name for messages, such as "scene.toml: layer 2 (bunny)".
 
     Raises
     ------
@@ -94,7 +94,7 @@ class RecipeLayer(_Part):
 
     @property
     def label(self) -> str:
-        """What to call it in messages."""
+        """Name for messages."""
         return super().label or self.file
 
     @property
@@ -109,7 +109,7 @@ class RecipeLayer(_Part):
 
 @dataclass(frozen=True, repr=False)
 class RecipeGroup(_Part):
-    """Layers that are composed among themselves first.
+    """Layers that are composed with each other first.
 
     Parameters
     ----------
@@ -117,11 +117,11 @@ class RecipeGroup(_Part):
         As in a `Recipe`.
     options : GroupOptions
     mask : str, optional
-        Grey picture of the canvas's size, white where the group shows.
+        Grey picture with the size of the canvas, white where the group shows.
     hidden : bool
-        Leave it out.
+        Whether to leave it out.
     origin : str
-        What to call it in messages.
+        Name for messages.
     """
 
     layers: tuple[Entry, ...]
@@ -133,7 +133,7 @@ class RecipeGroup(_Part):
 
     @property
     def files(self) -> Iterator[str]:
-        """Maps and masks of what is not hidden."""
+        """Maps and masks of the layers that are not hidden."""
         yield from super().files
         for layer in self.layers:
             if not layer.hidden:
@@ -146,19 +146,19 @@ class RecipeGroup(_Part):
 
 @dataclass(frozen=True, repr=False)
 class RecipeLink(_Part):
-    """Another recipe as a group; `nmaptool.read_recipe` puts its layers here.
+    """A link to another recipe; `nmaptool.read_recipe` replaces it by a group of that recipe's layers.
 
     Parameters
     ----------
     recipe : str
-        Relative to the recipe's folder.
+        File name, relative to the folder of the recipe with the link.
     options : GroupOptions
     mask : str, optional
         As for a group.
     hidden : bool
-        Leave it out: the recipe is not read then.
+        Leave it out; the linked recipe is then not read.
     origin : str
-        What to call it in messages.
+        Name for messages.
     """
 
     recipe: str
@@ -185,9 +185,9 @@ class Recipe(OneLine):
         From the lowest to the topmost, at least one.
     canvas : CanvasOptions
     name : str
-        What to call it in messages.
+        Name for messages.
     folder : str
-        What its files are relative to; "" is the current folder.
+        Folder that its file names are relative to; "" is the current folder.
     sources : tuple of str
         The recipes it was read from.
     notes : tuple of str
@@ -208,7 +208,7 @@ class Recipe(OneLine):
 
     def __post_init__(self) -> None:
         if not self.layers:
-            raise InputError(f'{self.name}: holds no layer; start one with [[layer]] and file = "map.png"')
+            raise InputError(f'{self.name}: has no layers; start one with [[layer]] and file = "map.png"')
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -222,7 +222,7 @@ class Recipe(OneLine):
         return tuple(_hidden(self.layers))
 
     def _line(self) -> str:
-        size = self.canvas.size or "that of the lowest layer"
+        size = self.canvas.size or "of the lowest layer's size"
         return f"{self.name}: {counted(len(self.layers), 'layer')}, {counted(len(self.files), 'file')}, canvas {size}"
 
 

@@ -1,4 +1,4 @@
-"""What rebuilding a mesh returns: the mesh, and the account of how it came about."""
+"""The results of rebuilding and smoothing a mesh: the mesh and a report."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ class ReconstructReport(Report):
     Attributes
     ----------
     options : ReconstructOptions
-        As given; the scheme and the steps among them.
+        The options given, including the scheme and the steps.
     vertices, faces : int
     boundary_vertices : int
-        On open edges.
+        Vertices on open edges.
     normal_deviation_before_deg, normal_deviation_deg : float
-        Angle between face normals and their targets, mean over the area of the mesh that was given.
+        Mean angle between face normals and their targets, before and after, weighted by the areas of the given mesh.
     normal_deviation_p95_deg : float
-        The angle that 95 of 100 faces stay below, after.
+        Angle that 95 % of the faces stay below, after.
     folded_before, folded_after : int
         Faces whose normal is more than a right angle from its target.
     moved_rms_mm, moved_max_mm : float
-        How far vertices went.
+        Root mean square and maximum of the distances that vertices moved.
     diagonal_mm : float
-        Of the given mesh's bounding box, to judge them by.
+        Diagonal of the given mesh's bounding box, for comparison with these distances.
     volume_share : float or None
-        What a closed mesh gained, as a share of its volume; None of an open one.
+        Volume gained by a closed mesh, as a share of its volume; None for an open mesh.
     volume_change_mm3 : float or None
-        What the mesh gained: of an open one with a held boundary, what lies between the surfaces; None where the
-        boundary moved.
+        Volume gained by the mesh. For an open mesh with a held boundary, the volume between the two surfaces; None if
+        the boundary moved.
     mean_offset_mm : float or None
-        That over the area: how far the surface went outwards on average.
+        The volume gained divided by the area: the mean outward offset of the surface.
     moves : tuple of float
-        Root mean square of the vertices' moves in each step, in mean edges.
+        Root mean square of the vertices' moves in each step, in mean edge lengths.
     seconds : float
     """
 
@@ -73,12 +73,12 @@ class ReconstructReport(Report):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reconstruction(OneLine):
-    """A mesh rebuilt to a field of normals.
+    """A mesh rebuilt to match given normals.
 
     Attributes
     ----------
     mesh : Mesh
-        Faces and their order as given; vertices moved.
+        The rebuilt mesh; faces and their order are unchanged.
     report : ReconstructReport
     """
 
@@ -103,7 +103,7 @@ class SmoothReport(Report):
     detail_gain : float
     filter : FilterOptions
     findings : MeshFindings
-        What was dropped before.
+        What cleaning the mesh changed before.
     mixture : Mixture
         Residuals of the filter, and the threshold found in them.
     reconstruction : ReconstructReport
@@ -140,9 +140,9 @@ class SmoothResult(OneLine):
     Attributes
     ----------
     mesh : Mesh
-        Clean; units as given.
+        The cleaned and smoothed mesh, in the units of the given mesh.
     source_faces : (M,) int64
-        Which face of the given mesh each face is; they keep their order.
+        Index in the given mesh of each face; the order is kept.
     report : SmoothReport
     """
 

@@ -23,27 +23,27 @@ class ReliefReport(Report):
     Attributes
     ----------
     options : ReliefOptions
-        As given.
+        The options given.
     pitch_mm, pitch_from : float, str
         Size of a pixel, and whether it was ``given``, in the ``file`` or ``assumed``.
     mu, beta_px, delta_px, reach_px, reach_mm : float
-        What was solved with, in pixels of this picture; the reach is sqrt(k/beta), k the weight of the slopes (1 + mu,
-        or 1 in "eq4"), without weight maps.
+        Parameters of the solve, in pixels of this picture. The reach is sqrt(k/beta), where k is the weight of the
+        slopes (1 + mu, or 1 with "eq4"), without weight maps.
     px_per_delta : float
-        Pixels of this picture to one unit of ``options.delta``.
+        Pixels of this picture per unit of ``options.delta``.
     solver, unknowns, islands, floating_islands, iterations, residual, history
-        The solve; the residual is relative, the largest over the islands. No iterations where a session knew the
-        heights already.
+        The solve. The residual is relative, the largest over the islands. There are no iterations if a session already
+        had the heights.
     planned_bytes : int
         Memory that the solver was estimated to need.
     height_min_mm, height_max_mm, height_range_mm : float
         Over the vertices of the surface.
     relief_range_mm : float
-        The same measured from the background: what --height sets.
+        Height range measured from the background, which --height sets.
     below_background_share : float
-        Share of the foreground's vertices below a held background; 0 where nothing is held.
+        Share of the foreground's vertices below a held background; 0 if no background is held.
     foreground_share, steep_share : float
-        Share of the picture that is foreground; share of the acting pixels whose slope was capped.
+        Share of the picture that is foreground; share of the active pixels whose slope was capped.
     edge : str
         "wall" where the motif stands on its plate with vertical walls, else "blend".
     edge_height_mm : float
@@ -53,7 +53,8 @@ class ReliefReport(Report):
     scale : float
         Factor on all heights (``fit="scale"``) or on the slopes (``fit="slope"``).
     seconds : mapping of str to float
-        Time by stage: ``inputs`` to a linear system, ``setup`` of the solver, ``solve``, ``finish`` to millimetres.
+        Time by stage: ``inputs`` (to a linear system), ``setup`` (of the solver), ``solve``, ``finish`` (to
+        millimetres).
     warnings : tuple of str
     """
 

@@ -1,4 +1,4 @@
-"""What all reports have in common."""
+"""The base class of reports."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from nmaptool.types.shown import OneLine
 
 
 class Report(OneLine):
-    """How something came about: one line for people, plain values for JSON."""
+    """A report: one line of text for people, plain values for JSON."""
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON; lengths in options are text such as ``3mm``."""

@@ -1,4 +1,4 @@
-"""How values show themselves: one line in print and repr, a small picture in a notebook."""
+"""How values are displayed: one line in print and repr, a small picture in a notebook."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ Painter = Callable[[object], bytes]
 
 
 class OneLine:
-    """A value whose repr is one line: the arrays that it holds are named by type and shape.
+    """A value whose repr is one line, with arrays given by type and shape.
 
-    Dataclasses that inherit it are declared with ``repr=False``. A class with more to say overrides ``_line``.
+    Dataclasses that inherit from it are declared with ``repr=False``. Classes override ``_line`` for a better summary.
     """
 
     def __repr__(self) -> str:
@@ -35,7 +35,7 @@ _painters: list[Painter] = []
 
 
 def set_painter(painter: Painter) -> None:
-    """Say what draws `Pictured` values; the package does it once, when it is imported (decision 0019)."""
+    """Set the function that draws `Pictured` values; the package does this once, on import (decision 0019)."""
     _painters[:] = [painter]
 
 

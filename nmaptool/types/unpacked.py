@@ -1,4 +1,4 @@
-"""A workspace taken apart: a normal map per layer, its place, and what an editor did to it."""
+"""An unpacked workspace: for each layer a normal map, its position, and what an editor changed."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from nmaptool.types.workspace import WorkspaceFinding, WorkspaceGroup
 
 @dataclass(frozen=True, eq=False, repr=False)
 class UnpackedLayer(OneLine):
-    """A layer as a normal map of its own size.
+    """A layer of a workspace as a normal map of the layer's size.
 
     Parameters
     ----------
     name : str
     normal_map : NormalMap
-        Of the layer's own rectangle.
+        The map of the layer's rectangle.
     left, top : int
-        Place of its first pixel on the canvas, px; may be negative.
+        Position of its top left pixel on the canvas, px; may be negative.
     mask : (h, w) float32 in [0, 1] or None
-        Over the same rectangle.
+        Mask of the same rectangle.
     mode : str
     strength : float
-        With the layer's opacity in it.
+        Strength, multiplied by the layer's opacity.
     visible : bool
     groups : tuple of WorkspaceGroup
-        Outermost first; layers that share a group hold the same object.
+        Outermost first; layers that share a group refer to the same object.
     findings : tuple of WorkspaceFinding
     repairs : tuple of str
     """
@@ -54,24 +54,24 @@ class UnpackedLayer(OneLine):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class UnpackResult(OneLine):
-    """All layers of a workspace, and what an editor did to it.
+    """All layers of a workspace, and what an editor changed.
 
     Parameters
     ----------
     name : str
-        The file.
+        Name of the file.
     frame : Frame
         The canvas.
     bits : int
-        Per channel in the file.
+        Bits per channel in the file.
     layers : tuple of UnpackedLayer
         Bottom to top.
     findings : tuple of WorkspaceFinding
-        Of the whole first, then those of the layers.
+        Findings of the whole file first, then those of the layers.
     ground : str
-        What lies below the lowest layer: ``clear`` or ``flat``.
+        What is below the lowest layer: ``clear`` or ``flat``.
     has_metadata : bool
-        Whether nmaptool's own metadata is still in the file; without it, moves and mirrorings cannot be recognised.
+        Whether nmaptool's own metadata is still in the file; without it, moves and mirroring cannot be recognised.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The layered workspace that an image editor opens: placed layers of codes, their masks, their groups."""
+"""Layered workspaces for image editors: layers of codes with positions, masks and groups."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from nmaptool.core.errors import InputError
 from nmaptool.types.picture import Frame, largest_code
 from nmaptool.types.shown import OneLine, counted
 
-# what editors call painting one layer over another; every other mode computes with codes as if they were colours
+# the mode that paints one layer over another; every other mode computes with codes as if they were colours
 NORMAL_BLEND = "normal"
-# a group that only keeps layers together: they blend with what is below it
+# the mode of a group that only keeps layers together: each blends with what is below the group
 PASS_THROUGH = "pass through"
 MASK_SUFFIX = " [mask]"
 
@@ -30,9 +30,9 @@ class WorkspaceMask(OneLine):
     values : (h, w) uint8, uint16 or float32
         White (the largest code, or 1) shows, black hides.
     left, top : int
-        Place on the canvas, px; may be negative.
+        Position on the canvas, px; may be negative.
     outside : float
-        Its value beyond its rectangle, 0 to 1.
+        Value outside its rectangle, 0 to 1.
     enabled : bool
         Whether the editor applies it.
     """
@@ -52,7 +52,7 @@ class WorkspaceMask(OneLine):
 
 @dataclass(frozen=True, eq=False)
 class WorkspaceGroup:
-    """A folder of layers; groups of the same name are different groups.
+    """A group of layers; two groups with the same name are different groups.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class WorkspaceGroup:
     opacity : float
         0 to 1.
     blend_mode : str
-        In the editor's words: ``normal`` mixes its layers first, ``pass through`` only keeps them together.
+        As the editor names it: ``normal`` mixes its layers first, ``pass through`` only keeps them together.
     """
 
     name: str
@@ -78,21 +78,21 @@ class WorkspaceLayer(OneLine):
     ----------
     name : str
     pixels : (h, w, 4) uint8, uint16 or float32
-        R, G, B and unassociated alpha: codes, or signed normals where float32 and ``signed``.
+        R, G, B and unassociated alpha: codes, or signed normals if float32 and ``signed``.
     left, top : int
-        Place of its first pixel on the canvas, px; may be negative or beyond the canvas.
+        Position of its top left pixel on the canvas, px; may be negative or outside the canvas.
     visible : bool
     opacity : float
         0 to 1.
     blend_mode : str
-        In the editor's words, ``normal`` for painting over.
+        As the editor names it; ``normal`` paints over what is below.
     mask : WorkspaceMask or None
     groups : tuple of WorkspaceGroup
-        The groups it is in, outermost first.
+        The groups that contain it, outermost first.
     facts : mapping
-        nmaptool's metadata of the layer; empty where an editor dropped it.
+        nmaptool's metadata of the layer; empty if an editor dropped it.
     signed : bool
-        Floats hold n itself, not (n + 1)/2.
+        Whether floats hold n itself, not (n + 1)/2.
     """
 
     name: str
@@ -148,21 +148,21 @@ class Workspace(OneLine):
     Parameters
     ----------
     frame : Frame
-        Canvas, and mm per px where known.
+        Size of the canvas, and mm per px if known.
     layers : tuple of WorkspaceLayer
         Bottom to top.
     bits : int
-        Per channel: 8, 16 or 32 (16 with ``half``).
+        Bits per channel: 8, 16 or 32 (16 with ``half``).
     half : bool
-        Floats are stored in half precision.
+        Whether floats are stored in half precision.
     name : str
-        What to call it in messages: a file name.
+        Name for messages: a file name.
     metadata : mapping or None
-        nmaptool's metadata of the whole file; None where an editor dropped it.
+        nmaptool's metadata of the whole file; None if an editor dropped it.
     color_profile : str or None
         Colour profile that the file carries.
     skipped : tuple of (name, what)
-        Layers that hold no pixels to read, such as adjustments.
+        Layers without pixels, such as adjustments.
     """
 
     frame: Frame
@@ -176,7 +176,7 @@ class Workspace(OneLine):
 
     def __post_init__(self) -> None:
         if not self.layers:
-            raise InputError(f"{self.name}: holds no layer with pixels")
+            raise InputError(f"{self.name}: has no layer with pixels")
 
     def _line(self) -> str:
         return f"{self.name}: {self.frame.with_pitch}, {self.bits} bits, {counted(len(self.layers), 'layer')}"
@@ -185,9 +185,9 @@ class Workspace(OneLine):
 def overlap(
     left: int, top: int, size: tuple[int, int], frame: Frame
 ) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
-    """Where a picture of ``size`` at (left, top) lies: its rows and columns on the canvas, and those of its own.
+    """The part of a canvas that a picture of ``size`` at (left, top) covers: slices of the canvas and of the picture.
 
-    Both are empty where it lies beyond the canvas.
+    Both are empty if the picture lies outside the canvas.
 
     >>> overlap(-2, 1, (4, 5), Frame(10, 10))
     ((slice(1, 5, None), slice(0, 3, None)), (slice(0, 4, None), slice(2, 5, None)))
@@ -201,7 +201,7 @@ def overlap(
 
 
 def mask_over(layer: WorkspaceLayer) -> Float32:
-    """(h, w) float32 in [0, 1]: the layer's mask over its own rectangle; 1 where it has none."""
+    """(h, w) float32 in [0, 1]: the layer's mask over its own rectangle; 1 everywhere if it has none."""
     mask = layer.mask
     if mask is None or not mask.enabled:
         return np.ones(layer.size, np.float32)
@@ -213,7 +213,7 @@ def mask_over(layer: WorkspaceLayer) -> Float32:
 
 
 def unique_names(names: list[str], taken: tuple[str, ...] = ()) -> list[str]:
-    """The names with control characters dropped, none empty, repeats numbered.
+    """Make names unique: drop control characters, fill in empty names, number repeated ones.
 
     >>> unique_names(["a", "a", ""])
     ['a', 'a 2', 'layer']
@@ -232,14 +232,14 @@ def unique_names(names: list[str], taken: tuple[str, ...] = ()) -> list[str]:
 
 @dataclass(frozen=True)
 class WorkspaceFinding:
-    """Something an editor did to a workspace, and what to do about it.
+    """A change that an editor made to a workspace, and its remedy.
 
     Parameters
     ----------
     code : str
-        Its kind, such as ``turned`` or ``eight-bit``.
+        Kind of the finding, such as ``turned`` or ``eight-bit``.
     layer : str or None
-        The layer; None for the whole.
+        Name of the layer; None for the whole file.
     message, remedy : str
     """
 

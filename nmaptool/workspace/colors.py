@@ -1,4 +1,4 @@
-"""What an editor did to a layer's codes as if they were colours: fewer bits, tone curves, premultiplied edges."""
+"""Detect what an editor did to codes as if they were colours: fewer bits, tone curves, premultiplied edges."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from nmaptool.workspace.signature import Signature
 
 _PARTIAL_PIXELS = 50
 _SAMPLE = 100_000
-# mean error of length that 16-bit codes, rims and small brush strokes leave
+# mean length error due to 16-bit codes, rims and small brush strokes
 _LENGTH_NOISE = 0.01
 _SHIFT = 0.01
 
@@ -22,23 +22,23 @@ Curve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
 def holds_eight_bits(pixels: NDArray[Any], covered: Mask) -> bool:
-    """Whether 16-bit codes hold 8-bit steps only: all but a few are multiples of 257, or all of 256."""
+    """Whether 16-bit codes have only 8-bit steps: nearly all are multiples of 257, or nearly all of 256."""
     if pixels.dtype != np.uint16 or not covered.any():
         return False
     codes = pixels[..., :3][covered]
     codes = codes[:: max(1, len(codes) // _SAMPLE)]
-    if len(np.unique(codes)) < 4:  # too plain to tell
+    if len(np.unique(codes)) < 4:  # too few codes to decide
         return False
     return any(bool(((codes % step) == 0).all(axis=1).mean() > 0.9) for step in (257, 256))
 
 
 def lengths(codes: NDArray[Any]) -> NDArray[np.float64]:
-    """(N,) lengths of the vectors that (N, 3) stored shares mean."""
+    """(N,) lengths of the vectors of (N, 3) stored shares."""
     return np.asarray(np.linalg.norm(decode_shares(codes.astype(np.float64)), axis=-1))
 
 
 def is_premultiplied(codes: Float32, alpha: Float32, signed: bool) -> bool:
-    """Whether stored colours were multiplied by alpha: dividing by it gives unit vectors back."""
+    """Whether stored colours were multiplied by alpha, so that dividing by alpha restores unit vectors."""
     partial = (alpha > 0.1) & (alpha < 0.9)
     if partial.sum() < _PARTIAL_PIXELS:
         return False
@@ -51,7 +51,7 @@ def is_premultiplied(codes: Float32, alpha: Float32, signed: bool) -> bool:
 
 
 def unmultiplied(codes: NDArray[Any], alpha: NDArray[Any], signed: bool) -> NDArray[Any]:
-    """Codes divided by alpha (floats: vectors divided by it), where there is enough of it to divide by."""
+    """Divide codes by alpha (for floats, vectors) where alpha is large enough."""
     a = np.maximum(alpha, 0.02)[..., None]
     divided = encode_shares(decode_shares(codes) / a) if signed else codes / a
     return np.where(alpha[..., None] > 0.02, divided, codes).clip(0, 1)
@@ -65,7 +65,7 @@ def _decode_srgb(x: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
 
 
-# what editors do, and what undoes it
+# what editors apply, and its inverse
 _KNOWN: dict[str, tuple[Curve, Curve]] = {
     "linear to sRGB": (_encode_srgb, _decode_srgb),
     "sRGB to linear": (_decode_srgb, _encode_srgb),
@@ -77,10 +77,10 @@ _KNOWN: dict[str, tuple[Curve, Curve]] = {
 
 
 def tone_curve(codes: Float32, covered: Mask, packed: Signature | None) -> tuple[str, Curve] | None:
-    """The tone curve that colours went through, and what undoes it; None where they did not.
+    """The tone curve that was applied to the colours, and its inverse; None if there was none.
 
-    Vectors that a curve bent are not of unit length, and are again once it is undone; where the layer's signature is
-    known, its quantiles must agree, too, since they are the same before and after except for the curve.
+    A curve changes the length of the vectors, and undoing it restores unit length. If no known curve fits and the
+    layer's signature is available, a curve is fitted to the change of its quantiles.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def tone_curve(codes: Float32, covered: Mask, packed: Signature | None) -> tuple
         return None
     found = _fitted(packed.quantiles.astype(np.float64), sample)
     if found is not None and _off_length(found, sample) < 0.3 * before:
-        return "a curve of its own", found
+        return "an unknown curve", found
     return None
 
 
@@ -116,7 +116,7 @@ def _off_length(undo: Curve, sample: NDArray[np.float64]) -> float:
 
 
 def _fitted(before: NDArray[np.float64], sample: NDArray[np.float64]) -> Curve | None:
-    """The one rising curve that takes the quantiles now to those packed, or None where the channels disagree."""
+    """The rising curve that maps the present quantiles to those when packed; None if the channels disagree."""
     now = np.quantile(sample, np.linspace(0, 1, len(before)), axis=0)
     if np.abs(now - before).mean() < _SHIFT:
         return None

@@ -1,4 +1,4 @@
-"""How a layer lies now against how it was packed: moved, mirrored, turned or stretched, with or without its vectors."""
+"""Detect whether a packed layer was moved, mirrored, rotated or stretched, and whether its vectors were too."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from nmaptool.workspace.pose import Pose
 from nmaptool.workspace.signature import Signature, smoothed
 
 _CLEAR = 0.02
-# mean difference of two signatures, of one: what resampling and 8 bits leave, and what is no likeness any more
+# mean difference of signatures, 0 to 1: alike up to the first (resampling, 8 bits), unlike from the second
 _ALIKE, _UNLIKE = 0.004, 0.04
 _SLOPE_CAP = 2.0
 _LEAST_ANGLE_DEG = 2.0
 _STRETCH = 0.02
-# slope per px that 16-bit codes and rims leave; below it nothing is read off the curl
+# curl due to 16-bit codes and rims, slope per px; smaller curl is not evaluated
 _CURL_NOISE = 1e-3
 _RIM_PX = 4
-# a turn without vectors makes more curl than there was
+# rotating the picture without its vectors increases the curl by at least this factor
 _MORE = 1.02
 
-# picture: what numpy does to (row, col); vectors: the 2 x 2 matrix on (x right, y up) that goes with it
+# picture: the NumPy operations on (row, col); vectors: the matching 2 x 2 matrix on (x right, y up)
 _TURNS: dict[str, tuple[tuple[bool, bool, bool], tuple[tuple[int, int], tuple[int, int]]]] = {
     # (transpose first, flip rows, flip cols)
     "none": ((False, False, False), ((1, 0), (0, 1))),
@@ -40,14 +40,14 @@ _TURNS: dict[str, tuple[tuple[bool, bool, bool], tuple[tuple[int, int], tuple[in
 
 
 def turned(picture: Float32, turn: str) -> Float32:
-    """A picture mirrored or turned, its values as they were."""
+    """Mirror or rotate a picture without changing its values."""
     (transpose, flip_rows, flip_cols), _ = _TURNS[turn]
     out = picture.swapaxes(0, 1) if transpose else picture
     return out[:: -1 if flip_rows else 1, :: -1 if flip_cols else 1]
 
 
 def with_vectors(shares: Float32, turn: str) -> Float32:
-    """(..., 3+) shares (n + 1)/2 whose vectors are mirrored or turned."""
+    """Mirror or rotate the vectors of (..., 3+) shares (n + 1)/2."""
     _, ((a, b), (c, d)) = _TURNS[turn]
     x, y = decode_shares(shares[..., 0]), decode_shares(shares[..., 1])
     out = shares.copy()
@@ -62,9 +62,9 @@ def find_pose(now: Signature, packed: Signature | None, normals: Float32, covere
     ----------
     now : Signature
     packed : Signature or None
-        Without it, only a turn without vectors can be told, by the curl it makes.
+        Without it, only a rotation without vectors can be detected, by its curl.
     normals : (h, w, 3) float32
-        Unit normals as they are now.
+        The present unit normals.
     covered : (h, w) bool
     """
     if packed is None:
@@ -85,12 +85,12 @@ def find_pose(now: Signature, packed: Signature | None, normals: Float32, covere
 
 
 def _difference(first: Float32, second: Float32) -> float:
-    """Mean difference of two signatures where both are covered; their outlines count, too."""
+    """Mean difference of two signatures where both are covered, plus a term for their outlines."""
     both = (first[..., 3] > 0.25) & (second[..., 3] > 0.25)
     outline = float(np.abs(first[..., 3] - second[..., 3]).mean())
     if not both.any():
         return 1.0
-    # a painted patch should not hide that the rest is as it was
+    # a painted patch should not hide that the rest is unchanged
     steps = np.abs(first[..., :3] - second[..., :3])[both].clip(0, 0.2)
     return float(steps.mean()) + 0.5 * max(outline - 0.01, 0.0)
 
@@ -108,22 +108,22 @@ def _placed(now: Signature, packed: Signature) -> Pose:
 
 
 def free_turn(normals: Float32, covered: Mask, packed_curl: float) -> Pose:
-    """The angle that the vectors lag behind the picture, read off curl and divergence; none where they agree.
+    """Find the angle by which a picture was rotated without its vectors, from curl and divergence; none if they agree.
 
-    Turning the slopes of a field with curl c and divergence d by t gives it the curl c cos t + d sin t: the mean of
-    its square is least at an angle that is known in closed form, up to half a turn.
+    Rotating the slopes of a field with curl c and divergence d by t gives it the curl c cos t + d sin t. The angle at
+    which the mean of its square is smallest has a closed form, up to half a turn.
     """
     core = ndimage.binary_erosion(covered, np.ones((3, 3)), iterations=_RIM_PX, border_value=1)
     forms = smoothed(normals)
     p, q = slopes(forms, _SLOPE_CAP)
-    # where slopes are capped they are no surface's, whichever way they point
+    # capped slopes are not those of a surface, at any angle
     steep = ndimage.binary_dilation(np.hypot(p, q) >= 0.99 * _SLOPE_CAP, iterations=2)
     inside = inner_vertices(core & ~steep)
     if inside.sum() < 100 or mean_abs_curl(forms, covered) <= _MORE * packed_curl:
         return Pose()
     c, d = _curl_and_divergence(p, q, inside)
     size = np.hypot(c, d)
-    # edges and jumps have their say, but no more than the rest
+    # edges and jumps must not outweigh the rest
     weight = 1 / np.maximum(1, size / max(3 * float(np.median(size)), 1e-12)) ** 2
     a, b, e = (float((weight * product).mean()) for product in (c * c, c * d, d * d))
     angle = 0.5 * math.atan2(2 * b, a - e) + math.pi / 2
@@ -147,7 +147,7 @@ def _curl_and_divergence(p: Float32, q: Float32, inside: Mask) -> tuple[Float64,
 
 
 def _gradient(field: Float32) -> tuple[Float32, Float32]:
-    """d/dx and d/dy (y up) at the inner vertices, as `nmaptool.core.vectors.curl` takes them."""
+    """d/dx and d/dy (y up) at the inner vertices, as in `nmaptool.core.vectors.curl`."""
     d_x = (field[:-1, 1:] - field[:-1, :-1] + field[1:, 1:] - field[1:, :-1]) / 2
     d_y = (field[:-1, :-1] - field[1:, :-1] + field[:-1, 1:] - field[1:, 1:]) / 2
     return np.asarray(d_x, np.float32), np.asarray(d_y, np.float32)

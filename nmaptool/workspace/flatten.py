@@ -1,4 +1,4 @@
-"""All layers of a workspace as one picture, for programs that show no layers."""
+"""Flatten a workspace into one picture, for programs that do not show layers."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from nmaptool.types.workspace import Workspace, mask_over, overlap
 
 
 def flattened(workspace: Workspace) -> Float32:
-    """Every visible layer painted over those below, as an editor shows it: a preview, not a blend of vectors.
+    """Paint every visible layer over those below, as an editor shows them: a preview, not a blend of vectors.
 
     Returns
     -------
     (H, W, 4) float32
-        Codes as shares of the largest (0 to 1) and alpha, unassociated; flat where nothing is.
+        Codes as shares of the largest (0 to 1), and unassociated alpha; flat where there is no layer.
     """
     frame = workspace.frame
     color = np.zeros((*frame.shape, 3), np.float32)

@@ -1,4 +1,4 @@
-"""Normal maps to a workspace: one layer each, with a signature that tells later what an editor did to it."""
+"""Pack normal maps into a workspace: one layer each, with a signature that later shows what an editor changed."""
 
 from __future__ import annotations
 
@@ -33,20 +33,20 @@ def pack(
     frame: Frame | None = None,
     ground: str = "clear",
 ) -> Workspace:
-    """Lay normal maps over each other as the layers of one file for an image editor.
+    """Pack normal maps as the layers of one file for an image editor.
 
-    Each layer is signed, so that `unpack` can tell what the editor did to it, and repair it.
+    Each layer gets a signature, so that `unpack` can detect what the editor changed, and repair it.
 
     Parameters
     ----------
     maps : sequence of NormalMap, PackedMap or (h, w, 3) float
         Bottom to top.
     options : PackOptions, optional
-        Bits of the codes; None stands for 16.
+        Bits per channel; None means 16.
     frame : Frame, optional
-        The canvas. Default: as large as the largest map.
+        The canvas. Default: the size of the largest map.
     ground : str
-        What lies below the lowest layer when they are composed again: ``clear`` or ``flat``.
+        What is below the lowest layer when they are composed again: ``clear`` or ``flat``.
 
     Returns
     -------
@@ -86,20 +86,20 @@ def pack(
 
 
 def common_frame(maps: Sequence[NormalMap]) -> Frame:
-    """A canvas as large as the largest map, with the first pitch that one states."""
+    """A canvas with the size of the largest map and the first known pitch."""
     frames = [one.frame for one in maps]
     pitch = next((f.pitch_mm for f in frames if f.pitch_mm is not None), None)
     return Frame(max(f.rows for f in frames), max(f.cols for f in frames), pitch)
 
 
 def _stem(name: str) -> str:
-    """``maps/work.exr:detail`` is called detail, ``shell.png`` shell."""
+    """Layer name of a map: detail for ``maps/work.exr:detail``, shell for ``shell.png``."""
     path, mark, layer = name.rpartition(":")
     return layer if mark and layer and Path(path).suffix else Path(name).stem
 
 
 def _plain(name: str) -> str:
-    """A name that is not taken for that of a mask."""
+    """A layer name that cannot be mistaken for that of a mask."""
     return name.replace(MASK_SUFFIX, " mask")
 
 

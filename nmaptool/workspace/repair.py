@@ -1,4 +1,4 @@
-"""A layer as an editor left it to unit normals and coverage, with what was found on the way."""
+"""Read a layer that an editor may have changed as unit normals and coverage, repair it, and list the findings."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.vectors import FLAT, unit
 from nmaptool.maps.codec import decode_shares, stored_shares
 from nmaptool.maps.zero_code import flat_codes, has_color
+from nmaptool.types.shown import counted
 from nmaptool.types.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceFinding, WorkspaceLayer
 from nmaptool.workspace import colors
 from nmaptool.workspace.find_pose import find_pose
@@ -24,7 +25,7 @@ _OFF_LENGTH, _OFF_SHARE = 0.1, 0.02
 
 @dataclass(frozen=True, eq=False)
 class Repaired:
-    """What a layer holds.
+    """The contents of a layer after repair.
 
     Parameters
     ----------
@@ -33,7 +34,7 @@ class Repaired:
     coverage : (h, w) float32
     findings : tuple of WorkspaceFinding
     repairs : tuple of str
-        What was put right without asking.
+        What was repaired automatically.
     """
 
     normals: Float32
@@ -43,13 +44,13 @@ class Repaired:
 
 
 def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repaired:
-    """Read a layer's codes as normals and repair what can be.
+    """Read a layer's codes as normals, and repair what can be repaired.
 
     Parameters
     ----------
     layer : WorkspaceLayer
     packed_bits : int or None
-        Bits that the workspace was packed with, where known.
+        Bits that the workspace was packed with, if known.
 
     Returns
     -------
@@ -74,7 +75,7 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
         found.append(_PREMULTIPLIED)
     curve = colors.tone_curve(codes, covered, packed)
     if curve is not None:
-        found.append((*_CURVE[:1], f"its colours went through a tone curve ({curve[0]})", _CURVE[1]))
+        found.append((*_CURVE[:1], f"a tone curve was applied to its colours ({curve[0]})", _CURVE[1]))
         straight = np.asarray(curve[1](codes.astype(np.float64)).clip(0, 1), np.float32)
     else:
         straight = codes
@@ -82,7 +83,7 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
     off = float((np.abs(colors.lengths(codes[covered]) - 1) > _OFF_LENGTH).mean()) if covered.any() else 0.0
     if off > _OFF_SHARE and curve is None:
         words = f"{off:.0%} of its vectors were not of unit length and were normalised"
-        found.append(("off-length", words, "painting, blurring and resizing as colours does that; check them"))
+        found.append(("off-length", words, "painting, blurring or resizing as colours causes this; check the layer"))
     normals = unit(vectors)
     normals[alpha <= 0] = FLAT
     now = _signature_now(straight, alpha, layer)
@@ -96,7 +97,7 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
     bent = int((np.abs(normals[..., :2][snapped]).max(axis=-1) > 2 * _HALF_STEP).sum())
     normals[snapped] = FLAT
     if bent:
-        repairs.append(f"{bent} nearly flat pixels made flat again")
+        repairs.append(f"{counted(bent, 'nearly flat pixel')} made flat again")
     found.extend(_editor_findings(layer))
     findings = tuple(WorkspaceFinding(code, layer.name, message, remedy) for code, message, remedy in found)
     return Repaired(normals, alpha, findings, tuple(repairs))
@@ -104,17 +105,17 @@ def repair_layer(layer: WorkspaceLayer, packed_bits: int | None = None) -> Repai
 
 _HOLES = (
     "not-a-number",
-    "holds NaN or infinite values; such pixels are left out",
-    "repair them in the program that made them",
+    "has NaN or infinite values; such pixels are left out",
+    "repair them in the program that wrote them",
 )
 _EIGHT = (
     "eight-bit",
     "was converted to 8 bits: smooth areas will show steps",
-    "set the document to 16 bits before pasting or saving; what was lost does not come back",
+    "set the document to 16 bits before pasting or saving; the lost precision cannot be restored",
 )
 _PREMULTIPLIED = (
     "premultiplied",
-    "its colours were multiplied by alpha along the edges; they were divided by it again",
+    "its colours were multiplied by alpha along the edges; they were divided by alpha again",
     "save with straight (unassociated) alpha",
 )
 _CURVE = (
@@ -131,7 +132,7 @@ def _not_finite(layer: WorkspaceLayer) -> Mask | None:
 
 
 def _is_signed(layer: WorkspaceLayer) -> bool:
-    """Whether floats hold n: some are negative, or they are of unit length as they are."""
+    """Whether floats hold n: some are negative, or they are already of unit length."""
     if layer.pixels.dtype != np.float32:
         return False
     color = layer.pixels[..., :3][layer.alpha > 0.5]
@@ -161,15 +162,15 @@ def _signature_now(codes: Float32, alpha: Float32, layer: WorkspaceLayer) -> Sig
 
 
 def signature_of(layer: WorkspaceLayer) -> Signature:
-    """A layer's signature as it is now, nothing repaired; its curl is left out."""
+    """The present signature of a layer, without repairs and without its curl."""
     signed = layer.signed or _is_signed(layer)
     return _signature_now(stored_shares(layer.pixels, signed), layer.alpha, layer)
 
 
 def _flat_again(normals: Float32, alpha: Float32, was_flat: Mask | None, layer: WorkspaceLayer) -> Mask:
-    """Where nearly flat normals are meant to be flat.
+    """Pixels whose nearly flat normals should be exactly flat.
 
-    Within half a step of 16 bits anywhere; within what 8 bits and dither leave where the layer was flat when packed.
+    The tolerance is half a 16-bit step anywhere, and that of 8 bits and dither where the layer was flat when packed.
     """
     lean = np.maximum(np.abs(normals[..., 0]), np.abs(normals[..., 1]))
     fine = _HALF_STEP if layer.pixels.dtype != np.float32 else 1e-6
@@ -180,8 +181,8 @@ def _flat_again(normals: Float32, alpha: Float32, was_flat: Mask | None, layer: 
 
 
 def _was_flat(packed: Signature, now: Signature, layer: WorkspaceLayer) -> Mask:
-    """(h, w): pixels in cells of the signature that were flat all over and are not as they were."""
-    # a slope of half a degree already takes this much off the mean of z
+    """(h, w) bool: pixels in cells of the signature that were entirely flat and have changed."""
+    # a tilt of half a degree already lowers the mean of z by this much
     flat = (packed.cells[..., 2] >= 1 - 1.6e-5) & (packed.cells[..., 3] > 0)
     touched = (np.abs(now.cells - packed.cells) > 1.6e-5).any(axis=-1)
     left, top, cols, rows = now.box
@@ -199,20 +200,24 @@ def _editor_findings(layer: WorkspaceLayer) -> Iterator[tuple[str, str, str]]:
             yield (
                 "blend-mode",
                 f"has the blend mode {mode}, which computes with codes as if they were colours",
-                "set it to normal; say how vectors blend in the recipe: mode rnm, pd, whiteout, udn",
+                "set it to normal, and set how vectors blend in the recipe: mode rnm, pd, whiteout or udn",
             )
     opacity = layer.opacity * float(np.prod([group.opacity for group in layer.groups]))
     if opacity < 0.999:
         yield (
             "opacity",
             f"has an opacity of {opacity:.0%}, which mixes codes, not vectors",
-            f"set it to 100 % and use strength, which fades slopes; the recipe says strength {opacity:.2g}",
+            f"set it to 100 % and use strength, which fades slopes; the recipe has strength {opacity:.2g}",
         )
     if not layer.shown and layer.facts.get("visible") is not False:
-        yield ("hidden", "is hidden; it is kept and marked so", "delete it, or leave it: stack leaves it out")
+        yield (
+            "hidden",
+            "is hidden; it is kept, marked as hidden",
+            "delete it, or keep it: stack ignores hidden layers",
+        )
     for what in layer.facts.get("not_kept", ()):
         yield (
             "not-kept",
-            f"has {what}, which is not in its pixels",
+            f"has {what}, which its pixels do not include",
             "apply or rasterise it in the editor and save again",
         )

@@ -1,4 +1,4 @@
-"""A layer's signature: a small picture of its vectors, their spread and their curl, taken when it is packed."""
+"""The signature of a layer: a small picture of its vectors, their quantiles and their curl when it was packed."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from nmaptool.core.vectors import mean_abs_curl, unit
 CELLS = 16
 _QUANTILES = 65
 _SMOOTH_PX = 2.0
-# alpha below this is no content: editors leave such traces when they resample
+# pixels with less alpha are not content: editors leave such traces when they resample
 _CLEAR = 0.02
 _SAMPLE = 200_000
 
 
 @dataclass(frozen=True, eq=False)
 class Signature:
-    """What a layer looked like.
+    """The appearance of a layer when it was packed.
 
     Parameters
     ----------
     box : tuple of int
-        (left, top, cols, rows) on the canvas of what is not transparent.
+        (left, top, cols, rows) of the pixels that are not transparent, on the canvas.
     cells : (16, 16, 4) float32
-        Mean (n + 1)/2 over what is covered in each cell of the box, and the share covered.
+        Mean (n + 1)/2 over the covered pixels in each cell of the box, and the share covered.
     quantiles : (65, 3) float32
-        Of (n + 1)/2 over what is covered.
+        Quantiles of (n + 1)/2 over the covered pixels.
     mean_curl : float
-        Mean |curl| of its forms, slope per px.
+        Mean |curl| of the smoothed normals, in slope per px.
     """
 
     box: tuple[int, int, int, int]
@@ -72,7 +72,7 @@ def _unpacked(text: object, shape: tuple[int, ...]) -> Float32 | None:
 
 
 def signature_from(facts: Mapping[str, Any]) -> Signature | None:
-    """The signature in a layer's own words, or None where they are not there or make no sense."""
+    """Read the signature from a layer's metadata; None if it is missing or invalid."""
     box, curl = facts.get("box"), facts.get("mean_curl")
     cells = _unpacked(facts.get("cells"), (CELLS, CELLS, 4))
     quantiles = _unpacked(facts.get("quantiles"), (_QUANTILES, 3))
@@ -86,7 +86,7 @@ def signature_from(facts: Mapping[str, Any]) -> Signature | None:
 
 
 def content_box(alpha: Float32, left: int = 0, top: int = 0) -> tuple[int, int, int, int]:
-    """(left, top, cols, rows) of what is not transparent; of everything where nothing is.
+    """(left, top, cols, rows) of the pixels that are not transparent; of all pixels if all are transparent.
 
     >>> content_box(np.float32([[0, 0, 0], [0, 1, 1]]), left=10)
     (11, 1, 2, 1)
@@ -104,7 +104,7 @@ def content_box(alpha: Float32, left: int = 0, top: int = 0) -> tuple[int, int, 
 
 
 def sign(codes: Float32, alpha: Float32, normals: Float32, left: int, top: int) -> Signature:
-    """Take a layer's signature.
+    """Compute the signature of a layer.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def sign(codes: Float32, alpha: Float32, normals: Float32, left: int, top: int) 
     normals : (h, w, 3) float32
         Unit normals.
     left, top : int
-        Place on the canvas.
+        Position on the canvas.
     """
     box = content_box(alpha, left, top)
     rows = slice(box[1] - top, box[1] - top + box[3])
@@ -130,12 +130,12 @@ def sign(codes: Float32, alpha: Float32, normals: Float32, left: int, top: int) 
 
 
 def smoothed(normals: Float32) -> Float32:
-    """Forms without their texture, whose curl is mostly noise of the drawing."""
+    """Smooth normals to their large forms; the curl of fine texture is mostly rendering noise."""
     return unit(cv2.GaussianBlur(normals, (0, 0), _SMOOTH_PX))
 
 
 def cells(codes: Float32, alpha: Float32) -> Float32:
-    """(16, 16, 4): mean code over what is covered in each cell, and the share covered."""
+    """(16, 16, 4): mean code over the covered pixels in each cell, and the share covered."""
     weighted = np.dstack([codes * alpha[..., None], alpha])
     small = _area_mean(weighted)
     share = small[..., 3:]
@@ -152,7 +152,7 @@ def _area_mean(picture: Float32) -> Float32:
 
 
 def quantiles(codes: Float32, covered: Mask) -> Float32:
-    """(65, 3): evenly spaced quantiles of the covered codes, from the least to the largest."""
+    """(65, 3): evenly spaced quantiles of the covered codes, from the smallest to the largest."""
     values = codes[covered]
     values = values[:: max(1, len(values) // _SAMPLE)]
     found: NDArray[Any] = np.quantile(values, np.linspace(0, 1, _QUANTILES), axis=0)

@@ -1,4 +1,4 @@
-"""A workspace back from an editor to normal maps: repaired where that is possible, the rest reported."""
+"""Unpack a workspace from an editor into normal maps: repair what is possible and report the rest."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ _RENAMED = 0.02
 
 
 def unpack(workspace: Workspace) -> UnpackResult:
-    """Take a workspace apart into a normal map for each layer, and find what an image editor changed.
+    """Unpack a workspace into a normal map for each layer, and detect what an image editor changed.
 
     Parameters
     ----------
     workspace : Workspace
-        As `nmaptool.read_workspace` reads it, or `nmaptool.pack` makes it.
+        From `nmaptool.read_workspace` or `nmaptool.pack`.
 
     Returns
     -------
     UnpackResult
-        Maps, masks, places, findings and repairs.
+        Maps, masks, positions, findings and repairs.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def unpack(workspace: Workspace) -> UnpackResult:
 
 
 def _merged_findings(findings: list[WorkspaceFinding], layers: int) -> list[WorkspaceFinding]:
-    """What is true of every layer in the same words is said once, of the whole."""
+    """Merge findings with the same message for every layer into one for the whole file."""
     counts = Counter((finding.code, finding.message) for finding in findings)
     out: list[WorkspaceFinding] = []
     for finding in findings:
@@ -76,7 +76,7 @@ def _merged_findings(findings: list[WorkspaceFinding], layers: int) -> list[Work
 
 
 def _facts(workspace: Workspace) -> list[dict[str, Any]]:
-    """What the file's own words say of each layer when it was packed."""
+    """The metadata of each layer, stored in the file when it was packed."""
     layers = (workspace.metadata or {}).get("layers")
     if not isinstance(layers, list):
         return []
@@ -86,14 +86,14 @@ def _facts(workspace: Workspace) -> list[dict[str, Any]]:
 def _matched(
     layers: tuple[WorkspaceLayer, ...], facts: list[dict[str, Any]]
 ) -> tuple[list[WorkspaceLayer], dict[str, str]]:
-    """Layers with the words that belong to them: by name, then by likeness; new names by the old ones."""
+    """Match layers with their metadata, by name, then by appearance; also return the old name of each renamed layer."""
     left: dict[str, dict[str, Any]] = {}
     for one in facts:
         left.setdefault(one["name"], one)
     out: list[WorkspaceLayer] = []
     renamed: dict[str, str] = {}
     for layer in layers:
-        said = layer.facts.get("name")  # some formats keep a layer's words with the layer
+        said = layer.facts.get("name")  # some formats store a layer's metadata with the layer
         name = said if isinstance(said, str) and said in left else layer.name
         if name in left and name != layer.name:
             renamed[layer.name] = name
@@ -111,7 +111,7 @@ def _matched(
 
 
 def _looks_like(layer: WorkspaceLayer, facts: Mapping[str, Any]) -> bool:
-    """Whether a layer of another name is the one that was packed: same size, same picture."""
+    """Whether a layer with another name is the one that was packed: same size, same picture."""
     packed = signature_from(facts)
     if packed is None or layer.size != (facts.get("rows"), facts.get("cols")):
         return False
@@ -131,7 +131,7 @@ def _unpacked(layer: WorkspaceLayer, frame: Frame, packed_bits: int | None) -> U
     mode, strength = layer.facts.get("mode", "over"), layer.facts.get("strength", 1.0)
     mode = mode if mode in layer_meanings() else "over"
     if layer.blend_mode not in _PASSING and mode == "over":
-        mode = "rnm"  # whoever blends a detail in wants it on top of what is below
+        mode = "rnm"  # a layer with a blend mode is meant as detail on what is below
     known = isinstance(strength, int | float) and not isinstance(strength, bool) and 0 <= strength <= 1000
     return UnpackedLayer(
         name=layer.name,
@@ -153,25 +153,25 @@ def _of_the_whole(
 ) -> tuple[WorkspaceFinding, ...]:
     found: list[tuple[str, str | None, str, str]] = []
     if workspace.color_profile is not None:
-        metadata = f"carries a colour profile ({workspace.color_profile}), as if it were a photograph"
-        remedy = "it is ignored here, but editors may convert the values by it: save without a profile"
+        metadata = f"has a colour profile ({workspace.color_profile}), as if it were a photograph"
+        remedy = "it is ignored here, but editors may use it to convert the values: save without a profile"
         found.append(("color-profile", None, metadata, remedy))
     for name, what in workspace.skipped:
         remedy = "rasterise it into a layer of pixels, or delete it"
-        found.append(("skipped", name, f"is no layer of pixels ({what}) and was left out", remedy))
+        found.append(("skipped", name, f"is not a layer of pixels ({what}) and was left out", remedy))
     if len(layers) == 1 and layers[0].facts.get("flattened"):
-        remedy = "save it with its layers"
-        found.append(("flattened", None, "was flattened: its layers are one picture, mixed as colours", remedy))
+        remedy = "save it with layers"
+        found.append(("flattened", None, "was flattened: its layers were merged into one picture, as colours", remedy))
     elif facts:
         here = {layer.name for layer in layers} | set(renamed.values())
         for one in facts:
             if one["name"] not in here:
-                metadata = "was packed and is not in the file any more"
+                metadata = "was packed but is no longer in the file"
                 found.append(("missing", one["name"], metadata, "nothing to do if it was deleted on purpose"))
         known = {one["name"] for one in facts} | set(renamed)
         for layer in layers:
             if layer.name not in known:
-                metadata = "is new: an editor made it, so what was done to it cannot be told"
+                metadata = "is new: it was added in an editor, so changes to it cannot be detected"
                 found.append(("added", layer.name, metadata, "check it with nmap inspect"))
         for new, old in renamed.items():
             found.append(("renamed", new, f"was called {old!r} when it was packed", "nothing to do"))

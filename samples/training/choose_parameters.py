@@ -1,7 +1,7 @@
 """The parameters of each mesh: ``python samples/training/choose_parameters.py [training|held_out] [NAME ...]``.
 
-Prints the combination of sizes, likenesses and passes whose GRNF base is nearest to the form without its ornament;
-faces at creases count double.
+Prints the sigma_s, sigma_r and number of passes whose GRNF base is closest to the form without its ornament; faces at
+creases count double.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def angles(mesh: TrainingMesh, given: nm.Mesh, size: float, likeness: float, wei
 
 
 def chosen(mesh: TrainingMesh) -> tuple[tuple[float, float, int], Tried]:
-    """The best parameters: sizes first, then likenesses at the best size, then the sizes next to it."""
+    """The best parameters: sigma_s is varied first, then sigma_r, then sigma_s again next to its best value."""
     given = nm.Mesh(mesh.vertices, mesh.faces)
     weights = given.geometry.areas * (1 + crease_faces(mesh))
     tried: Tried = {}

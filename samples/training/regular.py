@@ -96,7 +96,7 @@ def wound(pattern: Flat, across: int, along: int) -> Ornament:
 
 
 def eggs(u: Array, v: Array) -> Array:
-    """Alternating bumps and hollows, two per two waves."""
+    """Alternating bumps and hollows, one of each per two waves."""
     return np.sin(np.pi * u) * np.sin(np.pi * v)
 
 

@@ -1,4 +1,4 @@
-"""Learned filters and trainings as named arrays, which is all that a file holds of them."""
+"""Convert learned filters and training states to and from named arrays, the content of their files."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _WEIGHTS = ("w1", "b1", "w2", "b2")
 
 
 def filter_to_arrays(model: FilterModel) -> dict[str, NDArray[Any]]:
-    """A model as named arrays; ``header`` is JSON text as bytes."""
+    """Return a model as named arrays; ``header`` is JSON text as bytes."""
     header = {
         "kind": _FILTER,
         "descriptor": dataclasses.asdict(model.descriptor),
@@ -39,7 +39,7 @@ def filter_to_arrays(model: FilterModel) -> dict[str, NDArray[Any]]:
 
 
 def filter_from_arrays(arrays: Arrays) -> FilterModel:
-    """The model that `filter_to_arrays` was given; InputError where something is missing or does not fit."""
+    """Return the model from the arrays of `filter_to_arrays`; InputError if an array is missing or inconsistent."""
     with _header(arrays, _FILTER, "a filter") as header:
         given = header["descriptor"]
         descriptor = DescriptorOptions(tuple(given["sigma_s"]), tuple(given["sigma_r"]), given["passes"])
@@ -49,7 +49,7 @@ def filter_from_arrays(arrays: Arrays) -> FilterModel:
 
 
 def training_to_arrays(state: TrainingState) -> dict[str, NDArray[Any]]:
-    """A training as named arrays; ``header`` is JSON text as bytes."""
+    """Return a training state as named arrays; ``header`` is JSON text as bytes."""
     parts = [(stage.centers, stage.networks) for stage in state.stages]
     if state.centers is not None:
         parts.append((state.centers, state.networks))
@@ -64,7 +64,7 @@ def training_to_arrays(state: TrainingState) -> dict[str, NDArray[Any]]:
 
 
 def training_from_arrays(arrays: Arrays) -> TrainingState:
-    """The state that `training_to_arrays` was given; InputError where something is missing or does not fit."""
+    """Return the state from the arrays of `training_to_arrays`; InputError if an array is missing or inconsistent."""
     with _header(arrays, _TRAINING, "a training") as header:
         fingerprint, losses = str(header["fingerprint"]), tuple(float(loss) for loss in header["losses"])
         parts = _parts_from_arrays(arrays, header["networks"])
@@ -80,20 +80,20 @@ def _text(header: Mapping[str, Any]) -> NDArray[np.uint8]:
 
 @contextlib.contextmanager
 def _header(arrays: Arrays, kind: str, what: str) -> Iterator[dict[str, Any]]:
-    """The header, to be read: what it lacks or cannot mean is an InputError."""
+    """Yield the header to read; missing keys and invalid values become an InputError."""
     try:
         header: dict[str, Any] = json.loads(arrays["header"].astype(np.uint8).tobytes())
         found = str(header["kind"])
     except (KeyError, TypeError, ValueError):
-        raise InputError(f"it is not {what} of nmaptool: it has no header") from None
+        raise InputError(f"it is not {what} of nmaptool (its header is missing or damaged)") from None
     if found != kind:
-        raise InputError(f"it is {found[:40]!r}, expected {kind!r}")
+        raise InputError(f"its header says {found[:40]!r}, expected {kind!r}")
     try:
         yield header
     except InputError:
         raise
     except (KeyError, TypeError, ValueError, UsageError):
-        raise InputError("its header is damaged") from None
+        raise InputError("its header lacks a value or has an invalid one") from None
 
 
 def _parts_to_arrays(parts: list[tuple[Float32, tuple[Network, ...]]]) -> dict[str, NDArray[Any]]:
@@ -106,7 +106,7 @@ def _parts_to_arrays(parts: list[tuple[Float32, tuple[Network, ...]]]) -> dict[s
 
 
 def _parts_from_arrays(arrays: Arrays, counts: list[int]) -> list[tuple[Float32, tuple[Network, ...]]]:
-    """Centres and networks of each stage, ``counts`` of them."""
+    """Return the centres and networks of each stage; ``counts`` holds the number of networks per stage."""
     if not (len(counts) <= _MOST_STAGES and all(1 <= int(count) <= _MOST_KINDS for count in counts)):
         raise ValueError
     try:
@@ -118,4 +118,4 @@ def _parts_from_arrays(arrays: Arrays, counts: list[int]) -> list[tuple[Float32,
             for s, count in enumerate(counts)
         ]
     except KeyError as error:
-        raise InputError(f"it has no array {error}") from None
+        raise InputError(f"it lacks the array {error}") from None

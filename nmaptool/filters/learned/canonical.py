@@ -1,4 +1,4 @@
-"""Descriptors turned into a frame of their own, so that what is learned does not depend on how a mesh lies."""
+"""Rotate descriptors to a canonical frame, so the learned filter does not depend on the orientation of the mesh."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from nmaptool.core.arrays import Float32, Float64
 
 
 def canonical_frames(descriptors: Float32) -> Float32:
-    """The frame of each face: eigenvectors of the summed outer products of its filtered normals (paper, Sec. 3.2).
+    """Return each face's frame: eigenvectors of the summed outer products of its filtered normals (paper, Sec. 3.2).
 
     Parameters
     ----------
@@ -18,8 +18,8 @@ def canonical_frames(descriptors: Float32) -> Float32:
     Returns
     -------
     (M, 3, 3) float32
-        Orthonormal, an axis a row, the one with most of the normals first; each points to the side of their mean. A
-        mirrored descriptor has a mirrored frame, left-handed or not.
+        Orthonormal, one axis per row, the largest eigenvalue first; each axis points to the side of the mean normal. A
+        mirrored descriptor has a mirrored frame, so frames may be left-handed.
     """
     filtered = descriptors[..., :3]
     products = np.einsum("mki,mkj->mij", filtered, filtered, dtype=np.float64)
@@ -29,18 +29,18 @@ def canonical_frames(descriptors: Float32) -> Float32:
 
 
 def in_canonical_frame(normals: Float64, descriptors: Float32) -> tuple[Float32, Float32]:
-    """`canonical_frames` of described faces, and the inputs of the networks in them."""
+    """Return the `canonical_frames` of faces, and the inputs of the networks in these frames."""
     frames = canonical_frames(descriptors)
     return frames, in_frames(normals, descriptors, frames)
 
 
 def in_frames(normals: Float64, descriptors: Float32, frames: Float32) -> Float32:
-    """The inputs of the networks: a face's own normal and its filtered normals, in its frame; then the agreements.
+    """Return the inputs of the networks: each face's normal and filtered normals, in its frame, then the agreements.
 
     Parameters
     ----------
     normals : (M, 3) float64
-        The normals that were described.
+        The normals of the faces.
     descriptors : (M, K, 4) float32
         Unit normals and their agreement.
     frames : (M, 3, 3) float32

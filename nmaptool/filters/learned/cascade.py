@@ -1,4 +1,4 @@
-"""Stages of networks applied to a field of normals."""
+"""Apply the stages of a learned filter to a field of normals."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Describe = Callable[[Float64 | None, Progress | None], Float32]
 
 
 def apply_stage(stage: Stage, frames: Float32, inputs: Float32) -> Float64:
-    """What one stage makes of described faces.
+    """Return the normals that one stage computes.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def refine(model: FilterModel, normals: Float64, describe: Describe, progress: P
     normals : (M, 3) float64
         Unit normals of the faces.
     describe : callable
-        The mesh's filtered normals, led by a guide, made for ``model.descriptor``.
+        Returns the filtered normals of the mesh for a guide, with the options ``model.descriptor``.
     progress : callable, optional
 
     Returns
@@ -63,7 +63,7 @@ def refine(model: FilterModel, normals: Float64, describe: Describe, progress: P
             if progress is not None:
                 progress("filtering", (number + share) / count)
 
-        # the first stage begins as rolling guidance does; the others are led by what the one before found
+        # the first stage has no guide, as in rolling guidance; the guide of the others is the previous result
         descriptors = describe(normals if number else None, notify)
         normals = apply_stage(stage, *in_canonical_frame(normals, descriptors))
     return normals

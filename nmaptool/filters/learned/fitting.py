@@ -1,4 +1,4 @@
-"""Networks fitted to examples: neighbourhoods sorted into kinds, and one network for each."""
+"""Fit networks to examples: cluster the neighbourhoods, and fit one network per cluster."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from nmaptool.core.arrays import Float32, Float64
 from nmaptool.filters.learned.network import Network, Shape, TrainingLoss, split_parameters
 
 _CLUSTER_STEPS = 40
-# inputs that vary by less are as good as constant
+# inputs that vary less are treated as constant
 _LEAST_SPREAD = 1e-3
 
 
 def find_clusters(inputs: Float32, count: int, rng: np.random.Generator) -> Float32:
-    """Centres of kinds of neighbourhood: k-means.
+    """Return the centres of clusters of neighbourhoods, by k-means.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def find_clusters(inputs: Float32, count: int, rng: np.random.Generator) -> Floa
 
 
 def nearest_cluster(inputs: Float32, centers: Float32) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """(M,) number of the nearest centre, told by as many of the inputs as a centre has."""
+    """Return the (M,) indices of the nearest centres, comparing only as many inputs as the centres have components."""
     inputs = inputs[:, : centers.shape[1]]
     far = np.einsum("kd,kd->k", centers, centers) - 2 * (inputs @ centers.T)
     return np.asarray(far.argmin(axis=1))
@@ -59,11 +59,11 @@ def fit_network(
     targets : (N, 3) float32
         Unit normals in the frames of the inputs.
     mixed : int
-        Normals that the inputs begin with.
+        Number of normals at the beginning of the inputs.
     hidden, steps : int
     weight_decay : float
     rng : numpy.random.Generator
-        Of the first weights.
+        Generator of the initial weights.
     step_done : callable, optional
         Called with the share of the steps done.
 
@@ -71,7 +71,7 @@ def fit_network(
     -------
     network : Network
     loss : float
-        Mean squared distance of unit vectors, with the decay.
+        Mean squared distance of unit vectors, plus the weight decay.
     """
     from scipy.optimize import minimize
 
@@ -101,6 +101,6 @@ def fit_network(
         options={"maxiter": steps, "maxcor": 20, "ftol": 1e-9, "gtol": 1e-7},
     )
     w1, b1, w2, b2 = split_parameters(found.x, shape)
-    inner = w1 / spread  # the scaling of the inputs goes into the weights
+    inner = w1 / spread  # the weights absorb the scaling of the inputs
     parts = (inner, b1 - inner @ mean, w2, b2)
     return Network(*(np.ascontiguousarray(part, np.float32) for part in parts)), float(found.fun)

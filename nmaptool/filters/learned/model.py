@@ -1,4 +1,4 @@
-"""A learned filter as a value."""
+"""Learned filters and the state of their training."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from nmaptool.types.shown import OneLine, counted
 
 
 def input_width(descriptor: DescriptorOptions) -> int:
-    """Numbers that a network sees of a face: its own normal, its filtered ones, and their agreements."""
+    """Return the number of inputs of a network: a face's own normal, its filtered normals, and their agreements."""
     return 3 + 4 * descriptor.size
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Stage(OneLine):
-    """Networks for the kinds of neighbourhood of one stage.
+    """The networks of one stage, one per cluster of neighbourhoods.
 
     Parameters
     ----------
     centers : (K, C) float32
-        Of the kinds, among the first C of the networks' inputs.
+        Centres of the clusters, in the first C inputs of the networks.
     networks : tuple of Network
-        One for each kind.
+        One per cluster.
 
     Raises
     ------
     InputError
-        If they do not fit each other.
+        If centres and networks do not match.
     """
 
     centers: Float32
@@ -45,13 +45,17 @@ class Stage(OneLine):
 
     def __post_init__(self) -> None:
         if self.centers.ndim != 2 or self.centers.dtype != np.float32 or not np.isfinite(self.centers).all():
-            raise InputError(f"centers are {self.centers.dtype} {self.centers.shape}, expected finite float32 (K, C)")
+            raise InputError(
+                f"the cluster centres must be finite float32 (K, C); found {self.centers.dtype} {self.centers.shape}"
+            )
         if len(self.networks) != len(self.centers) or not self.networks:
-            raise InputError(f"{len(self.networks)} networks for {len(self.centers)} kinds of neighbourhood")
+            raise InputError(
+                f"a stage needs one network per cluster: networks {len(self.networks)}, clusters {len(self.centers)}"
+            )
         for network in self.networks:
             if network.w1.shape[1] < self.centers.shape[1]:
                 raise InputError(
-                    f"a network takes {network.w1.shape[1]} inputs, but kinds are told by {self.centers.shape[1]}"
+                    f"a network has {network.w1.shape[1]} inputs, but the cluster centres have {self.centers.shape[1]}"
                 )
         object.__setattr__(self, "centers", read_only(self.centers))
 
@@ -65,14 +69,14 @@ class FilterModel(OneLine):
     descriptor : DescriptorOptions
         Input of the networks.
     stages : tuple of Stage
-        Applied one after the other.
+        Stages, applied one after the other.
     metadata : mapping
-        How it was made, plain values: meshes, seed, options, losses.
+        How the model was trained, as plain values: meshes, seed, options, losses.
 
     Raises
     ------
     InputError
-        If the stages do not fit the descriptor.
+        If the stages do not match the descriptor.
     """
 
     descriptor: DescriptorOptions
@@ -85,13 +89,13 @@ class FilterModel(OneLine):
         width = input_width(self.descriptor)
         for network in (network for stage in self.stages for network in stage.networks):
             if network.w1.shape[1] != width:
-                raise InputError(f"a network takes {network.w1.shape[1]} inputs, but its descriptor gives {width}")
+                raise InputError(f"a network has {network.w1.shape[1]} inputs, but the descriptor has {width}")
             if len(network.b2) != 1 + self.descriptor.size:
                 raise InputError(f"a network mixes {len(network.b2)} normals, expected {1 + self.descriptor.size}")
 
     @property
     def digest(self) -> str:
-        """A name for what it computes: 12 hexadecimal digits, the same for the same weights."""
+        """Identifies the filter: 12 hexadecimal digits, the same for the same weights and descriptor."""
         seen = hashlib.sha256(json.dumps(dataclasses.asdict(self.descriptor)).encode())
         for stage in self.stages:
             for array in (stage.centers, *(w for n in stage.networks for w in (n.w1, n.b1, n.w2, n.b2))):
@@ -110,17 +114,17 @@ class TrainingState(OneLine):
     Parameters
     ----------
     fingerprint : str
-        Identifies the examples and options; a training continues only from a state of its own.
+        Identifies the examples and options; a training continues only from a state with the same fingerprint.
     stages : tuple of Stage
         Finished stages.
     centers : (K, D) float32 or None
-        Of the current stage; None if none of its networks is finished.
+        Cluster centres of the current stage; None if none of its networks is finished.
     networks : tuple of Network
         Finished networks of the current stage.
     losses : tuple of float
-        Of all finished networks.
+        Losses of all finished networks.
     name : str
-        What to call it in messages: a file name.
+        Name for messages, such as the file name.
     """
 
     fingerprint: str

@@ -1,8 +1,8 @@
-"""Networks with one hidden layer that mix a face's own normal and its filtered ones.
+"""Networks with one hidden layer that mix a face's own normal and its filtered normals.
 
-A network puts out shares, and the face's normal is the mean of its normals by these shares, made unit. So the answer
-lies among what the filters found, however strange a neighbourhood is; networks that put out the normal's components
-instead were further off, on meshes that they had learned from and on others (docs/decisions/0017-learned-filter.md).
+The output of a network is the shares of these normals in a weighted mean, which is then normalised. The result thus
+lies between the filtered normals, however unusual a neighbourhood is. Networks that output the components of the normal
+had larger errors, both on the training meshes and on others (docs/decisions/0017-learned-filter.md).
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Float64, read_only
 from nmaptool.core.errors import InputError
 
-# faces that are worked on at a time: their hidden layer stays in the cache
+# faces per batch: their hidden layer fits in the cache
 _AT_ONCE = 4096
-# normals that cancel out have no mean
+# normals that cancel out have no mean direction
 _NO_DIRECTION = 1e-12
 
 
@@ -36,7 +36,7 @@ class Network:
     Raises
     ------
     InputError
-        If the shapes do not fit each other, or a weight is not finite.
+        If the shapes do not match, or a weight is not finite.
     """
 
     w1: Float32
@@ -51,13 +51,13 @@ class Network:
         for name, shape in shapes.items():
             array = getattr(self, name)
             if array.shape != shape or 0 in shape or array.dtype != np.float32:
-                raise InputError(f"weights {name} are {array.dtype} {array.shape}, expected float32 {shape}")
+                raise InputError(f"the weights {name} must be float32 {shape}; found {array.dtype} {array.shape}")
             if not np.isfinite(array).all():
-                raise InputError(f"weights {name} are not all finite")
+                raise InputError(f"the weights {name} must be finite")
             object.__setattr__(self, name, read_only(array))
 
     def __call__(self, inputs: Float32) -> Float32:
-        """(M, 3) float32 unit normals of (M, D) float32 inputs."""
+        """Return (M, 3) float32 unit normals for (M, D) float32 inputs."""
         out = np.empty((len(inputs), 3), np.float32)
         for first in range(0, len(inputs), _AT_ONCE):
             x = inputs[first : first + _AT_ONCE]
@@ -67,7 +67,7 @@ class Network:
 
 
 def _normals(inputs: Float32, mixed: int) -> Float32:
-    """(M, K, 3) float32: the normals that inputs begin with."""
+    """Return the (M, K, 3) float32 normals at the beginning of the inputs."""
     return inputs[:, : 3 * mixed].reshape(len(inputs), mixed, 3)
 
 
@@ -79,14 +79,14 @@ def _softmax(values: Float32) -> Float32:
 
 
 def _mean(shares: Float32, normals: Float32) -> tuple[Float32, Float32]:
-    """Unit means of (M, K, 3) normals by (M, K) shares, and the lengths (M, 1) that they had."""
+    """Return the normalised means of (M, K, 3) normals weighted by (M, K) shares, and their (M, 1) lengths before."""
     mean = np.matmul(shares[:, None], normals)[:, 0]
     length = np.maximum(np.sqrt(np.einsum("ij,ij->i", mean, mean)), _NO_DIRECTION)[:, None]
     return mean / length, length
 
 
 class Shape(NamedTuple):
-    """Sizes of a network: its inputs, hidden units, and normals that are mixed."""
+    """Sizes of a network: its inputs, hidden units and mixed normals."""
 
     inputs: int
     hidden: int
@@ -94,12 +94,12 @@ class Shape(NamedTuple):
 
     @property
     def weights(self) -> int:
-        """How many there are."""
+        """Number of weights."""
         return self.hidden * (self.inputs + 1) + (self.hidden + 1) * self.mixed
 
 
 def split_parameters(flat: Float64, shape: Shape) -> tuple[Float64, Float64, Float64, Float64]:
-    """W1, b1, W2, b2 as views of one vector."""
+    """Return W1, b1, W2, b2 as views of one vector."""
     inputs, hidden, mixed = shape
     w1, b1, w2, b2 = np.split(flat, np.cumsum([hidden * inputs, hidden, mixed * hidden]))
     return w1.reshape(hidden, inputs), b1, w2.reshape(mixed, hidden), b2
@@ -107,16 +107,16 @@ def split_parameters(flat: Float64, shape: Shape) -> tuple[Float64, Float64, Flo
 
 @dataclass(frozen=True, eq=False)
 class TrainingLoss:
-    """What a network is fitted to.
+    """The loss that fitting a network minimises.
 
     Parameters
     ----------
     inputs : (N, D) float32
-        Beginning with the components of the normals to be mixed.
+        Inputs, beginning with the components of the normals to mix.
     targets : (N, 3) float32
         Unit normals.
     mean, spread : (D,) float64
-        What is taken off the inputs, and what they are divided by, before they reach the hidden layer.
+        The mean is subtracted from the inputs and the result divided by the spread, before the hidden layer.
     """
 
     inputs: Float32
@@ -125,15 +125,15 @@ class TrainingLoss:
     spread: Float64
 
     def loss(self, flat: Float64, shape: Shape, weight_decay: float) -> tuple[float, Float64]:
-        """Mean squared distance of the *normalised* means from the targets, plus the decay; and its gradient.
+        """Return the mean squared distance of the *normalised* means to the targets plus the decay, and its gradient.
 
         Parameters
         ----------
         flat : (P,) float64
-            Weights, see `split_parameters`.
+            Weights; see `split_parameters`.
         shape : Shape
         weight_decay : float
-            Times the sum of squares of W1 and W2.
+            Factor on the sum of squares of W1 and W2.
         """
         w1, b1, w2, b2 = (part.astype(np.float32) for part in split_parameters(flat, shape))
         off, scale = self.mean.astype(np.float32), (1 / self.spread).astype(np.float32)
@@ -147,7 +147,7 @@ class TrainingLoss:
             shares = _softmax(middle @ w2.T + b2)
             found, length = _mean(shares, normals)
             total += float(np.square(found - target).sum(dtype=np.float64))
-            # |n - t|^2 = 2 - 2 n.t; its gradient is what of -2 t is across n, over the length
+            # |n - t|^2 = 2 - 2 n.t; its gradient is the part of -2 t perpendicular to n, divided by the length
             agree = np.einsum("ij,ij->i", found, target)[:, None]
             across = (found * agree - target) * (2 / length)
             by_share = np.matmul(normals, across[:, :, None])[:, :, 0]

@@ -1,4 +1,4 @@
-"""The filter that comes with the package; ``samples/train_filter.py`` makes it."""
+"""The filter that comes with the package; ``samples/train_filter.py`` trains it."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ NAME = "filter.npz"
 
 @functools.cache
 def shipped_filter() -> FilterModel:
-    """Load the learned filter that comes with the package; it is used where no other is given.
+    """Load the learned filter that comes with the package, which is the default model.
 
     Returns
     -------
     FilterModel
-        The same object at every call.
+        The same object on every call.
 
     Raises
     ------
     InputError
-        If the package's file is damaged.
+        If its file in the package is damaged.
 
     Examples
     --------

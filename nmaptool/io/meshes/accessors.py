@@ -1,4 +1,4 @@
-"""Accessors of a glTF: typed arrays in its buffers, checked to lie within them before they are used."""
+"""Accessors of a glTF: typed arrays in its buffers, checked against the sizes of the buffers before use."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def refuse_compressed(file: MeshFile, extensions: Iterable[Any]) -> None:
 
 
 def whole_number(value: Any) -> int:
-    """A whole number of zero or more.
+    """Return the value if it is a whole number of at least 0.
 
     Raises
     ------
@@ -49,21 +49,21 @@ def whole_number(value: Any) -> int:
 
 @dataclass(frozen=True)
 class Accessors:
-    """The accessors of a glTF, by its JSON ``tree`` and its ``buffers``, which hold all the bytes that it announces."""
+    """The accessors of a glTF with the JSON ``tree`` and ``buffers`` of at least the declared lengths."""
 
     file: MeshFile
     tree: dict[str, Any]
     buffers: list[bytes]
 
     def item(self, what: str, index: Any) -> dict[str, Any]:
-        """The entry with a number in one of the lists of the JSON."""
+        """Return entry ``index`` of the list ``what`` in the JSON."""
         item = self.tree[what][whole_number(index)]
         if not isinstance(item, dict):
             raise TypeError
         return item
 
     def positions(self, index: Any) -> NDArray[Any]:
-        """(N, 3) view of positions of any component type.
+        """Return an (N, 3) view of positions of any component type.
 
         Raises
         ------
@@ -73,7 +73,7 @@ class Accessors:
         return self._view(index, "VEC3", tuple(_TYPES))
 
     def indices(self, index: Any) -> NDArray[Any]:
-        """(N,) view of unsigned integers; raises as `positions` does."""
+        """Return an (N,) view of unsigned integers; raises the same errors as `positions`."""
         return self._view(index, "SCALAR", _INDEX_TYPES).reshape(-1)
 
     def _view(self, index: Any, shape: str, types: tuple[int, ...]) -> NDArray[Any]:
@@ -83,7 +83,7 @@ class Accessors:
             raise ValueError
         if "sparse" in accessor or (accessor.get("normalized") and kind != _FLOAT):
             raise InputError(
-                f"{self.file.path}: stores positions in a reduced form (sparse or quantised); "
+                f"{self.file.path}: stores sparse or quantised positions or indices; "
                 "export it again without compression"
             )
         if "bufferView" not in accessor:

@@ -1,6 +1,6 @@
-"""glTF and GLB: the triangles that a viewer shows, each part in its place.
+"""Read glTF and GLB: the triangles that a viewer shows, with the transforms of the scene applied.
 
-Images, materials, cameras and animations are left alone, and no address in the file is opened.
+Images, materials, cameras and animations are ignored, and no link in the file is opened.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from nmaptool.io.meshes.polygons import Integers, one_strip
 from nmaptool.io.meshes.surface import Surface
 
 _JSON, _BIN = 0x4E4F534A, 0x004E4942
+_LEAST_BYTES = 20  # the header of a GLB file and that of its first chunk
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
 
@@ -33,9 +34,9 @@ def read_gltf(file: MeshFile, max_faces: int) -> Surface:
     Raises
     ------
     InputError
-        If it is damaged, compressed, or needs other files, or if there are no triangles.
+        If it is damaged or compressed, needs other files, or has no triangles.
     LimitError
-        If its triangles, counted as often as they are placed, are more than ``max_faces``.
+        If it has more than ``max_faces`` triangles; each placement of a part counts.
     """
     tree, own = _container(file, file.path.read_bytes())
     _check_kind(file, tree)
@@ -45,7 +46,7 @@ def read_gltf(file: MeshFile, max_faces: int) -> Surface:
     vertices, triangles, count = [], [], 0
     for part, matrix in parts:
         points, faces = part.arrays(file)
-        faces = faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else faces  # a mirrored part would be inside out
+        faces = faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else faces  # mirroring turns a part inside out
         vertices.append(points @ matrix[:3, :3].T + matrix[:3, 3])
         triangles.append(faces + count)
         count += len(points)
@@ -54,7 +55,7 @@ def read_gltf(file: MeshFile, max_faces: int) -> Surface:
 
 @dataclass(frozen=True)
 class _Part:
-    """One set of triangles: its positions, the indices of its corners if it has any, and whether it is a strip."""
+    """One set of triangles: its positions, its corner indices if it has any, and whether it is a strip."""
 
     positions: NDArray[Any]
     indices: NDArray[Any] | None
@@ -62,7 +63,7 @@ class _Part:
 
     @property
     def corners(self) -> int:
-        """Number of entries."""
+        """Number of corners."""
         return len(self.positions if self.indices is None else self.indices)
 
     @property
@@ -71,7 +72,7 @@ class _Part:
         return max(self.corners - 2, 0) if self.is_strip else self.corners // 3
 
     def arrays(self, file: MeshFile) -> tuple[Float64, Integers]:
-        """(N, 3) positions and (M, 3) triangles, whose indices are checked."""
+        """Return (N, 3) float64 positions and (M, 3) int64 triangles with checked indices."""
         count = len(self.positions)
         corners = np.arange(count) if self.indices is None else self.indices.astype(np.int64)
         if corners.max() >= count:
@@ -80,7 +81,7 @@ class _Part:
 
 
 def _placed(file: MeshFile, accessors: Accessors) -> list[tuple[_Part, Float64]]:
-    """Each set of triangles with its place in the scene, as often as it is shown there."""
+    """Return each set of triangles with its transform to the scene, once per placement."""
     points = 0
     meshes = []
     for mesh in accessors.tree.get("meshes", []):
@@ -95,7 +96,7 @@ def _placed(file: MeshFile, accessors: Accessors) -> list[tuple[_Part, Float64]]
 
 
 def _part(file: MeshFile, accessors: Accessors, primitive: dict[str, Any]) -> _Part | int:
-    """A set of triangles, or the number of points where there are only points or lines."""
+    """Return a set of triangles, or the number of points if there are only points or lines."""
     mode = whole_number(primitive.get("mode", _TRIANGLES))
     position, indices = primitive["attributes"].get("POSITION"), primitive.get("indices")
     if position is None:
@@ -114,7 +115,7 @@ def _part(file: MeshFile, accessors: Accessors, primitive: dict[str, Any]) -> _P
 
 def _check_limits(file: MeshFile, parts: list[_Part], max_faces: int) -> None:
     file.check_limit(sum(part.faces for part in parts), max_faces)
-    # vertices that faces share are there once for each set of faces, used or not
+    # each placed part brings its whole array of vertices, used or not
     vertices = sum(len(part.positions) for part in parts)
     if vertices > 3 * max_faces:
         raise LimitError(
@@ -124,17 +125,17 @@ def _check_limits(file: MeshFile, parts: list[_Part], max_faces: int) -> None:
 
 
 def _container(file: MeshFile, data: bytes) -> tuple[dict[str, Any], bytes | None]:
-    """The JSON of a file and the binary data that follow it."""
+    """Return the JSON of a file and the binary data after it, if there are any."""
     own = None
     if file.kind == "glb":
-        version, length = struct.unpack_from("<II", data, 4) if len(data) >= 12 else (2, 12)
+        version, length = struct.unpack_from("<II", data, 4) if len(data) >= 12 else (2, 0)
         if version != 2:
             raise _too_old(file)
-        if len(data) < max(length, 20):
-            raise InputError(
-                f"{file.path}: the GLB file is cut short: it announces {length} bytes and holds {len(data)}; "
-                "export or download it again"
-            )
+        if len(data) < max(length, _LEAST_BYTES):
+            held = f"it declares {length} bytes but holds {len(data)}"
+            if length <= len(data):
+                held = f"it holds {len(data)} bytes, but every GLB file has at least {_LEAST_BYTES}"
+            raise InputError(f"{file.path}: the GLB file is truncated: {held}; export or download it again")
         chunks = list(_chunks(data[:length]))
         if chunks[0][0] != _JSON:
             raise file.damaged
@@ -147,7 +148,7 @@ def _container(file: MeshFile, data: bytes) -> tuple[dict[str, Any], bytes | Non
 
 
 def _too_old(file: MeshFile) -> InputError:
-    return InputError(f"{file.path}: is not of glTF version 2; export it as glTF 2.0")
+    return InputError(f"{file.path}: is not glTF version 2; export it as glTF 2.0")
 
 
 def _chunks(data: bytes) -> list[tuple[int, bytes]]:
@@ -164,16 +165,16 @@ def _chunks(data: bytes) -> list[tuple[int, bytes]]:
 
 def _check_kind(file: MeshFile, tree: dict[str, Any]) -> None:
     if "asset" not in tree:
-        raise InputError(f"{file.path}: holds no {NAMES[file.kind]} data; export it again, best as one GLB file")
+        raise InputError(f"{file.path}: holds no {NAMES[file.kind]} data; export it again, preferably as one GLB file")
     if str(tree["asset"].get("version", "2.0")).partition(".")[0] != "2":
         raise _too_old(file)
     refuse_compressed(file, tree.get("extensionsRequired", []))
     if any("EXT_mesh_gpu_instancing" in node.get("extensions", {}) for node in tree.get("nodes", [])):
-        raise InputError(f"{file.path}: repeats parts by instancing; export it again with the instances made real")
+        raise InputError(f"{file.path}: uses GPU instancing; make the instances real and export it again")
 
 
 def _buffer(file: MeshFile, buffer: dict[str, Any], own: bytes | None) -> bytes:
-    """The bytes of a buffer: of the GLB itself or written into an address that begins with ``data:``."""
+    """Return the bytes of a buffer: ``own``, the binary data of the GLB, or those in a ``data:`` URI."""
     uri = buffer.get("uri")
     if uri is None:
         if own is None:
@@ -189,7 +190,7 @@ def _buffer(file: MeshFile, buffer: dict[str, Any], own: bytes | None) -> bytes:
         except binascii.Error:
             raise file.damaged from None
     else:
-        raise InputError(f"{file.path}: keeps its data in other files, which are not opened; export it as one GLB file")
+        raise InputError(f"{file.path}: stores data in other files, which are not opened; export it as one GLB file")
     if len(data) < whole_number(buffer["byteLength"]):
         raise file.damaged
     return data

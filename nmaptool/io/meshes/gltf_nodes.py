@@ -1,4 +1,4 @@
-"""The nodes of a glTF: which part stands where, checked to be trees of finite places."""
+"""The nodes of a glTF: which mesh is placed where. They must form trees and have finite transforms."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ _PLACES = {"matrix": 16, "translation": 3, "rotation": 4, "scale": 3}
 
 
 def placed_meshes(file: MeshFile, tree: dict[str, Any], count: int) -> list[tuple[int, Float64]]:
-    """Meshes that a viewer shows, as often as it shows them, each with its place in the scene.
+    """Return the meshes that a viewer shows, once per placement, each with its transform to the scene.
 
     Parameters
     ----------
     file : MeshFile
     tree : dict
-        The JSON of the glTF; its first scene is meant unless it names one.
+        The JSON of the glTF; its first scene is used unless it names another.
     count : int
         Number of meshes.
 
     Returns
     -------
     list of (int, (4, 4) float64)
-        Number of the mesh, and the matrix from its coordinates (columns) to those of the scene.
+        Index of the mesh, and the matrix from its coordinates (as columns) to those of the scene.
 
     Raises
     ------
     InputError
-        If a node is its own ancestor, has two parents, or a place that is no number.
+        If a node is its own ancestor, has two parents, or has a transform that is not finite.
     IndexError, KeyError, TypeError, ValueError
-        If something else is amiss.
+        If the nodes are invalid in another way.
     """
     nodes = tree.get("nodes", [])
-    if not nodes:  # nothing is placed: every part is where it is
+    if not nodes:  # without a scene graph all meshes are in place
         return [(mesh, np.eye(4)) for mesh in range(count)]
     placed: list[tuple[int, Float64]] = []
     seen: set[int] = set()
@@ -46,7 +46,7 @@ def placed_meshes(file: MeshFile, tree: dict[str, Any], count: int) -> list[tupl
         index, above = waiting.pop()
         if index in seen:
             raise InputError(
-                f"{file.path}: node {index} of the scene stands in two places or below itself; export it again"
+                f"{file.path}: node {index} of the scene has two parents or is its own ancestor; export it again"
             )
         seen.add(index)
         node = nodes[index]
@@ -54,7 +54,7 @@ def placed_meshes(file: MeshFile, tree: dict[str, Any], count: int) -> list[tupl
             matrix = above @ _matrix(node)
         if not np.isfinite(matrix).all():
             raise InputError(
-                f"{file.path}: node {index} of the scene has a place or size that is no number; export it again"
+                f"{file.path}: node {index} of the scene has a transform that is not finite; export it again"
             )
         if "mesh" in node:
             placed += [(mesh, matrix) for mesh in _indices([node["mesh"]], count)]
@@ -77,10 +77,10 @@ def _indices(values: Any, count: int) -> list[int]:
 
 
 def _matrix(node: dict[str, Any]) -> Float64:
-    """(4, 4) float64 from a node to its parent: its matrix, or its scale, then rotation, then translation."""
+    """The (4, 4) float64 matrix from a node to its parent: given, or made of scale, then rotation, then translation."""
     given = {key: _numbers(node[key], size) for key, size in _PLACES.items() if key in node}
     if "matrix" in given:
-        return given["matrix"].reshape(4, 4).T  # written by columns
+        return given["matrix"].reshape(4, 4).T  # stored by columns
     matrix = np.eye(4)
     if "rotation" in given:
         matrix[:3, :3] = _rotation(given["rotation"])
@@ -91,7 +91,7 @@ def _matrix(node: dict[str, Any]) -> Float64:
 
 def _rotation(quaternion: Float64) -> Float64:
     length = np.sqrt((quaternion * quaternion).sum())
-    if length == 0:  # turns nothing
+    if length == 0:  # no rotation
         return np.eye(3)
     x, y, z, w = quaternion / length
     return np.array(

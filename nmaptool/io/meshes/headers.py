@@ -1,4 +1,4 @@
-"""What a mesh file claims to be, checked by its first bytes and its size before any of it is loaded."""
+"""Identify mesh files by their first bytes and check their size before any of it is loaded."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from pathlib import Path
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.core.text import listed
 from nmaptool.io.opening import read_head
+from nmaptool.types.shown import counted
 
 NAMES = {"obj": "OBJ", "ply": "PLY", "stl": "STL", "off": "OFF", "glb": "GLB", "gltf": "glTF"}
 STL_HEADER, STL_FACE = 84, 50
 _HEAD = 1 << 16
-_CONTROL = re.compile(rb"[\0-\x08\x0e-\x19\x1c-\x1f]")  # not the mark that old programs end a text with
+_CONTROL = re.compile(rb"[\0-\x08\x0e-\x19\x1c-\x1f]")  # 0x1A is allowed: old programs end texts with it
 _WEB_PAGE = re.compile(rb"\s*<(!doctype\s+html|html|head|body)\b", re.IGNORECASE)
 _MAGIC = {
     "ply": re.compile(rb"ply[ \t]*[\r\n]"),
@@ -28,7 +29,7 @@ _OBJ_LINE = re.compile(rb"^[ \t]*v[nt]?[ \t]+[-+.\d]", re.MULTILINE)
 
 @dataclass(frozen=True)
 class MeshFile:
-    """A mesh file that was looked at and not yet loaded.
+    """A mesh file that has been identified but not loaded yet.
 
     Attributes
     ----------
@@ -48,26 +49,26 @@ class MeshFile:
 
     @property
     def is_text(self) -> bool:
-        """Whether its beginning is text."""
+        """Whether the file begins as text."""
         return is_text(self.head)
 
     @property
     def damaged(self) -> InputError:
-        """The answer to a file that says one thing and holds another."""
-        return InputError(f"{self.path}: the {NAMES[self.kind]} file is damaged or cut short; export it again")
+        """The error for a file whose content is not what its format or its header requires."""
+        return InputError(f"{self.path}: the {NAMES[self.kind]} file is truncated or damaged; export it again")
 
     def names_missing_vertex(self, index: int, vertices: int) -> InputError:
-        """The answer to a face whose vertex is not there; ``index`` is counted as the file does."""
+        """The error for a face with a missing vertex; ``index`` is counted as in the file."""
         return InputError(
-            f"{self.path}: a face names vertex {index} of {vertices}; the file is damaged: export it again"
+            f"{self.path}: a face refers to vertex {index}, which is missing (vertices: {vertices}); export it again"
         )
 
     def holds_no_faces(self, points: int) -> InputError:
-        """The answer to a cloud of points, to lines, or to nothing."""
+        """The error for a file of points or lines, or an empty one."""
         if not points:
-            return InputError(f"{self.path}: holds no faces; a surface is needed: export it again")
+            return InputError(f"{self.path}: holds no faces; export it again as a surface")
         return InputError(
-            f"{self.path}: holds {points} points and no faces; a surface is needed: make a mesh of the points first"
+            f"{self.path}: holds {counted(points, 'point')} and no faces; make a mesh from the points first"
         )
 
     def check_limit(self, faces: int, max_faces: int) -> None:
@@ -83,12 +84,12 @@ class MeshFile:
             )
 
     def check_stl_claim(self, max_faces: int) -> int:
-        """Number of faces that a binary STL claims; as many are in it.
+        """Return the number of faces that a binary STL declares, once it is known to hold that many.
 
         Raises
         ------
         InputError
-            If it is shorter than that; more is well, as some programs append colours.
+            If it is too short for them; it may be longer, because some programs append colours.
         LimitError
             If there are more than ``max_faces``.
         """
@@ -97,20 +98,20 @@ class MeshFile:
         claimed = _stl_count(self.head)
         if self.size < STL_HEADER + STL_FACE * claimed:
             raise InputError(
-                f"{self.path}: the STL file is cut short: it announces {claimed} faces and holds "
+                f"{self.path}: the STL file is truncated: it declares {counted(claimed, 'face')} but holds "
                 f"{(self.size - STL_HEADER) // STL_FACE}; export or download it again"
             )
         self.check_limit(claimed, max_faces)
         return claimed
 
     def check_obj_count(self, max_faces: int) -> None:
-        """Refuse an OBJ with more than ``max_faces`` lines of faces, without holding it in memory.
+        """Refuse an OBJ with more than ``max_faces`` face lines, without loading the whole file.
 
         Raises
         ------
         LimitError
         """
-        if self.size < 8 * max_faces:  # the shortest face, "f 1 2 3", and the end of its line
+        if self.size < 8 * max_faces:  # bytes of the shortest face, "f 1 2 3", and its line end
             return
         count, last = 0, b"\n"
         with self.path.open("rb") as stream:
@@ -121,7 +122,7 @@ class MeshFile:
 
 
 def is_text(head: bytes) -> bool:
-    """Whether bytes hold no control characters but white space."""
+    """Whether the first 4 KiB hold no control characters other than white space."""
     return _CONTROL.search(head[:4096]) is None
 
 
@@ -130,7 +131,7 @@ def _stl_count(head: bytes) -> int:
 
 
 def _content(head: bytes, size: int) -> str | None:
-    """The kind that the bytes prove; None where they prove none."""
+    """The format that the bytes prove, or None."""
     text = is_text(head)
     for kind, magic in _MAGIC.items():
         if magic.match(head) and (text or kind in ("ply", "glb")):
@@ -141,35 +142,36 @@ def _content(head: bytes, size: int) -> str | None:
 
 
 def _is_possible(ending: str, head: bytes, size: int) -> bool:
-    """Whether bytes that prove nothing may still be what the ending says."""
+    """Whether bytes that prove no format may still be in the format of the extension."""
     if ending == "stl":
         return not is_text(head) or head.lstrip()[:5].lower() == b"solid"
     if ending == "obj":
-        return is_text(head) and size > _HEAD  # behind a long comment
+        return is_text(head) and size > _HEAD  # the vertices may follow a long comment
     return ending == "gltf" and _JSON.match(head) is not None
 
 
 def identify_mesh_file(path: Path) -> MeshFile:
-    """Recognise a mesh file by its ending and its bytes.
+    """Identify a mesh file by its extension and its bytes.
 
     Raises
     ------
     InputError
-        If the file is missing, a folder, a device, empty, none of the formats read here, or has another's ending.
+        If the file is missing or empty, is a folder or a device, is not in a supported format, or has the extension
+        of another format.
     """
     head, size = read_head(path, _HEAD, "a mesh file", "save the mesh as a file")
     ending = path.suffix.lower()[1:]
     kind = _content(head, size)
     if kind is not None and kind != ending:
         right = path.with_suffix(f".{kind}").name
-        raise InputError(f"{path}: holds {NAMES[kind]} data but is not named so; rename it to {right}")
+        raise InputError(f"{path}: holds {NAMES[kind]} data; rename it to {right}")
     if _WEB_PAGE.match(head):
         raise InputError(f"{path}: holds a web page instead of a mesh; download the mesh itself")
-    accepted = listed(NAMES.values(), "and")
+    accepted = listed(NAMES.values(), "or")
     if ending not in NAMES:
-        raise InputError(f"{path}: is not a mesh that can be read here; accepted are {accepted}: export it as one")
+        raise InputError(f"{path}: is not a mesh in a supported format; export it as {accepted}")
     if kind is None and head.startswith(b"PK\x03\x04"):
-        raise InputError(f"{path}: is a ZIP archive; unpack it and give the mesh in it")
+        raise InputError(f"{path}: is a ZIP archive; unpack it and use the mesh in it")
     if kind is None and not _is_possible(ending, head, size):
-        raise InputError(f"{path}: holds no {NAMES[ending]} data; accepted are {accepted}: export it again")
+        raise InputError(f"{path}: holds no {NAMES[ending]} data; export it again as {accepted}")
     return MeshFile(path, ending, head, size)

@@ -1,4 +1,4 @@
-"""OBJ: positions and polygons; everything else in the file is left alone, and nothing that it names is opened."""
+"""Read OBJ: positions and polygons; everything else in the file is ignored, and no file that it names is opened."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def read_obj(file: MeshFile, max_faces: int) -> Surface:
     Raises
     ------
     InputError
-        If a line is incomplete, or a face names a vertex that is not there.
+        If a line is incomplete, or a face refers to a vertex that does not exist.
     LimitError
         If it holds more than ``max_faces`` triangles.
     """
@@ -34,30 +34,30 @@ def read_obj(file: MeshFile, max_faces: int) -> Surface:
         seen += pieces[-1].vertices
     polygons = TextPolygons.joined(pieces)
     last = text[text.rfind(b"\n") + 1 :]
-    # a file that was cut within a face
+    # a file truncated within a face
     if len(polygons.sizes) and polygons.sizes[-1] < 3 and last.lstrip().startswith(b"f"):
         raise file.damaged
     return polygons.surface(file, 1, max_faces)
 
 
 def _vertices(file: MeshFile, words: Words, is_vertex: Mask) -> tuple[bytes, int]:
-    """The first three words behind each ``v``, and how many such lines there are; weights and colours may follow."""
+    """The first three words after each ``v``, and the number of such lines; weights and colours may follow."""
     if (words.count[is_vertex] < 4).any():
         raise file.damaged
     first = words.first[is_vertex]
     text = words.cut(words.end[first], words.end[first + 3])
-    if b"\f" in text or b"\v" in text:  # only spaces and tabs part coordinates
+    if b"\f" in text or b"\v" in text:  # only spaces and tabs may separate coordinates
         raise file.damaged
     return text, len(first)
 
 
 def _polygons(file: MeshFile, words: Words, is_vertex: Mask, seen: int) -> tuple[Integers, Integers]:
-    """Sizes and corners of the polygons, counted from 1; ``seen`` vertices stand in the text before."""
+    """Sizes and corners of the polygons, counted from 1; ``seen`` is the number of vertices in earlier blocks."""
     is_face = words.starts_with(b"f")
     chosen, sizes = words.of_lines(is_face, 1)
     begin, end = words.begin[chosen], words.end[chosen]
     line = np.repeat(np.arange(len(sizes)), sizes)
-    # of 7/5/3 only the 7 is wanted; a comment may follow on the line
+    # only the 7 of 7/5/3 is needed; a comment may follow on the line
     stop = np.minimum(words.until(b"/", begin), words.until(b"#", words.begin[words.first[is_face]])[line])
     kept = stop > begin
     line, begin, end = line[kept], begin[kept], np.minimum(end, stop)[kept]
@@ -65,12 +65,12 @@ def _polygons(file: MeshFile, words: Words, is_vertex: Mask, seen: int) -> tuple
     if (corners < 0).any():
         corners = _absolute(file, corners, seen + np.cumsum(is_vertex)[is_face][line])
     if not corners.all():
-        raise InputError(f"{file.path}: a face names vertex 0, but OBJ files count from 1; export it again")
+        raise InputError(f"{file.path}: a face refers to vertex 0, but OBJ files count from 1; export it again")
     return np.bincount(line, minlength=len(sizes)), corners
 
 
 def _absolute(file: MeshFile, corners: Integers, seen: Integers) -> Integers:
-    """Corners with each that counts back from the last vertex seen before its line counted from the first."""
+    """Corners counted from the first vertex; negative ones count back from the last vertex before their line."""
     beyond = np.flatnonzero(corners < -seen)
     if len(beyond):
         raise file.names_missing_vertex(int(corners[beyond[0]]), int(seen[beyond[0]]))

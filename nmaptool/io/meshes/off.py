@@ -1,4 +1,4 @@
-"""OFF as text: positions and polygons; normals and colours are left alone."""
+"""Read OFF as text: positions and polygons; normals and colours are ignored."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def read_off(file: MeshFile, max_faces: int) -> Surface:
     Raises
     ------
     InputError
-        If other lines or fewer numbers are there than announced, or a face names a vertex that is not there.
+        If lines or numbers are missing or surplus, or a face refers to a vertex that does not exist.
     LimitError
-        If it announces or holds more than ``max_faces``.
+        If it declares or holds more than ``max_faces``.
     """
     if b"\n" in file.head:
         claim = _without_comments(file.head[: file.head.rfind(b"\n") + 1])
@@ -34,7 +34,7 @@ def read_off(file: MeshFile, max_faces: int) -> Surface:
     pieces, done = [], 0
     for block in blocks(text[start:]):
         words = Words.of(block)
-        split = max(vertices - done, 0)  # lines of vertices among those of this block
+        split = max(vertices - done, 0)  # number of vertex lines in this block
         pieces.append(TextPolygons(*_vertices(words, split), *_polygons(words, split)))
         done += len(words.first)
     if done != vertices + faces:
@@ -43,7 +43,7 @@ def read_off(file: MeshFile, max_faces: int) -> Surface:
 
 
 def _counts(file: MeshFile, text: bytes) -> tuple[int, int, int]:
-    """Vertices and faces that the header claims, and where what follows begins."""
+    """The numbers of vertices and faces in the header, and the offset of the data after it."""
     header = _HEADER.match(text)
     if header is None:
         raise file.damaged
@@ -56,24 +56,24 @@ def _counts(file: MeshFile, text: bytes) -> tuple[int, int, int]:
 
 
 def _without_comments(data: bytes) -> bytes:
-    """The text, with one kind of line end."""
+    """The text without comments, with line feeds as line ends."""
     text = line_feeds(data)
     return re.sub(rb"#[^\n]*", b"", text) if b"#" in text else text
 
 
 def _vertices(words: Words, lines: int) -> tuple[bytes, int]:
-    """The first three words of each of the first lines, and how many of these lines there are."""
+    """The first three words of each of the first ``lines`` lines, and the number of these lines."""
     first = words.first[:lines]
     if (words.count[:lines] < 3).any():
         raise ValueError
     text = words.cut(words.begin[first], words.end[first + 2])
-    if b"(" in text:  # nan(...), which C's own reading of numbers would take
+    if b"(" in text:  # nan(...), which C's number parser would accept
         raise ValueError
     return text, len(first)
 
 
 def _polygons(words: Words, skip: int) -> tuple[Integers, Integers]:
-    """Sizes and corners of the polygons on all but the first lines; colours behind them are left out."""
+    """Sizes and corners of the polygons after the first ``skip`` lines; colours after them are ignored."""
     first, count = words.first[skip:], words.count[skip:]
     begin = words.begin[first]
     digit = words.data[begin] - ord("0") <= 9

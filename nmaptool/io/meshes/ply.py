@@ -1,4 +1,4 @@
-"""PLY, text and binary: positions, polygons of any size and triangle strips."""
+"""Read PLY, text and binary: positions, polygons of any size and triangle strips."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _HEADER_END = re.compile(rb"^end_header[ \t]*(\r\n|\n|\r|\Z)", re.MULTILINE)
 
 @dataclass(frozen=True)
 class _Property:
-    """One value to a row; a list where ``count`` is the type of its length."""
+    """One value per row, or a list if ``count``, the type of its length, is given."""
 
     name: str
     dtype: np.dtype[Any]
@@ -53,7 +53,7 @@ class _Property:
 
     @property
     def least(self) -> int:
-        """Fewest bytes in a row."""
+        """Smallest number of bytes that it takes in a row."""
         return (self.count or self.dtype).itemsize
 
 
@@ -65,7 +65,7 @@ class _Element:
 
     @property
     def least(self) -> int:
-        """Fewest bytes of a row."""
+        """Smallest number of bytes of a row."""
         return sum(p.least for p in self.properties)
 
     @property
@@ -75,7 +75,7 @@ class _Element:
 
 @dataclass(frozen=True)
 class PlyHeader:
-    """What the header says: the elements in their order, where data begin, and whether they are text."""
+    """The elements in the header, in order, the offset of the data, and whether they are text."""
 
     elements: list[_Element]
     offset: int
@@ -83,7 +83,7 @@ class PlyHeader:
 
     @property
     def faces(self) -> int:
-        """Number of faces claimed."""
+        """Declared number of faces."""
         return sum(e.rows for e in self.elements if e.name == "face")
 
 
@@ -93,7 +93,7 @@ def read_header(file: MeshFile) -> PlyHeader:
     Raises
     ------
     InputError
-        If it is damaged, or claims more than a file of that size can hold.
+        If it is damaged or incomplete.
     """
     end = _HEADER_END.search(file.head.replace(b"\r", b"\n") if b"\n" not in file.head[:8] else file.head)
     if end is None:
@@ -119,7 +119,7 @@ def _property(words: list[bytes], order: str | None) -> _Property:
     if order is None:
         raise ValueError
     names = [word.decode("latin-1") for word in words]
-    # text is turned into float64 throughout, and then read as if it were binary
+    # all text is converted to float64 and then read as binary
     types = [np.dtype("=f8" if order == "" else order + _TYPES[name]) for name in names[-2:0:-1] if name != "list"]
     return _Property(names[-1], types[0], types[1] if names[1] == "list" else None)
 
@@ -130,9 +130,9 @@ def read_ply(file: MeshFile, max_faces: int) -> Surface:
     Raises
     ------
     InputError
-        If it is damaged, or ends early.
+        If it is truncated or damaged.
     LimitError
-        If it claims more than ``max_faces``.
+        If it declares more than ``max_faces``.
     """
     header = read_header(file)
     _check_claim(file, header, max_faces)
@@ -143,9 +143,9 @@ def read_ply(file: MeshFile, max_faces: int) -> Surface:
 
 
 def _check_claim(file: MeshFile, header: PlyHeader, max_faces: int) -> None:
-    """Refuse a file that claims too many faces, or more rows than its size allows for."""
+    """Refuse a file that declares too many faces, or more rows than its size allows."""
     file.check_limit(header.faces, max_faces)
-    # text: each value of 8 bytes takes at least a digit and a blank; the last one no blank
+    # in text, each value of 8 bytes takes at least a digit and a blank; the last one needs no blank
     least = sum(e.rows * (e.least // 4 if header.is_ascii else e.least) for e in header.elements)
     if header.offset + least > file.size + header.is_ascii:
         raise file.damaged
@@ -161,16 +161,16 @@ def _read_elements(file: MeshFile, header: PlyHeader, body: bytes) -> Surface:
         rows, lists, offset = _rows(element, body, offset)
         if element.name == "vertex" and element.rows:
             if rows is None:
-                raise file.damaged  # lists in vertices; nobody writes them
+                raise file.damaged  # lists in vertices, which no program writes
             vertices = np.stack([rows[axis].astype(np.float64) for axis in "xyz"], axis=1)
         elif lists is not None and element.name != "vertex" and element.name in _WANTED:
-            if not lists[0].all():  # a face without corners: bytes moved out of place
+            if not lists[0].all():  # a face without corners: bytes are missing or shifted
                 raise file.damaged
             pieces.append((fans if element.name == "face" else strips)(*lists))
             polygons = element.name == "face"
             made.append(np.maximum(lists[0] - 2, 0) if polygons else np.ones(len(pieces[-1]), np.int64))
     left = len(body) - offset
-    # more than was announced is lost faces, or bytes moved out of place
+    # with more data than declared, faces would be lost or bytes are shifted
     if last == len(header.elements) - 1 and left > (0 if header.is_ascii else _PADDING):
         raise file.damaged
     if not pieces:
@@ -181,7 +181,7 @@ def _read_elements(file: MeshFile, header: PlyHeader, body: bytes) -> Surface:
 def _rows(
     element: _Element, body: bytes, offset: int
 ) -> tuple[NDArray[np.void] | None, tuple[Integers, Integers] | None, int]:
-    """The rows if none holds a list, else the lengths and values of the lists of indices; and where they end."""
+    """The rows if they have no lists, else the lengths and values of the index lists; and the offset after them."""
     wanted = _index_list(element)
     if not element.rows:
         return None, None, offset
@@ -206,7 +206,7 @@ def _index_list(element: _Element) -> int:
 
 
 def _first_lengths(element: _Element, body: bytes, offset: int) -> list[int]:
-    """Values of each property in the first row, checked to be there."""
+    """The number of values of each property in the first row, which must be complete."""
     lengths = []
     for prop in element.properties:
         n = 1
@@ -224,7 +224,7 @@ def _table_type(element: _Element, lengths: list[int]) -> np.dtype[np.void]:
     fields: list[tuple[str, object]] = []
     for i, (prop, n) in enumerate(zip(element.properties, lengths, strict=True)):
         if prop.count is None:
-            # a name that is there twice counts the first time
+            # of properties with the same name, the first one counts
             first = all(prop.name != p.name for p in element.properties[:i])
             fields.append((prop.name if first and not element.has_lists else f"p{i}", prop.dtype))
         else:
@@ -233,7 +233,7 @@ def _table_type(element: _Element, lengths: list[int]) -> np.dtype[np.void]:
 
 
 def _walk(element: _Element, body: bytes, offset: int, wanted: int) -> tuple[Integers, Integers, int]:
-    """Row by row, for lists whose lengths differ."""
+    """Read row by row, for lists of different lengths."""
     counts: list[int] = []
     parts: list[bytes] = []
     readers = [(p.count, p.least, p.dtype.itemsize, i == wanted) for i, p in enumerate(element.properties)]

@@ -1,4 +1,4 @@
-"""Polygons and strips cut into triangles."""
+"""Cut polygons and strips into triangles."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ Integers = NDArray[np.int64]
 
 
 def fans(sizes: Integers, corners: Integers) -> Integers:
-    """Triangles of polygons, each cut from its first corner; what has fewer than three corners is left out.
+    """Cut polygons into triangles from their first corner; those with fewer than three corners are dropped.
 
     Parameters
     ----------
     sizes : (P,) int64
-        Corners of each polygon.
+        Number of corners of each polygon.
     corners : (sum of sizes,) int64
-        Their vertices, one polygon after the other.
+        Vertex indices of the corners, polygon by polygon.
 
     Returns
     -------
@@ -40,15 +40,15 @@ def fans(sizes: Integers, corners: Integers) -> Integers:
 
 
 def recut(vertices: Float64, triangles: Integers, made: Integers) -> Integers:
-    """Polygons that bend inwards cut again, so that no triangle of theirs lies outside them or twice.
+    """Cut concave polygons again, so that their triangles stay inside them and do not overlap.
 
     Parameters
     ----------
     vertices : (N, 3) float64
     triangles : (M, 3) int64
-        As `fans` makes them.
+        As returned by `fans`.
     made : (P,) int64
-        How many each polygon became; their sum is M, or there are no polygons.
+        Number of triangles of each polygon, M in total; or empty if there are no polygons.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def recut(vertices: Float64, triangles: Integers, made: Integers) -> Integers:
     begin = (np.cumsum(made) - made)[made > 0]
     count = made[made > 0]
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    with np.errstate(invalid="ignore", over="ignore"):  # vertices may be anything yet
+    with np.errstate(invalid="ignore", over="ignore"):  # vertices may still be NaN or infinite
         twice = cross(b - a, c - a)
         whole = np.add.reduceat(twice, begin)
         along = np.einsum("ij,ij->i", twice, np.repeat(whole, count, axis=0))
@@ -70,13 +70,13 @@ def recut(vertices: Float64, triangles: Integers, made: Integers) -> Integers:
         fan = triangles[rows]
         corners = np.concatenate([fan[0, :2], fan[:, 2]])
         again = _cut(vertices[corners], whole[polygon])
-        if len(again) == len(fan):  # not so where it crosses itself
+        if len(again) == len(fan):  # not if the polygon crosses itself
             out[rows] = corners[again]
     return out
 
 
 def _cut(points: Float64, normal: Float64) -> Integers:
-    """(n - 2, 3) triangles of a polygon, seen along its normal and wound as it is."""
+    """Cut a polygon, projected along its normal, into (n - 2, 3) triangles with its winding."""
     import mapbox_earcut
 
     axis = int(np.abs(normal).argmax())
@@ -92,14 +92,14 @@ def _cut(points: Float64, normal: Float64) -> Integers:
 
 
 def strips(sizes: Integers, corners: Integers) -> Integers:
-    """Triangles of strips, every other one turned so that all face one way; -1 begins a new strip.
+    """Cut strips into triangles, every other one reversed so that all face the same way; -1 begins a new strip.
 
-    Triangles that name a vertex twice only join strips, and are left out.
+    Triangles with a repeated vertex only connect strips and are dropped.
 
     Parameters
     ----------
     sizes : (S,) int64
-        Entries of each strip.
+        Number of entries of each strip.
     corners : (sum of sizes,) int64
 
     Returns
@@ -114,7 +114,7 @@ def strips(sizes: Integers, corners: Integers) -> Integers:
     ends = np.cumsum(sizes)
     marked = np.insert(corners, ends, -1)
     place = np.arange(len(marked))
-    # place of an entry in its strip: counted from the last mark before it
+    # position of an entry in its strip, counted from the last mark before it
     since = place - np.maximum.accumulate(np.where(marked < 0, place, -1)) - 1
     third = np.flatnonzero((since >= 2) & (marked >= 0))
     a, b, c = marked[third - 2], marked[third - 1], marked[third]
@@ -124,7 +124,7 @@ def strips(sizes: Integers, corners: Integers) -> Integers:
 
 
 def one_strip(corners: Integers) -> Integers:
-    """Triangles of one strip of a glTF, every other one turned; those without area are kept.
+    """Cut one strip of a glTF into triangles, every other one reversed; those without area are kept.
 
     Parameters
     ----------

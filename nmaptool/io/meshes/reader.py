@@ -1,4 +1,4 @@
-"""Meshes from files: positions and triangles, checked; everything else in a file is left alone."""
+"""Read meshes from files: positions and triangles, checked; everything else in a file is ignored."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ _READERS: dict[str, Callable[[MeshFile, int], Surface]] = {
 def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX_FACES) -> Mesh:
     """Read the triangles of a mesh file.
 
-    Polygons are cut into triangles, the parts of a scene put in their places. Colours, normals, texture coordinates,
+    Polygons are cut into triangles, and the transforms of a scene are applied. Colours, normals, texture coordinates,
     textures and materials are ignored, and no other file is ever opened. Vertices may be NaN; see
     `nmaptool.meshes.clean.clean_mesh`.
 
     Parameters
     ----------
     path : str or Path
-        OBJ, PLY, STL, OFF, GLB or glTF with its data inside.
+        OBJ, PLY, STL, OFF, GLB, or glTF with embedded data.
     unit : str, optional
-        What one unit of the file is: ``mm``, ``cm``, ``in`` or ``m``. Default: metres for GLB and glTF, as their
-        specification says, and millimetres for the others, which do not say.
+        Unit of the coordinates in the file: ``mm``, ``cm``, ``in`` or ``m``. Default: metres for GLB and glTF, as their
+        specification requires, and millimetres for the other formats, which do not state a unit.
     max_faces : int
-        Refuse more before they are loaded.
+        Refuse files with more faces, before loading them.
 
     Returns
     -------
     Mesh
-        With the vertices as the file has them, and ``mm_per_unit`` beside.
+        With the vertices in the unit of the file, which ``mm_per_unit`` converts.
 
     Raises
     ------
@@ -61,12 +61,12 @@ def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX
     LimitError
         If it holds more than ``max_faces``, or does not fit in memory.
     UsageError
-        If ``unit`` or ``max_faces`` cannot be meant.
+        If ``unit`` or ``max_faces`` is not valid.
 
     Examples
     --------
     >>> nm.read_mesh("samples/rings.ply", unit="mm")
-    <Mesh samples/rings.ply: 12096 vertices, 24192 faces, 1 mm to a unit (given)>
+    <Mesh samples/rings.ply: 12096 vertices, 24192 faces, 1 mm per unit (given)>
     """
     if unit is not None and unit not in _MM:
         raise UsageError(f"`unit={unit!r}`: use one of {', '.join(_MM)}")
@@ -91,13 +91,13 @@ def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX
 
 
 def _surface(file: MeshFile, max_faces: int) -> Surface:
-    """The surface of any file, after the reader's own checks."""
+    """Read the surface of a file of any format; its reader makes its own checks."""
     try:
-        with np.errstate(all="ignore"):  # numbers may be anything yet
+        with np.errstate(all="ignore"):  # numbers are not checked yet
             return _READERS[file.kind](file, max_faces)
     except (NmaptoolError, MemoryError, OSError):
         raise
-    except Exception:  # noqa: BLE001 - whatever a reader stumbles over, the file is to blame
+    except Exception:  # noqa: BLE001 - a damaged file may raise anything
         raise file.damaged from None
 
 

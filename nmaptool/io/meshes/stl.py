@@ -1,4 +1,4 @@
-"""STL, text and binary: the corners of its triangles; normals, names and colours are left alone."""
+"""Read STL, text and binary: the corners of its triangles; normals, names and colours are ignored."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _NAME = re.compile(rb"solid\b[^\n]*")
 
 
 def read_stl(file: MeshFile, max_faces: int) -> Surface:
-    """Read an STL; each triangle has three vertices of its own.
+    """Read an STL; each triangle gets its own three vertices.
 
     Raises
     ------
     InputError
-        If it does not end as it should, or a face has not three corners.
+        If it is truncated, or a face does not have three corners.
     LimitError
-        If it announces or holds more than ``max_faces``.
+        If it declares or holds more than ``max_faces``.
     """
     if file.is_text and file.head.lstrip()[:5].lower() == b"solid":
         vertices = _text(file, max_faces)
@@ -37,7 +37,7 @@ def read_stl(file: MeshFile, max_faces: int) -> Surface:
 
 
 def _text(file: MeshFile, max_faces: int) -> Float64:
-    """(3 M, 3) float64 corners of a text."""
+    """The (3 M, 3) float64 corners of a text STL."""
     text = _without_names(file, line_feeds(file.path.read_bytes()).lower())
     pieces, facets, ends, corners = [], 0, 0, 0
     for block in blocks(text, b"endfacet"):
@@ -54,7 +54,7 @@ def _text(file: MeshFile, max_faces: int) -> Float64:
 
 
 def _without_names(file: MeshFile, text: bytes) -> bytes:
-    """The text without its lines ``solid NAME`` and ``endsolid NAME``; a name may be any words."""
+    """The text without its lines ``solid NAME`` and ``endsolid NAME``; a name may contain any words."""
     pieces, done, is_ended = [], 0, False
     for match in _NAME.finditer(text):
         line = text.rfind(b"\n", 0, match.start()) + 1
@@ -63,19 +63,19 @@ def _without_names(file: MeshFile, text: bytes) -> bytes:
             pieces.append(text[done:line])
             done, is_ended = match.end(), is_ended or before == b"end"
     if not is_ended:
-        raise InputError(f"{file.path}: the STL file is cut short: its end is missing; export or download it again")
+        raise InputError(f"{file.path}: the STL file is truncated: its end is missing; export or download it again")
     return b"".join((*pieces, text[done:]))
 
 
 def _coordinates(words: Words, vertices: Integers) -> bytes:
-    """The three words behind each of these."""
+    """The three words after each of the words ``vertices``."""
     if (np.diff(vertices, append=len(words.begin)) <= 3).any():
         raise ValueError
     return words.cut(words.begin[vertices + 1], words.end[vertices + 3])
 
 
 def _is(words: Words, word: bytes) -> Mask:
-    """(W,) bool: which words are this one."""
+    """(W,) bool: which words equal ``word``."""
     same = np.asarray(words.end - words.begin == len(word))
     likely = words.begin[same]
     same[same] = (words.data[likely[:, None] + np.arange(len(word))] == np.frombuffer(word, np.uint8)).all(axis=1)

@@ -1,4 +1,4 @@
-"""What every reader of a mesh file hands on."""
+"""The data that every reader of a mesh file returns."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class Surface:
     Attributes
     ----------
     vertices : (N, 3) float64
-        As the file has them; they may be NaN.
+        As in the file; they may be NaN.
     triangles : (M, 3) int64
-        Polygons are cut from their first corner. Indices are those of the file, counted from 0, and may be wrong.
+        Polygons are cut from their first corner. Indices are counted from 0 and not checked yet.
     made : (P,) int64
-        How many triangles each polygon became, for `nmaptool.io.meshes.polygons.recut`; empty if all are triangles.
+        Number of triangles of each polygon, for `nmaptool.io.meshes.polygons.recut`; empty if all are triangles.
     """
 
     vertices: Float64
@@ -37,18 +37,18 @@ class Surface:
 
 @dataclass(frozen=True)
 class TextPolygons:
-    """Polygons of a text or of a piece of one. Coordinates stay text until all else is known to be right.
+    """Polygons of a text or of a piece of one. Coordinates stay text until everything else has been checked.
 
     Attributes
     ----------
     coordinates : bytes
         ``x y z`` of each vertex.
     vertices : int
-        How many there are.
+        Number of vertices.
     sizes : (P,) int64
-        Corners of each polygon; what has fewer than three is left out.
+        Number of corners of each polygon; polygons with fewer than three are dropped.
     corners : (sum of sizes,) int64
-        Their vertices, numbered as in the file.
+        Vertex indices of the corners, counted as in the file.
     """
 
     coordinates: bytes
@@ -58,7 +58,7 @@ class TextPolygons:
 
     @classmethod
     def joined(cls, pieces: list[TextPolygons]) -> TextPolygons:
-        """The polygons of a whole text."""
+        """Join the pieces of a text."""
         return cls(
             b" ".join(piece.coordinates for piece in pieces),
             sum(piece.vertices for piece in pieces),
@@ -67,16 +67,16 @@ class TextPolygons:
         )
 
     def surface(self, file: MeshFile, base: int, max_faces: int) -> Surface:
-        """Vertices and triangles; ``base`` is the number of the first vertex.
+        """Make vertices and triangles; ``base`` is the file's index of the first vertex.
 
         Raises
         ------
         InputError
-            If there are no triangles, or one names a vertex that is not there.
+            If there are no triangles, or one refers to a vertex that does not exist.
         LimitError
             If there are more than ``max_faces``.
         ValueError
-            If a coordinate is no number.
+            If a coordinate is not a number.
         """
         made = np.maximum(self.sizes - 2, 0)
         file.check_limit(int(made.sum()), max_faces)

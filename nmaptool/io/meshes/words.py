@@ -1,4 +1,4 @@
-"""Words and lines of a text found with a few array operations, and numbers read from chosen words."""
+"""Find the words and lines of a text with a few array operations, and read numbers from chosen words."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Mask
 from nmaptool.io.meshes.polygons import Integers
 
-_BLOCK = 1 << 20  # bytes looked at in one go: what is worked out for them stays in the cache
+_BLOCK = 1 << 20  # bytes per block, few enough for the arrays of a block to stay in the cache
 _LARGEST = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True)
 class Words:
-    """Where the words of a text are. Blanks are spaces, tabs, line feeds, vertical tabs and form feeds.
+    """The positions of the words in a text. Blanks are spaces, tabs, line feeds, vertical tabs and form feeds.
 
     Attributes
     ----------
     data : (B,) uint8
-        The text between two line feeds.
+        The text, with a line feed added before and after it.
     begin, end : (W,) int64
         Where each word begins in ``data``, and the byte after its last.
     first : (L,) int64
-        Number of the first word of each line that holds any.
+        Index of the first word of each line that has words.
     count : (L,) int64
-        How many words each of these lines holds.
+        Number of words on each of these lines.
     """
 
     data: NDArray[np.uint8]
@@ -43,7 +43,7 @@ class Words:
     def of(cls, text: bytes) -> Words:
         """Find the words of a text whose lines end with a line feed."""
         data = np.frombuffer(b"\n%b\n" % text, np.uint8)
-        blank = (data == ord(" ")) | ((data - ord("\t")) <= 3)  # less than a tab wraps round
+        blank = (data == ord(" ")) | ((data - ord("\t")) <= 3)  # codes below a tab wrap round
         edges = np.flatnonzero(blank[1:] != blank[:-1]) + 1
         begin, end = edges[::2], edges[1::2]
         before = np.searchsorted(begin, np.flatnonzero(data == ord("\n")))
@@ -52,17 +52,17 @@ class Words:
         return cls(data, begin, end, before[:-1][filled], count[filled])
 
     def starts_with(self, letter: bytes) -> Mask:
-        """(L,) bool: whether the first word of a line is this one letter."""
+        """(L,) bool: whether the first word of each line is just this letter."""
         begin = self.begin[self.first]
         return np.asarray((self.data[begin] == ord(letter)) & (self.end[self.first] == begin + 1))
 
     def of_lines(self, lines: Mask, skip: int) -> tuple[Integers, Integers]:
-        """Numbers of the words on some lines, without the first ``skip`` of each, and how many are left of each."""
+        """Indices of the words on the chosen lines after the first ``skip`` of each, and how many each line keeps."""
         left = np.maximum(self.count[lines] - skip, 0)
         return runs(self.first[lines] + skip, left), left
 
     def cut(self, begin: Integers, end: Integers) -> bytes:
-        """The bytes from each ``begin`` to each ``end``, with blanks for all between; in order, none within another."""
+        """The bytes from each ``begin`` to its ``end``, with blanks between; the ranges are in order and disjoint."""
         if not len(begin):
             return b""
         kept = self.data[begin[0] : end[-1]].copy()
@@ -70,13 +70,13 @@ class Words:
         return kept.tobytes()
 
     def until(self, mark: bytes, begin: Integers) -> Integers:
-        """Where the next mark stands at or behind each ``begin``; the end of the text if there is none."""
+        """The position of the first mark at or after each ``begin``, or the end of the text."""
         marks = np.append(np.flatnonzero(self.data == ord(mark)), len(self.data))
         return np.asarray(marks[np.searchsorted(marks, begin)])
 
 
 def runs(first: Integers, count: Integers) -> Integers:
-    """The numbers ``first``, ``first + 1``, ... of each run, ``count`` of them, one run after the other.
+    """The numbers ``first``, ``first + 1``, ... of each run, ``count`` of them, run by run.
 
     Examples
     --------
@@ -88,15 +88,15 @@ def runs(first: Integers, count: Integers) -> Integers:
 
 
 def numbers(text: bytes, dtype: type[np.generic], count: int | None = None) -> NDArray[Any]:
-    """Numbers with blanks between.
+    """Read numbers that are separated by blanks.
 
     Parameters
     ----------
     text : bytes
     dtype : type
-        ``np.float64``, which may be ``nan`` and ``inf``, or ``np.int64``.
+        ``np.float64``, which accepts ``nan`` and ``inf``, or ``np.int64``.
     count : int, optional
-        How many there must be.
+        Required number of numbers.
 
     Returns
     -------
@@ -105,11 +105,11 @@ def numbers(text: bytes, dtype: type[np.generic], count: int | None = None) -> N
     Raises
     ------
     ValueError
-        If a word is no such number, an integer is too large, or there are not ``count``.
+        If a word is not such a number, an integer is too large, or the number of words is not ``count``.
     """
     text = text.strip()
     with warnings.catch_warnings():
-        warnings.simplefilter("error", DeprecationWarning)  # NumPy 1's way of saying that it stopped at a word
+        warnings.simplefilter("error", DeprecationWarning)  # NumPy 1 warns when it stops at a word
         try:
             found = np.fromstring(text, dtype, sep=" ") if text else np.zeros(0, dtype)
         except DeprecationWarning:
@@ -121,14 +121,14 @@ def numbers(text: bytes, dtype: type[np.generic], count: int | None = None) -> N
 
 
 def line_feeds(data: bytes) -> bytes:
-    """A text with line feeds for all its line ends, and without a byte order mark."""
+    """The text with line feeds as line ends and without a byte order mark."""
     if b"\r" in data:
         data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return data.removeprefix(b"\xef\xbb\xbf")
 
 
 def blocks(text: bytes, mark: bytes = b"\n") -> Iterator[bytes]:
-    """Pieces of a long text, at least one, each but the last cut behind a mark."""
+    """Split a long text into at least one block; each but the last ends with a mark."""
     start = 0
     while len(text) - start > _BLOCK:
         place = text.rfind(mark, start, start + _BLOCK)

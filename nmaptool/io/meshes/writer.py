@@ -1,4 +1,4 @@
-"""Meshes to files, in millimetres; GLB in metres."""
+"""Write meshes, in millimetres; GLB in metres."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nmaptool.types.solid import Body, Part, Solid
 
 
 def write_mesh(mesh: Mesh, path: Path) -> None:
-    """Write triangles: binary STL and PLY, OBJ, 3MF, with coordinates in mm; or GLB in metres.
+    """Write a mesh: binary STL, binary PLY, OBJ or 3MF in mm, or GLB in metres, as its specification requires.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
     Raises
     ------
     UsageError
-        If the ending is not offered.
+        If the extension is not supported.
     OutputError
         If it cannot be written.
     """

@@ -1,1 +1,1 @@
-"""Results to files, all of them or none."""
+"""Write results to files, all of them or none."""

@@ -1,4 +1,4 @@
-"""A comparison to a figure and JSON."""
+"""Write a comparison as a figure and as JSON."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def write_comparison(
     overwrite: bool = False,
     metadata: Metadata | None = None,
 ) -> None:
-    """Write a comparison as a figure and as JSON: both appear, or none.
+    """Write a comparison as a figure and as JSON: both files appear, or neither.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def write_comparison(
     Raises
     ------
     UsageError
-        If the figure is not named .png, or the report not .json.
+        If the figure is not a .png file, or the report not a .json file.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
 

@@ -1,4 +1,4 @@
-"""A composition to files."""
+"""Write a composition to files."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from nmaptool.types.composition import Composition
 def composed_map(
     composition: Composition, recipe: str | None = None, kept: Mapping[str, str] | None = None
 ) -> WrittenMap:
-    """The map of a composition as it is written.
+    """Return the map of a composition with its metadata and pictures, ready to write.
 
     Parameters
     ----------
     composition : Composition
     recipe : str, optional
-        How the map came about, for its metadata. Default: command, options and layers as JSON.
+        How the map was made, for its metadata. Default: command, options and layers as JSON.
     kept : mapping, optional
-        Metadata of the file that the map came from.
+        Metadata of the map's source file.
     """
     if recipe is None:
         values = composition.report.to_dict()
@@ -59,20 +59,20 @@ def write_composition(
     curl : str, Path or OutputStream, optional
         Picture of |curl|, .png: see `nmaptool.curl_picture`.
     placed : str, Path or OutputStream, optional
-        Where layers lie above the lowest, .png: the mask for a relief of them.
+        Mask of the layers above the lowest, .png: use it as the mask of a relief.
     report : str, Path or OutputStream, optional
-        JSON account of the run.
+        JSON report of the run.
     metadata : mapping, optional
         What to put in the report. Default: ``composition.report.to_dict()``.
     recipe : str, optional
-        How the map came about, for its metadata. Default: command, options and layers as JSON.
+        How the map was made, for its metadata. Default: command, options and layers as JSON.
     overwrite : bool
         Replace files that exist.
 
     Raises
     ------
     UsageError
-        If an ending, or the bits for it, are not offered.
+        If an extension, or the bits for it, are not supported.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
 

@@ -1,4 +1,4 @@
-"""A normal map file written as another kind of file."""
+"""Convert a normal map file to another format."""
 
 from __future__ import annotations
 
@@ -31,11 +31,12 @@ def convert(
     report: Destination | None = None,
     overwrite: bool = False,
 ) -> Composition:
-    """Write a normal map file as another kind of file: bits, format, green, zero code, all three components.
+    """Convert a normal map file: format, bits, green direction, zero code; all three components are written.
 
-    Vectors off unit length are normalised, anti-aliased rims un-mixed and a background's coverage goes into alpha, as
-    on every reading. Vectors that are sound keep their codes: to the same bits and zero code, or to more bits and back,
-    nothing is lost. What lies under alpha 0 becomes flat. The pitch, the layer's name and the recipe stay in the file.
+    As on every reading, vectors of other than unit length are normalised, anti-aliased rims are un-mixed, and the
+    coverage of a background becomes alpha. Valid vectors keep their codes: conversion to the same bits and zero code,
+    or to more bits and back, is lossless. Pixels with alpha 0 become flat. The file keeps the pitch, the layer's name
+    and the recipe.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ def convert(
     curl : str, Path or OutputStream, optional
         Picture of |curl|, .png: see `nmaptool.curl_picture`.
     report : str, Path or OutputStream, optional
-        JSON account of the run.
+        JSON report of the run.
     overwrite : bool
         Replace files that exist.
 
@@ -60,7 +61,7 @@ def convert(
     Raises
     ------
     UsageError
-        If an ending or the bits are not offered, or the output is the input.
+        If an extension or the bits are not supported, or the output is the input.
     InputError, LimitError
         As `nmaptool.read_normal_map`.
     OutputError
@@ -85,14 +86,14 @@ def convert(
 
 
 def converted_map(image: RasterImage, result: Composition, settled: WriteOptions) -> WrittenMap:
-    """The map of a conversion as it is written, with the attributes of its file that still hold.
+    """Return the converted map, ready to write, with the attributes of its file that still apply.
 
     Parameters
     ----------
     image : RasterImage
     result : Composition
     settled : WriteOptions
-        What `nmaptool.composition.conversion.convert_image` settled.
+        As returned by `nmaptool.composition.conversion.convert_image`.
     """
     kept = {key: " ".join(value.split()) for key, value in image.attributes.items() if key not in _RENEWED}
     if image.layer is not None:
@@ -101,12 +102,12 @@ def converted_map(image: RasterImage, result: Composition, settled: WriteOptions
 
 
 def _recipe(image: RasterImage, report: ComposeReport) -> str:
-    """The conversion as JSON, and under ``before`` the recipe that came with the file."""
+    """The conversion as JSON, with the earlier recipe of the file under ``before``."""
     recipe: dict[str, Any] = {"command": report.command, "options": dict(report.options)}
     before = image.attributes.get("recipe")
     if before is None:
         return json.dumps(recipe)
     try:
         return json.dumps({**recipe, "before": json.loads(before)})
-    except (ValueError, RecursionError):  # not JSON, or nested without end: it is kept as text
+    except (ValueError, RecursionError):  # not JSON, or nested too deeply: it is kept as text
         return json.dumps({**recipe, "before": before})

@@ -1,4 +1,4 @@
-"""Learned filters and unfinished trainings to files."""
+"""Write learned filters and unfinished trainings to files."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ _ENDING = ".npz"
 
 @dataclass(frozen=True)
 class TrainingFile:
-    """Where a training keeps what is finished.
+    """The file that keeps the state of a training.
 
     Parameters
     ----------
     path : Path or None
-        .npz; it is replaced by each next state. None: nothing is kept.
+        A .npz file, which each new state replaces. None: no state is kept.
     """
 
     path: Path | None = None
 
     def check(self, output: Place, overwrite: bool = False) -> None:
-        """Refuse what could not be written or replaced, before any work is done.
+        """Refuse a file that cannot be written or replaced, before any work is done.
 
         Raises
         ------
         UsageError
-            If the ending is another, or the file is that of the filter.
+            If the extension is not .npz, or the file is also that of the filter.
         OutputError
             If it cannot be written.
         """
@@ -46,22 +46,22 @@ class TrainingFile:
         check_place(self.path, overwrite or self.path.exists())
 
     def begun(self) -> TrainingState | None:
-        """The training to go on with; None where there is none.
+        """Return the training to resume, or None if the file does not exist.
 
         Raises
         ------
         InputError
-            If the file is no training.
+            If the file is not an unfinished training.
         """
         return read_training(self.path) if self.path is not None and self.path.exists() else None
 
     def keep(self, state: TrainingState) -> None:
-        """Keep what is finished, where that is asked for."""
+        """Write the state to the file, if one was given."""
         if self.path is not None:
             write_training(state, self.path)
 
     def remove(self) -> None:
-        """Remove it once the filter is written: it has served."""
+        """Remove the file, which is not needed once the filter is written."""
         if self.path is not None:
             self.path.unlink(missing_ok=True)
 
@@ -73,7 +73,7 @@ def filter_outputs(
     overwrite: bool = False,
     kept: TrainingFile | None = None,
 ) -> Outputs[FilterModel]:
-    """The plan of a learned filter; ``kept`` is checked with it."""
+    """The plan of `write_filter_model`; ``kept`` is checked with it."""
     place = place_of(output)
     rules = [partial(_check_ending, place), partial((kept or TrainingFile()).check, place, overwrite)]
     return Outputs(
@@ -92,14 +92,14 @@ def write_filter_model(model: FilterModel, path: Destination, *, overwrite: bool
     ----------
     model : FilterModel
     path : str, Path or OutputStream
-        .npz
+        A .npz file.
     overwrite : bool
         Replace a file that exists.
 
     Raises
     ------
     UsageError
-        If the ending is another.
+        If the extension is not .npz.
     OutputError
         If it cannot be written, or exists and ``overwrite`` is False.
 
@@ -111,14 +111,14 @@ def write_filter_model(model: FilterModel, path: Destination, *, overwrite: bool
 
 
 def write_training(state: TrainingState, path: Destination) -> None:
-    """Keep a training that was begun, in place of what the file held before.
+    """Write an unfinished training; the file is replaced if it exists.
 
     Parameters
     ----------
     state : TrainingState
-        As ``keep`` of `nmaptool.train` is given it.
+        As passed to the ``keep`` callback of `nmaptool.train`.
     path : str, Path or OutputStream
-        .npz
+        A .npz file.
 
     Raises
     ------
@@ -135,7 +135,7 @@ def write_training(state: TrainingState, path: Destination) -> None:
 
 def _check_ending(place: Place) -> None:
     if place.suffix.lower() != _ENDING:
-        raise UsageError(f"{place}: learned filters are kept in files that end in {_ENDING}")
+        raise UsageError(f"{place}: learned filters and trainings are written as {_ENDING}")
 
 
 def _write_model(model: FilterModel, path: Path) -> None:

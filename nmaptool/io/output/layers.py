@@ -1,4 +1,4 @@
-"""Layer sets to files: a folder of PNG or EXR files, or one multi-part EXR."""
+"""Write layer sets to files: a folder of PNG or EXR files, or one multi-part EXR."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def layer_outputs(
         *wanted(curl, "a picture of the curl", (".png",), _write_curl),
     ]
     outputs: Outputs[_Sets] = Outputs(
-        targets, place_of(report), overwrite, folders, "layers need a folder of that name; give another"
+        targets, place_of(report), overwrite, folders, "layers are written into a folder; give another name"
     )
     return replace(outputs, rules=[partial(_check_format, place, format), partial(_check_names, place, outputs.paths)])
 
@@ -72,21 +72,21 @@ def _check_format(place: Place, format: str) -> None:
     if format not in LAYER_FORMATS:
         raise UsageError(f"`format={format!r}`: use one of {', '.join(LAYER_FORMATS)}")
     if is_one_file and format != "exr":
-        raise UsageError(f"{place}: `format={format!r}` is for a folder; one file for all layers is EXR")
+        raise UsageError(f"{place}: `format={format!r}` applies to a folder; one file for all layers is EXR")
     try:
         is_folder = not isinstance(place, OutputStream) and (not place.suffix or place.is_dir())
-    except OSError as error:  # a name too long
+    except OSError as error:  # the name is too long
         raise cannot_be_written(place, error) from None
     if not (is_one_file or is_folder):
         raise UsageError(
-            f"{place}: layers are written into a folder, such as maps, by `format='png'` (make it first if its "
+            f"{place}: layers are written into a folder, such as maps, with `format='png'` (create it first if its "
             "name has a dot), or into one .exr"
         )
 
 
 def _check_names(place: Place, paths: Sequence[Path]) -> None:
     if len({path.resolve() for path in paths}) < len(paths):
-        raise UsageError(f"{place}: two of the outputs have the same name; give others")
+        raise UsageError(f"{place}: two of the outputs have the same name; give different names")
 
 
 def write_layers(
@@ -107,20 +107,20 @@ def write_layers(
     Parameters
     ----------
     layer_sets : LayerSet or sequence of LayerSet
-        One a view.
+        One per view.
     output : str, Path or OutputStream
-        A folder, made if missing, or a file ``.exr`` for all layers as parts of one file. A stream gets no contact
-        sheet.
+        A folder, created if missing, or an ``.exr`` file with all layers as its parts. With a stream, no contact sheet
+        is written.
     format : str
-        ``exr`` (float) or ``png`` (16 bit): of the files in a folder.
+        Format of the files in a folder: ``exr`` (float) or ``png`` (16 bits).
     depth, faces : bool
-        Write these layers too. Depth: EXR in mm, channel Z, transparent where nothing is seen; PNG 16-bit, white at
-        the nearest and black at the farthest point, both in the file's metadata. Faces: EXR the number of the face,
-        -1 for none; PNG the number + 1 in three bytes, R + 256 G + 65536 B.
+        Also write these layers. Depth as EXR is in mm in channel Z, transparent where there is no surface; as PNG it
+        has 16 bits, white at the nearest and black at the farthest point, with both distances in the metadata. Faces
+        as EXR are face numbers, -1 for none; as PNG they are the number + 1 in three bytes, R + 256 G + 65536 B.
     plot : str, Path or OutputStream, optional
         Figure of the mixture, .png.
     report : str, Path or OutputStream, optional
-        JSON account of the run.
+        JSON report of the run.
     curl : str, Path or OutputStream, optional
         Picture of the |curl| of the first view's base, .png: see `nmaptool.curl_picture`.
     overwrite : bool
@@ -136,7 +136,7 @@ def write_layers(
     Raises
     ------
     UsageError
-        If an ending is not offered.
+        If an extension is not supported.
     LimitError
         If face numbers are too large for a picture.
     OutputError
@@ -168,7 +168,7 @@ def write_layers(
 
 
 def _write_parts(sets: _Sets, path: Path, names: Sequence[str], floating: bool) -> None:
-    """Layers as parts of one file, ``front.original`` where there are several views."""
+    """Write layers as parts of one file, named like ``front.original`` if there are several views."""
     parts = []
     for layers in sets:
         prefix = f"{layers.report.view}." if len(sets) > 1 else ""

@@ -1,4 +1,4 @@
-"""A mesh to files."""
+"""Write a mesh to files."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def mesh_outputs(
 
 
 def mesh_metadata(mesh: Mesh, metadata: Metadata | None = None) -> dict[str, Any]:
-    """What the report of a mesh says: its size, and the metadata of the run."""
+    """The content of a mesh's report: its numbers of vertices and faces, and the metadata of the run."""
     return {"version": __version__, "vertices": len(mesh.vertices), "faces": len(mesh.faces), **(metadata or {})}
 
 
@@ -39,19 +39,19 @@ def write_mesh(
     ----------
     mesh : Mesh
     *outputs : str, Path or OutputStream
-        By ending: .stl .ply .obj in mm, .glb in metres as its specification says. Where the units of a mesh are not
-        known they are taken as mm, so its numbers stay as they are but in .glb. Vertices and faces keep their order.
+        The extension sets the format: .stl .ply .obj in mm, .glb in metres, as its specification requires. Unknown
+        units are taken as mm, so only .glb changes the numbers. Vertices and faces keep their order.
     report : str, Path or OutputStream, optional
-        JSON account of the run.
+        JSON report of the run.
     metadata : mapping, optional
-        What to put in the report beside the numbers of vertices and faces.
+        What to put in the report besides the numbers of vertices and faces.
     overwrite : bool
         Replace files that exist.
 
     Raises
     ------
     UsageError
-        If a mesh is not written with an ending, or the report is not named .json.
+        If an extension is not supported for meshes, or the report is not a .json file.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
 
@@ -60,6 +60,6 @@ def write_mesh(
     >>> mesh = nm.Mesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     >>> nm.write_mesh(mesh, "triangle.ply", "triangle.obj")
     >>> nm.read_mesh("triangle.ply")
-    <Mesh triangle.ply: 3 vertices, 1 face, 1 mm to a unit (assumed)>
+    <Mesh triangle.ply: 3 vertices, 1 face, 1 mm per unit (assumed)>
     """
     mesh_outputs(outputs, report=report, overwrite=overwrite).write(mesh, mesh_metadata(mesh, metadata))

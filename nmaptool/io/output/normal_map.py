@@ -1,4 +1,4 @@
-"""A normal map to a file, alone or with pictures and a report of how it came about."""
+"""Write a normal map to a file, alone or with pictures and a report of how it was made."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ class WrittenMap:
     ----------
     normal_map : NormalMap
     attributes : mapping
-        More metadata of the file, such as the recipe.
+        Additional metadata of the file, such as the recipe.
     kept : mapping
-        Metadata of the file that the map came from; the attributes of the map come after it.
+        Metadata of the map's source file; the attributes of the map override it.
     pictures : mapping of str to callable
-        Makes the picture of each kind, such as ``placed``; ``curl`` is known anyhow.
+        Functions that make the pictures, by kind, such as ``placed``; ``curl`` is always available.
     options : WriteOptions, optional
-        How to write the map. Default: as planned.
+        How to write the map. Default: the options of the plan.
     """
 
     normal_map: NormalMap
@@ -43,7 +43,7 @@ class WrittenMap:
 
 
 def check_map_target(place: Place, options: WriteOptions) -> None:
-    """Refuse an ending that no normal map is written with, or bits that it cannot hold.
+    """Refuse an extension that is not supported for normal maps, or bits that its format cannot hold.
 
     Raises
     ------
@@ -53,11 +53,11 @@ def check_map_target(place: Place, options: WriteOptions) -> None:
     ending = place.suffix.lower()
     offered = NORMAL_MAP_FORMATS[ending].bits
     if options.bits not in ("auto", *offered):
-        raise UsageError(f"{place}: `bits={options.bits!r}` is not offered for {ending}; use {' or '.join(offered)}")
+        raise UsageError(f"{place}: `bits={options.bits!r}` is not supported for {ending}; use {' or '.join(offered)}")
 
 
 def bits_of(place: Place, options: WriteOptions) -> Bits:
-    """The bits that a normal map is written with there: "8", "16", "half" or "float"."""
+    """Return the bits of a normal map at this place: "8", "16", "half" or "float"."""
     check_map_target(place, options)
     return NORMAL_MAP_FORMATS[place.suffix.lower()].bits[0] if options.bits == "auto" else options.bits
 
@@ -88,7 +88,7 @@ def write_normal_map(
     attributes: Mapping[str, str] | None = None,
     overwrite: bool = False,
 ) -> None:
-    """Write a normal map; coverage travels as unassociated alpha, the convention and pitch as metadata.
+    """Write a normal map; coverage is stored as unassociated alpha, the convention and pitch as metadata.
 
     Parameters
     ----------
@@ -97,16 +97,16 @@ def write_normal_map(
         ``.png``, ``.tif`` (integer codes) or ``.exr`` (signed floats).
     options : WriteOptions, optional
     attributes : mapping, optional
-        More metadata, such as the recipe.
+        Additional metadata, such as the recipe.
     overwrite : bool
         Replace a file that exists.
 
     Raises
     ------
     UsageError
-        If the ending or the bits are not offered.
+        If the extension or the bits are not supported.
     OutputError
-        If it cannot be written, or exists.
+        If it cannot be written, or exists and ``overwrite`` is False.
 
     Examples
     --------

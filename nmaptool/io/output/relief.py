@@ -1,4 +1,4 @@
-"""A relief to files: heights, meshes, a preview and a report."""
+"""Write a relief to files: heights, meshes, a preview and a report."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class WrittenRelief:
 
 
 class _Surface:
-    """What the files of a relief share."""
+    """The data that the files of a relief share."""
 
     def __init__(self, at: HeightsAt, written: WrittenRelief, metadata: Metadata) -> None:
         recipe = {key: metadata[key] for key in ("options", "reading", "files") if key in metadata}
@@ -82,25 +82,26 @@ def write_relief(
     ----------
     relief : Relief
     *outputs : str, Path or OutputStream
-        Heights and meshes, by ending: .exr .tif .npy .png .stl .ply .obj .glb .3mf. Meshes are read back and checked.
+        Heights and meshes; the extension sets the format: .exr .tif .npy .png .stl .ply .obj .glb .3mf. Meshes are read
+        back and checked.
     preview : str, Path or OutputStream, optional
         Shaded picture, .png.
     report : str, Path or OutputStream, optional
-        JSON account of the run.
+        JSON report of the run.
     overwrite : bool
         Replace files that exist.
     metadata : mapping, optional
         What to put in the report. Default: ``relief.report.to_dict()``.
     at : str
-        Where height files hold heights: "centers" of the pixels, or their "corners", which lose nothing. Meshes have
-        the heights of the corners either way.
+        Where height files hold heights: at the "centers" of the pixels, or without loss at their "corners". Meshes
+        always have the heights of the corners.
     solid : Solid, optional
         The triangles for meshes, from `nmaptool.solid`. Default: the open surface.
 
     Raises
     ------
     UsageError
-        If a relief is not written with an ending, or the preview is not named .png.
+        If an extension is not supported for reliefs, or the preview is not a .png file.
     OutputError
         If a file cannot be written or fails its check, or exists and ``overwrite`` is False.
 
@@ -109,7 +110,7 @@ def write_relief(
     >>> relief = nm.relief(np.dstack([np.full((8, 8), 0.5), np.zeros((8, 8)), np.ones((8, 8))]))
     >>> nm.write_relief(relief, "relief.stl", "heights.npy", preview="relief.png")
     >>> nm.read_mesh("relief.stl")
-    <Mesh relief.stl: 384 vertices, 128 faces, 1 mm to a unit (assumed)>
+    <Mesh relief.stl: 384 vertices, 128 faces, 1 mm per unit (assumed)>
     """
     plan = relief_outputs(outputs, preview=preview, report=report, overwrite=overwrite, at=at)
     plan.write(WrittenRelief(relief, solid), relief.report.to_dict() if metadata is None else metadata)

@@ -1,4 +1,4 @@
-"""Renaming several files together, so that no reader sees half a file and nothing is lost by a failed run."""
+"""Rename several files together, so that no reader sees half a file and a failed run loses nothing."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from nmaptool.io.output.targets import cannot_be_written, exists_already
 
 @contextlib.contextmanager
 def renamed(sources: Sequence[Path], targets: Sequence[Path], overwrite: bool) -> Iterator[None]:
-    """Every source under its target's name; where this or the block fails, every target is as it was before.
+    """Rename every source to its target; if this or the block fails, restore every target.
 
     Parameters
     ----------
     sources : sequence of Path
-        In the folders of the targets. Some of them may still be there after it.
+        In the folders of their targets. Some of them may still exist afterwards.
     targets : sequence of Path
     overwrite : bool
-        Whether targets that exist are replaced.
+        Whether to replace targets that exist.
 
     Raises
     ------
     OutputError
         If a file cannot be renamed, or a target exists and ``overwrite`` is False.
     """
-    # what is replaced is kept aside until all went well
+    # replaced files are kept under another name until everything has succeeded
     moves = [
         (source, target, source.with_name(f"{source.stem}.kept"))
         for source, target in zip(sources, targets, strict=True)
@@ -44,7 +44,8 @@ def renamed(sources: Sequence[Path], targets: Sequence[Path], overwrite: bool) -
         raise
     finally:
         for _, _, kept in moves:
-            kept.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):  # another program may have it open, which Windows does not allow
+                kept.unlink(missing_ok=True)
 
 
 def _rename(source: Path, target: Path, kept: Path, overwrite: bool) -> None:
@@ -62,14 +63,14 @@ def _rename(source: Path, target: Path, kept: Path, overwrite: bool) -> None:
 
 def _keep(target: Path, kept: Path) -> None:
     try:
-        kept.hardlink_to(target)  # the target never vanishes
+        kept.hardlink_to(target)  # so that the target never disappears
     except OSError:  # a file system without hard links
         target.replace(kept)
 
 
 def _rename_to_new(source: Path, target: Path) -> None:
     try:
-        target.hardlink_to(source)  # unlike rename, fails where the target has appeared meanwhile
+        target.hardlink_to(source)  # unlike rename, fails if the target has appeared in the meantime
     except FileExistsError:
         raise exists_already(target) from None
     except OSError:  # a file system without hard links

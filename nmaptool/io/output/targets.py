@@ -1,4 +1,4 @@
-"""Where results go: files and open streams, and every reason to refuse one before the work."""
+"""Destinations of results, files and open streams, and the checks of them before any work."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from nmaptool.core.errors import OutputError, UsageError, reason_of
 
 @dataclass(frozen=True, eq=False)
 class OutputStream:
-    """An open binary stream to write a result to, wherever a writer takes a file.
+    """An open binary stream that receives a result; every writer takes one in place of a file.
 
-    The stream gets its bytes, in order from where it stands, only when everything else of the run is written; it is
-    flushed and stays open.
+    Bytes are written from the current position on, without seeking, once all other output of the run is written. The
+    stream is then flushed and stays open.
 
     Parameters
     ----------
     stream : binary stream
         Open for writing, and blocking.
     ending : str
-        What kind of file to write, such as ``.png``.
+        Extension that sets the format, such as ``.png``.
     name : str
-        What to call it in messages.
+        Name for messages.
 
     Raises
     ------
     UsageError
-        If the ending does not begin with a dot.
+        If the extension does not begin with a dot.
 
     Examples
     --------
@@ -46,14 +46,14 @@ class OutputStream:
 
     def __post_init__(self) -> None:
         if not self.ending.startswith("."):
-            raise UsageError(f"{self.name}: the ending {self.ending!r} must begin with a dot, such as .png")
+            raise UsageError(f"{self.name}: the extension {self.ending!r} must begin with a dot, such as .png")
 
     def __str__(self) -> str:
         return self.name
 
     @property
     def suffix(self) -> str:
-        """The ending, as a path has it."""
+        """The extension, like the ``suffix`` of a path."""
         return self.ending
 
 
@@ -66,7 +66,7 @@ def place_of(destination: Destination) -> Place: ...
 @overload
 def place_of(destination: None) -> None: ...
 def place_of(destination: Destination | None) -> Place | None:
-    """What a caller named as a file or a stream."""
+    """Return a destination as a Path, an OutputStream or None."""
     return destination if destination is None or isinstance(destination, OutputStream) else Path(destination)
 
 
@@ -76,10 +76,10 @@ def check_place(place: Place, overwrite: bool) -> None:
     Raises
     ------
     UsageError
-        If it is a stream for text.
+        If it is a text stream.
     OutputError
-        If the folder is missing or not writable, the target is a folder, or it exists and ``overwrite`` is False; if a
-        stream is not open for writing.
+        If the folder is missing or not writable, the target is a folder, or it exists and ``overwrite`` is False; or
+        if a stream is not open for writing.
     """
     if isinstance(place, OutputStream):
         _check_stream(place)
@@ -104,20 +104,20 @@ def check_place(place: Place, overwrite: bool) -> None:
 
 def _check_stream(place: OutputStream) -> None:
     if isinstance(place.stream, io.TextIOBase):
-        raise UsageError(f"{place}: is a stream for text; give a binary one")
+        raise UsageError(f"{place}: is a text stream; give a binary stream")
     if place.stream.closed or not place.stream.writable():
         raise OutputError(f"{place}: is not open for writing")
 
 
 def _check_folder(place: Path, folder: Path) -> None:
     if folder.exists() and not folder.is_dir():
-        raise OutputError(f"{place}: {folder} is a file, not a folder; give another place")
+        raise OutputError(f"{place}: {folder} is a file, not a folder; give another path")
     if not folder.is_dir():
-        raise OutputError(f"{place}: the folder {folder} does not exist; make it first")
+        raise OutputError(f"{place}: the folder {folder} does not exist; create it first")
 
 
 def check_places(places: Iterable[Place], overwrite: bool, folders: Sequence[Path] = ()) -> None:
-    """`check_place` of each, none of them named twice; nothing is in the ``folders`` that are yet to be made.
+    """Apply `check_place` to each and refuse duplicates; places in ``folders`` that do not exist yet are accepted.
 
     Raises
     ------
@@ -137,14 +137,14 @@ def check_places(places: Iterable[Place], overwrite: bool, folders: Sequence[Pat
 
 
 def check_folders(folders: Sequence[Path], needed: str) -> None:
-    """Refuse folders that cannot be made.
+    """Refuse folders that cannot be created.
 
     Parameters
     ----------
     folders : sequence of Path
         The outermost first.
     needed : str
-        What needs them, and the remedy.
+        For messages: what needs them, and the remedy.
 
     Raises
     ------
@@ -156,17 +156,17 @@ def check_folders(folders: Sequence[Path], needed: str) -> None:
                 raise OutputError(f"{folder}: is a file; {needed}")
         except OutputError:
             raise
-        except OSError as error:  # a name too long, a folder that may not be looked into
+        except OSError as error:  # the name is too long, or a folder is not accessible
             raise cannot_be_written(folder, error) from None
     if folders:
         _check_folder(folders[0], folders[0].parent)
 
 
 def cannot_be_written(place: Place, error: OSError) -> OutputError:
-    """What the operating system said, about a place."""
+    """The error for a place that the operating system refuses, with its reason."""
     return OutputError(f"{place}: cannot be written ({reason_of(error)})")
 
 
 def exists_already(place: Path) -> OutputError:
-    """What to say of a file that may not be replaced."""
-    return OutputError(f"{place}: exists already; give another name, or `overwrite`")
+    """The error for a file that must not be replaced."""
+    return OutputError(f"{place}: already exists; give another name, or `overwrite`")

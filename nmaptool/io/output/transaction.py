@@ -1,4 +1,4 @@
-"""One way out: what a run writes is checked before the work, and appears all together or not at all."""
+"""The single path for output: a run's files are checked before the work, and appear all together or not at all."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class Target(Generic[T]):
     what : str
         What is written there, for messages: "a preview".
     endings : collection of str
-        Accepted ones, such as ``.png``; none where any is.
+        Accepted extensions, such as ``.png``; empty if all are.
     write : callable
-        Writes the value to a new file of that ending, and reads it back where writing may fail unheard.
+        Writes the value to a new file with that extension, and reads it back if writing can fail without an error.
     """
 
     place: Place
@@ -41,7 +41,7 @@ class Target(Generic[T]):
 def wanted(
     destination: Destination | None, what: str, endings: Collection[str], write: Callable[[T, Path], object]
 ) -> tuple[Target[T], ...]:
-    """A target, or none where no destination is given."""
+    """Return a tuple with the target, or an empty one if no destination is given."""
     return () if destination is None else (Target(place_of(destination), what, endings, write),)
 
 
@@ -51,39 +51,39 @@ def _value_alone(value: T, metadata: Metadata) -> T:
 
 @dataclass(frozen=True)
 class Outputs(Generic[T]):
-    """What one run writes: a plan that can be checked before there is anything to write.
+    """The output of one run: a plan that can be checked before there is anything to write.
 
     Parameters
     ----------
     targets : sequence of Target
     report : Path or OutputStream, optional
-        Where the metadata go as JSON.
+        Where to write the metadata as JSON.
     overwrite : bool
         Replace files that exist.
     folders : sequence of Path
-        Folders to make if missing, the outermost first.
+        Folders to create if missing, the outermost first.
     folder_needed : str
-        What to say where one of them is a file.
+        For the message if one of them is a file: what needs the folder, and the remedy.
     report_endings : collection of str
-        Accepted endings of the report; none where any is.
+        Accepted extensions of the report; empty if all are.
     rules : sequence of callable
-        Checks beyond those of endings and places, made before them.
+        Further checks, made before those of extensions and places.
     prepare : callable
-        Makes what the targets write from the value and the metadata, once a run. Default: the value.
+        Called once per run with the value and the metadata; returns what the targets write. Default: the value.
     """
 
     targets: Sequence[Target[Any]] = ()
     report: Place | None = None
     overwrite: bool = False
     folders: Sequence[Path] = ()
-    folder_needed: str = "a folder of that name is needed; give another"
+    folder_needed: str = "a folder is needed; give another name"
     report_endings: Collection[str] = (".json",)
     rules: Sequence[Callable[[], object]] = ()
     prepare: Callable[[T, Metadata], Any] = _value_alone
 
     @property
     def places(self) -> list[Place]:
-        """All files and streams, in the order they are named; the report last."""
+        """All files and streams, in order; the report last."""
         return [*(target.place for target in self.targets), *([] if self.report is None else [self.report])]
 
     @property
@@ -93,16 +93,16 @@ class Outputs(Generic[T]):
 
     @property
     def names(self) -> list[str]:
-        """All files and streams as messages call them."""
+        """The names of all files and streams for messages."""
         return [str(place) for place in self.places]
 
     def check(self) -> None:
-        """Refuse what could not be written, before any work is done.
+        """Refuse output that could not be written, before any work is done.
 
         Raises
         ------
         UsageError
-            If an ending is not offered or a file is named twice.
+            If an extension is not supported or a file is named twice.
         OutputError
             If a target cannot be written or exists.
         """
@@ -126,7 +126,7 @@ class Outputs(Generic[T]):
         metadata : mapping, optional
             What to put in the report.
         final : bool
-            Whether the run is complete with this; False for what is only kept on the way.
+            Whether this completes the run; False for intermediate states.
 
         Raises
         ------
@@ -138,5 +138,6 @@ class Outputs(Generic[T]):
         prepared = self.prepare(value, known)
         jobs: list[Job] = [(target.place, partial(target.write, prepared)) for target in self.targets]
         if self.report is not None:
-            jobs.append((self.report, lambda path: path.write_text(json.dumps(known, indent=2) + "\n")))
+            text = json.dumps(known, indent=2) + "\n"
+            jobs.append((self.report, lambda path: path.write_text(text, encoding="utf-8", newline="\n")))
         write_together(jobs, self.overwrite, self.folders, final=final)

@@ -1,4 +1,4 @@
-"""Unpacked layers to a folder: a map each, their masks, and the recipe that composes them again."""
+"""Write unpacked layers to a folder: a map per layer, the masks, and the recipe that composes them again."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def unpacked_outputs(
     report: Destination | None = None,
     overwrite: bool = False,
 ) -> Outputs[UnpackResult]:
-    """The plan of `write_unpacked`; without ``unpacked``, which names the layers, it is for a check only."""
+    """The plan of `write_unpacked`; without ``unpacked``, which names the layers, it can only be checked."""
     place = Path(folder)
     files = [] if unpacked is None else layer_files(unpacked, format)
     layers = list(_layer_targets(place, files, LAYER_FORMATS.get(format, False)))
@@ -60,7 +60,7 @@ def _check_format(format: str) -> None:
 
 def _check_source(source: Path | None, paths: Sequence[Path]) -> None:
     if source is not None and source.exists() and any(path.exists() and path.samefile(source) for path in paths):
-        raise OutputError(f"{source}: is what is unpacked; unpack it into another folder")
+        raise OutputError(f"{source}: is both input and output; unpack it into another folder")
 
 
 def write_unpacked(
@@ -78,11 +78,11 @@ def write_unpacked(
     ----------
     unpacked : UnpackResult
     folder : str or Path
-        Made if missing.
+        Created if missing.
     format : str
         ``exr`` (floats) or ``png`` (16 bits).
     report : str, Path or OutputStream, optional
-        JSON account.
+        JSON report of the run.
     overwrite : bool
         Replace files that exist.
     metadata : mapping, optional
@@ -96,7 +96,7 @@ def write_unpacked(
     Raises
     ------
     UsageError
-        If a format or ending is not offered.
+        If a format or extension is not supported.
     OutputError
         If a file cannot be written, or exists and ``overwrite`` is False.
 

@@ -1,4 +1,4 @@
-"""What unpacked layers are called as files, and the recipe that composes them again."""
+"""File names of unpacked layers, and the recipe that composes them again."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from nmaptool.types.unpacked import UnpackedLayer, UnpackResult
 from nmaptool.types.workspace import NORMAL_BLEND, PASS_THROUGH, WorkspaceGroup
 
 _LONGEST_NAME_BYTES = 100
-# names that Windows keeps for devices
+# names that Windows reserves for devices
 _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(10))}
 
 
 def safe_names(names: Sequence[str]) -> list[str]:
-    """File names without ending for layers of any name: plain, short, different from each other on every system.
+    """Turn layer names into file names without extension: valid, short and distinct on every system.
 
     >>> safe_names(["../x", "a/b", "con", "", "A/B"])
     ['x', 'a_b', '_con', 'layer', 'A_B 2']
@@ -45,7 +45,7 @@ def safe_names(names: Sequence[str]) -> list[str]:
 
 
 def layer_files(unpacked: UnpackResult, format: str) -> list[dict[str, str]]:
-    """The ``name`` of each layer, its ``file`` and, where it has one, its ``mask``."""
+    """Return the ``name`` and ``file`` of each layer, and its ``mask`` if it has one."""
     files = []
     for layer, name in zip(unpacked.layers, safe_names([one.name for one in unpacked.layers]), strict=True):
         files.append({"name": layer.name, "file": f"{name}.{format}"})
@@ -55,13 +55,13 @@ def layer_files(unpacked: UnpackResult, format: str) -> list[dict[str, str]]:
 
 
 def recipe_text(unpacked: UnpackResult, entries: Sequence[Mapping[str, str]]) -> str:
-    """The recipe that ``nmap compose stack`` composes the layers by again, bottom to top.
+    """Return the recipe from which ``nmap compose stack`` composes the layers again, bottom to top.
 
     Parameters
     ----------
-    unpacked : Unpacked
+    unpacked : UnpackResult
     entries : sequence of mapping
-        As of `layer_files`.
+        As returned by `layer_files`.
     """
     frame = unpacked.frame
     width = None if frame.pitch_mm is None else Length(frame.cols * frame.pitch_mm, "mm")
@@ -73,14 +73,14 @@ def recipe_text(unpacked: UnpackResult, entries: Sequence[Mapping[str, str]]) ->
 
 
 def _mixed_first(layer: UnpackedLayer) -> tuple[WorkspaceGroup, ...]:
-    """The recipe's groups are mixed first; what only keeps layers together is none."""
+    """The groups that the recipe blends on their own; pass-through groups only keep layers together."""
     return tuple(group for group in layer.groups if group.blend_mode != PASS_THROUGH)
 
 
 def _entries(
     pairs: Sequence[tuple[UnpackedLayer, Mapping[str, str]]], depth: int
 ) -> Iterator[RecipeLayer | RecipeGroup]:
-    """Layers as they stand at one depth of groups; neighbours in the same group make one entry."""
+    """The entries at one depth of groups; neighbouring layers in the same group form one entry."""
 
     def group_of(pair: tuple[UnpackedLayer, Mapping[str, str]]) -> WorkspaceGroup | None:
         groups = _mixed_first(pair[0])
@@ -113,7 +113,7 @@ def _recipe_layer(layer: UnpackedLayer, entry: Mapping[str, str]) -> RecipeLayer
 
 
 def _number(value: float) -> float:
-    """As many digits as an opacity of an editor has, and some."""
+    """Round to more digits than the opacity of an editor has."""
     return round(float(value), 6)
 
 

@@ -1,4 +1,4 @@
-"""A workspace to a file, read back before it gets its name."""
+"""Write a workspace to a file, which is read back before it gets its final name."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ _NO_LIMIT = 1e7  # megapixels
 
 
 def check_workspace_target(place: Place, bits: int | None, half: bool) -> int:
-    """Refuse what a format cannot hold; the bits that a file of this ending gets.
+    """Refuse what a format cannot hold; return the bits of a file with this extension.
 
     Raises
     ------
     UsageError
-        If the ending, or the bits for it, are not offered.
+        If the extension, or the bits for it, are not supported.
     """
     check_ending(place, WORKSPACE_FORMATS, "a workspace")
     ending = place.suffix.lower()
@@ -36,7 +36,7 @@ def check_workspace_target(place: Place, bits: int | None, half: bool) -> int:
         return max(offered)
     if bits not in offered:
         held = "floats; leave `bits` out" if ending == ".exr" else "8 or 16 bits"
-        raise UsageError(f"{place}: `bits={bits!r}` is not offered; {ending} holds {held}")
+        raise UsageError(f"{place}: `bits={bits!r}` is not supported; {ending} holds {held}")
     return bits
 
 
@@ -46,7 +46,7 @@ def workspace_outputs(output: Destination, *, overwrite: bool = False) -> Output
 
 
 def write_workspace(workspace: Workspace, path: Destination, *, overwrite: bool = False) -> None:
-    """Write a workspace and read it back before it gets its name.
+    """Write a workspace and read it back before it gets its final name.
 
     Parameters
     ----------
@@ -59,9 +59,9 @@ def write_workspace(workspace: Workspace, path: Destination, *, overwrite: bool 
     Raises
     ------
     UsageError
-        If the ending is not offered, or does not hold the workspace's bits.
+        If the extension is not supported, or its format cannot hold the workspace's bits.
     OutputError
-        If it cannot be written, or exists.
+        If it cannot be written, or exists and ``overwrite`` is False.
 
     Examples
     --------

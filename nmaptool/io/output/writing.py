@@ -1,4 +1,4 @@
-"""Writing files and streams together: beside their places first, and then all of them at once."""
+"""Write files and streams together: first to temporary files, then all of them at once to their places."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ _PIECE_BYTES = 1 << 20
 
 
 def write_together(jobs: Sequence[Job], overwrite: bool, folders: Sequence[Path] = (), *, final: bool = True) -> None:
-    """Write every place of the jobs, or leave every file as it was.
+    """Write the output of all jobs, or leave every file as it was.
 
     Parameters
     ----------
     jobs : sequence of (Path or OutputStream, callable)
-        The callable writes to a path with the ending of the place.
+        The callable writes to a path with the extension of the place.
     overwrite : bool
-        Whether files that exist are replaced.
+        Whether to replace files that exist.
     folders : sequence of Path
-        Folders to make if missing, the outermost first.
+        Folders to create if missing, the outermost first.
     final : bool
-        Whether the run is complete with this; False for what is only kept on the way.
+        Whether this completes the run; False for intermediate states.
 
     Raises
     ------
     OutputError
-        If something cannot be written, or exists and ``overwrite`` is False.
+        If a place cannot be written, or exists and ``overwrite`` is False.
     """
     places = [place for place, _ in jobs]
     with _made(folders), _beside(places) as files:
@@ -46,7 +46,7 @@ def write_together(jobs: Sequence[Job], overwrite: bool, folders: Sequence[Path]
 
 @contextlib.contextmanager
 def _made(folders: Sequence[Path]) -> Iterator[None]:
-    """The folders; those that were not there before are removed again where the block fails."""
+    """Create the folders; if the block fails, remove the new ones again."""
     new: list[Path] = []
     try:
         for folder in folders:
@@ -54,7 +54,7 @@ def _made(folders: Sequence[Path]) -> Iterator[None]:
                 try:
                     folder.mkdir()
                 except OSError as error:
-                    raise OutputError(f"{folder}: cannot be made ({reason_of(error)})") from None
+                    raise OutputError(f"{folder}: cannot be created ({reason_of(error)})") from None
                 new.append(folder)
         with UNFINISHED.swept(folders=new):
             yield
@@ -67,12 +67,12 @@ def _made(folders: Sequence[Path]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _beside(places: Sequence[Place]) -> Iterator[list[Path]]:
-    """Files to write first: beside the files that are meant, and in a temporary folder for streams."""
+    """Temporary files to write: in the folders of the target files, and in a temporary folder for streams."""
     mark = secrets.token_hex(4)
     with contextlib.ExitStack() as stack:
         streamed = any(isinstance(place, OutputStream) for place in places)
         folder = stack.enter_context(UNFINISHED.temporary_folder()) if streamed else Path()
-        # short names: the target's own may be as long as a name can be
+        # short names, because the target's name may have the maximum length
         files = [
             (folder if isinstance(place, OutputStream) else place.parent) / f".{mark}-{number}{place.suffix}"
             for number, place in enumerate(places)
@@ -82,12 +82,13 @@ def _beside(places: Sequence[Place]) -> Iterator[list[Path]]:
             yield files
         finally:
             for file in files:
-                file.unlink(missing_ok=True)
+                with contextlib.suppress(OSError):  # another program may have it open, which Windows does not allow
+                    file.unlink(missing_ok=True)
 
 
 @contextlib.contextmanager
 def _errors_about(place: Place, file: Path) -> Iterator[None]:
-    """Errors of writing speak of the place that is meant, not of the file that is written first."""
+    """Make errors of writing name the place instead of the temporary file."""
     try:
         yield
     except OutputError as error:
@@ -97,7 +98,7 @@ def _errors_about(place: Place, file: Path) -> Iterator[None]:
 
 
 def _publish(files: Sequence[Path], places: Sequence[Place], overwrite: bool, final: bool) -> None:
-    """Rename the files and send the streams their bytes: the streams last, since a byte sent cannot be taken back."""
+    """Rename the files and send the streams their bytes: the streams last, because sent bytes cannot be taken back."""
     pairs = list(zip(files, places, strict=True))
     moves = [(file, place) for file, place in pairs if isinstance(place, Path)]
     with UNFINISHED.all_or_none():
@@ -112,7 +113,7 @@ def _send(file: Path, place: OutputStream) -> None:
     try:
         with file.open("rb") as made:
             while piece := made.read(_PIECE_BYTES):
-                while piece:  # an unbuffered stream may take a part only
+                while piece:  # an unbuffered stream may accept only a part
                     taken = place.stream.write(piece)
                     piece = piece[len(piece) if taken is None else taken :]
         place.stream.flush()

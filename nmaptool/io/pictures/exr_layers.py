@@ -1,4 +1,4 @@
-"""Which channels of which part of a file make a layer: ``R,G,B``, ``N.X,N.Y,N.Z``, ``detail.X`` ..., multi-part."""
+"""Find the layers in the channels and parts of a file: ``R,G,B``, ``N.X,N.Y,N.Z``, ``detail.X`` ..., multi-part."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from nmaptool.core.errors import InputError
 
 # sets of component names that writers use for R, G, B; never mixed, since Z beside R, G, B is depth
 _TRIPLES = (("r", "g", "b"), ("x", "y", "z"), ("red", "green", "blue"))
-# maps of x and y alone; only where a file has no three of a kind, since others store motion so
+# maps of x and y alone; used only if a file has no such triple, since beside one they often hold motion
 _PAIRS = (("r", "g"), ("x", "y"), ("red", "green"))
 _ALPHA = ("a", "alpha")
-# layer names that are taken where several are there and none was asked for
+# the layers to choose from, in this order, if a file has several and none is named
 _FIRST_CHOICE = ("original", "n", "normal", "normals", "")
-# what the layer without a name is called in lists and requests
+# the name of the unnamed layer in lists and requests
 _UNNAMED = "RGB"
 
 
 @dataclass(frozen=True)
 class Layer:
-    """One layer: its name (None for the only one), part, channel positions and their names R, G, B, A or Y."""
+    """One layer: its name (None for the only one), its part, and its channels' positions and names R, G, B, A or Y."""
 
     name: str | None
     part: int
@@ -33,7 +33,7 @@ class Layer:
 
 
 def find(parts: list[Any]) -> list[Layer]:
-    """All layers of a file, from the specs of its parts.
+    """Return all layers of a file, from the specs of its parts.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def _grouped(parts: list[Any]) -> Iterator[tuple[Any, str, dict[str, dict[str, i
 
 
 def _pairs_beside(parts: list[Any]) -> list[Layer]:
-    """Layers of two components that lie beside some of three: often motion, so they are taken by name only."""
+    """Layers of two components beside layers of three: often motion, so they are chosen only by name."""
     return [
         layer
         for number, (_, part_name, groups) in enumerate(_grouped(parts))
@@ -71,7 +71,7 @@ def _pairs_beside(parts: list[Any]) -> list[Layer]:
 def _of_names(
     sets: tuple[tuple[str, ...], ...], groups: dict[str, dict[str, int]], part_name: str, number: int
 ) -> list[Layer]:
-    """The layers of a part whose components have the names of one of the sets."""
+    """The layers of a part whose component names are one of the sets."""
     found: list[Layer] = []
     shared_alpha = _alpha(groups.get("", {}))
     for prefix, members in groups.items():
@@ -94,14 +94,14 @@ def _alpha(members: dict[str, int]) -> int | None:
 
 
 def _label(part_name: str, prefix: str) -> str:
-    """A layer's name; parts often repeat theirs in their channels."""
+    """A layer's name; channel names often repeat the name of their part."""
     if not part_name or prefix == part_name or prefix.startswith(f"{part_name}."):
         return prefix
     return f"{part_name}.{prefix}" if prefix else part_name
 
 
 def _plain(label: str, number: int, spec: Any) -> Layer:
-    """A part without three colour channels: grey, with alpha where it has one."""
+    """A part without colour channels as a layer: grey, with alpha if it has one."""
     names = tuple(spec.channelnames)
     alpha = next((i for i, n in enumerate(names) if n.rpartition(".")[2].lower() in _ALPHA), None)
     rest = [i for i in range(len(names)) if i != alpha]
@@ -114,12 +114,12 @@ def _plain(label: str, number: int, spec: Any) -> Layer:
 
 
 def choose(path: Path, parts: list[Any], wanted: str | None) -> Layer:
-    """The wanted layer, or the one that is meant where nothing is said.
+    """Return the wanted layer, or the obvious one if none is named.
 
     Raises
     ------
     InputError
-        If it is not there, or several are there and none is the obvious one; the message lists them.
+        If the layer does not exist, or several exist and none is the obvious one; the message lists them.
     """
     found = find(parts)
     if not found:
@@ -142,7 +142,7 @@ def choose(path: Path, parts: list[Any], wanted: str | None) -> Layer:
 
 
 def pick(pixels: NDArray[Any], layer: Layer) -> NDArray[Any]:
-    """The layer's channels out of all channels of its part."""
+    """Select the layer's channels from all channels of its part."""
     if layer.indices == tuple(range(pixels.shape[2])):
         return pixels
     return pixels[..., list(layer.indices)]

@@ -1,4 +1,4 @@
-"""The picture formats that are read, told by their first bytes."""
+"""The supported picture formats, identified by their first bytes."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class PictureFormat:
     Attributes
     ----------
     name : str
-        In messages.
+        Name for messages.
     endings : tuple of str
-        The usual one first.
+        File extensions, the usual one first.
     magic : tuple of bytes
-        What its files begin with.
+        The bytes with which a file may begin.
     """
 
     name: str
@@ -35,33 +35,34 @@ TIFF = PictureFormat("TIFF", (".tif", ".tiff"), (b"II*\0", b"MM\0*", b"II+\0", b
 JPEG = PictureFormat("JPEG", (".jpg", ".jpeg"), (b"\xff\xd8\xff",))
 BMP = PictureFormat("BMP", (".bmp",), (b"BM",))
 READ_FORMATS = (PNG, EXR, TIFF, JPEG, BMP)
-# text, too, may begin with fewer bytes than these
+# shorter magic bytes could also begin a text
 _TELLING_BYTES = 3
 
 
 def format_names() -> str:
-    """The formats as a sentence lists them: ``PNG, EXR, TIFF, JPEG or BMP``."""
+    """Return the names of the formats for a sentence: ``PNG, EXR, TIFF, JPEG or BMP``."""
     return listed(one.name for one in READ_FORMATS)
 
 
 def is_picture(head: bytes) -> bool:
-    """Whether a file's first bytes are those of a picture that is read here."""
+    """Whether the first bytes of a file are those of a supported picture format."""
     return any(head.startswith(magic) for one in READ_FORMATS for magic in one.magic if len(magic) >= _TELLING_BYTES)
 
 
 def find_format(path: Path) -> PictureFormat:
-    """The format that the file's first bytes tell.
+    """Identify the format of a file by its first bytes.
 
     Raises
     ------
     InputError
-        If the file is missing, a folder, empty, none of the formats read here, or has another format's ending.
+        If the file is missing or empty, is a folder, is not in a supported format, or has the extension of another
+        format.
     """
     head, _ = read_head(path, 8, "a picture file", "read a stream with -")
     for one in READ_FORMATS:
         if head.startswith(one.magic):
             if path.suffix and path.suffix.lower() not in one.endings:
                 right = path.with_suffix(one.endings[0]).name
-                raise InputError(f"{path}: holds {one.name} data but is not named so; rename it to {right}")
+                raise InputError(f"{path}: holds {one.name} data; rename it to {right}")
             return one
-    raise InputError(f"{path}: is not a picture that can be read here; accepted are {format_names()}")
+    raise InputError(f"{path}: is not a picture in a supported format; export it as {format_names()}")

@@ -1,8 +1,9 @@
 """Height fields as NumPy array files, .npy.
 
-A plain two-dimensional array holds heights at centres, NaN outside the surface. The format has no place for a note, so
-that an array of heights at corners would be read as a picture one pixel larger; those are records with named fields,
-`CORNER_RECORD`, which no reader takes for anything else. ``np.load(path)["z_mm"]`` is the plain array.
+A plain two-dimensional array holds heights at centres, NaN outside the surface. The format has no metadata, so a plain
+array of heights at corners would be read as a picture one pixel larger. Heights at corners are therefore stored as
+records with named fields, `CORNER_RECORD`, which no reader takes for a picture. ``np.load(path)["z_mm"]`` is the plain
+array.
 """
 
 from __future__ import annotations
@@ -54,12 +55,12 @@ def _save(path: Path, values: NDArray[Any]) -> None:
 
 
 def read_height_array(path: Path, pitch_mm: float | None, max_megapixels: float) -> Height:
-    """Read heights at centres or at corners, as the file holds them.
+    """Read heights at centres or at corners, whichever the file holds.
 
     Raises
     ------
     InputError
-        If it is no array file, holds something else, or NaN or infinite heights.
+        If it is not an array file, does not hold heights, or holds NaN or infinite heights.
     LimitError
         If it is larger than ``max_megapixels``.
     """
@@ -70,8 +71,10 @@ def read_height_array(path: Path, pitch_mm: float | None, max_megapixels: float)
 
 
 def _load(path: Path, max_megapixels: float) -> NDArray[Any]:
-    not_ours = InputError(f"{path}: is not a NumPy array file, or is cut short")
+    not_ours = InputError(f"{path}: is not a NumPy array file, or is truncated; save it again")
     try:
+        if path.is_dir():  # which Windows refuses to open as if it were protected
+            raise InputError(f"{path}: is a folder; give a height file")
         with path.open("rb") as stream:
             if not stream.read(6) == np.lib.format.MAGIC_PREFIX:
                 raise not_ours
@@ -80,7 +83,7 @@ def _load(path: Path, max_megapixels: float) -> NDArray[Any]:
             reader = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
             shape, _, kind = reader(stream)
             if len(shape) != 2 or not _holds_heights(kind) or 0 in shape:
-                raise InputError(f"{path}: must hold one (rows, columns) array of numbers, heights in mm")
+                raise InputError(f"{path}: must hold one (rows, columns) array of heights in mm")
             check_size(path, shape[1], shape[0], max_megapixels)
             stream.seek(0)
             values: NDArray[Any] = np.load(stream, allow_pickle=False)
@@ -88,8 +91,6 @@ def _load(path: Path, max_megapixels: float) -> NDArray[Any]:
         raise
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; give a file of heights") from None
     except (OSError, ValueError, EOFError):
         raise not_ours from None
     return values

@@ -1,4 +1,4 @@
-"""Height fields as the samples that a file stores: at the centres of the pixels, or at their corners."""
+"""Convert height fields to and from the samples in a file, at the centres of the pixels or at their corners."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from nmaptool.core.grid import corner_mean, touching_vertices
 from nmaptool.types.height import Height
 from nmaptool.types.picture import Frame
 
-# alpha of a corner of the surface whose pixel to the lower right is no part of it, and what tells it from 1
+# alpha of a surface corner whose pixel to the lower right is not surface, and the threshold between it and 1
 _CORNER_ONLY = 0.5
 _PIXEL_TOO = 0.75
 
 
 class Samples(NamedTuple):
-    """What a file stores of a height field.
+    """The samples of a height field that a file stores.
 
     Attributes
     ----------
     z_mm : (h, w) float64
         0 where alpha is 0.
     alpha : (h, w) float32 or None
-        None where the surface is everywhere.
+        None if the surface covers all pixels.
     """
 
     z_mm: Float64
@@ -33,16 +33,16 @@ class Samples(NamedTuple):
 
 
 def center_samples(height: Height) -> Samples:
-    """Heights at the (H, W) centres of the pixels, means of their corners; alpha 1 on the surface, 0 outside."""
+    """Return heights at the (H, W) pixel centres, means of their corners; alpha is 1 on the surface, 0 outside."""
     z_mm = np.where(height.domain, corner_mean(height.z_mm), 0)
     return Samples(z_mm, None if height.domain.all() else height.domain.astype(np.float32))
 
 
 def corner_samples(height: Height) -> Samples:
-    """Heights at the (H+1, W+1) corners of the pixels, as they are.
+    """Return the heights at the (H+1, W+1) corners of the pixels, unchanged.
 
-    Alpha is 1 where the pixel to the corner's lower right belongs to the surface, 0.5 where only others of its pixels
-    do, 0 where none does: so the surface's pixels are told exactly, and every corner that has a height shows.
+    Alpha is 1 where the pixel to the corner's lower right belongs to the surface, 0.5 where only other pixels at the
+    corner do, and 0 where none does. It states exactly which pixels are surface and shows every corner with a height.
     """
     if height.domain.all():
         return Samples(height.z_mm, None)
@@ -53,7 +53,7 @@ def corner_samples(height: Height) -> Samples:
 
 
 def height_of_centers(name: str, z_mm: Float64, alpha: Float32 | None, pitch_mm: float | None) -> Height:
-    """A height field from heights at centres, which must be known everywhere.
+    """Make a height field from heights at centres, which must be defined everywhere.
 
     Raises
     ------
@@ -68,12 +68,12 @@ def height_of_centers(name: str, z_mm: Float64, alpha: Float32 | None, pitch_mm:
 
 
 def height_of_corners(name: str, z_mm: Float64, lower_right: Mask, pitch_mm: float | None) -> Height:
-    """A height field from heights at the corners of its pixels.
+    """Make a height field from heights at the corners of its pixels.
 
     Parameters
     ----------
     name : str
-        What to call it in messages.
+        Name for messages.
     z_mm : (H+1, W+1) float64
     lower_right : (H+1, W+1) bool
         Whether the pixel to the corner's lower right belongs to the surface.
@@ -82,12 +82,12 @@ def height_of_corners(name: str, z_mm: Float64, lower_right: Mask, pitch_mm: flo
     Raises
     ------
     InputError
-        If there are fewer than 2 x 2 corners, a height on the surface is NaN or infinite, nothing is surface, or the
+        If there are fewer than 2 x 2 corners, a height on the surface is NaN or infinite, no pixel is surface, or the
         size of a pixel is not known.
     """
     rows, cols = z_mm.shape
     if min(rows, cols) < 2:
-        raise InputError(f"{name}: holds heights at corners, but only {cols} x {rows} of them; a pixel has 2 x 2")
+        raise InputError(f"{name}: holds heights at {cols} x {rows} corners; at least 2 x 2 are needed")
     domain = lower_right[:-1, :-1].copy()
     z_mm = np.where(touching_vertices(domain), z_mm, 0)
     _check_finite(name, z_mm)
@@ -100,7 +100,7 @@ def lower_right_of(alpha: Float32 | None, shape: tuple[int, ...]) -> Mask:
 
 
 def to_vertices(centre: Float64) -> Float64:
-    """(H+1, W+1) heights at corners from (H, W) at centres: means of neighbours, continued straight at the edges.
+    """(H+1, W+1) heights at corners from (H, W) at centres: means of neighbours, extrapolated linearly at the edges.
 
     >>> to_vertices(np.array([[0.0, 1.0], [0.0, 1.0]]))[0].tolist()
     [-0.5, 0.5, 1.5]

@@ -1,4 +1,4 @@
-"""Height fields as files: millimetres at the centres of the pixels, or exactly, at their corners."""
+"""Read and write height fields in mm: at the centres of the pixels or, exactly, at their corners."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ _PLACE = choice_of(HeightsAt)
 
 
 def height_attributes(height: Height, at: HeightsAt = "centers") -> dict[str, str]:
-    """Metadata that every height picture carries: kind, unit, pitch, the range of the surface (at its corners).
+    """Return the metadata of a height picture: kind, unit, pitch, the range of the surface (at its corners).
 
-    A picture of heights at corners says that, too.
+    A picture of heights at corners also states ``at``.
     """
     low, high = height.range_mm
     facts = {
@@ -53,27 +53,27 @@ def height_attributes(height: Height, at: HeightsAt = "centers") -> dict[str, st
 
 
 def write_height(height: Height, path: Path, attributes: Mapping[str, str], *, at: HeightsAt = "centers") -> None:
-    """Write heights in mm at pixel centres or corners, as `nmaptool.options.formats.HEIGHT_FORMATS` says.
+    """Write heights in mm at pixel centres or corners, in a format of `nmaptool.options.formats.HEIGHT_FORMATS`.
 
     ``.exr`` and ``.tif`` hold float32 mm, with alpha 0 outside the surface; ``.npy`` float64 mm, NaN outside; ``.png``
-    16-bit codes, 0 for the surface's lowest and 65535 for its highest corner, the range being in the file's text.
+    16-bit codes, 0 for the surface's lowest and 65535 for its highest corner, with the range in the metadata.
 
     Parameters
     ----------
     height : Height
     path : Path
     attributes : mapping
-        Metadata beside that of `height_attributes`.
+        Metadata besides that of `height_attributes`.
     at : str
-        "centers": a picture of H x W means of the corners, which other programs take for the relief's picture.
-        "corners": the (H+1) x (W+1) heights themselves, and exactly which pixels are surface; reading gives them back
-        to the precision of the format. Alpha is 1, or 0.5 where the pixel to the corner's lower right is no surface;
-        ``.npy`` holds records (``z_mm``, ``inside``) instead of a plain array.
+        "centers": a picture of H x W means of the corners, as other programs expect. "corners": the (H+1) x (W+1)
+        heights themselves, and exactly which pixels are surface; reading restores both to the precision of the format.
+        Alpha is 1, or 0.5 where the pixel to the corner's lower right is not surface; ``.npy`` holds records
+        (``z_mm``, ``inside``) instead of a plain array.
 
     Raises
     ------
     UsageError
-        If the ending or the place is not offered.
+        If the extension or ``at`` is not supported.
     OutputError
         If it cannot be written.
     """
@@ -116,11 +116,11 @@ def read_height(path: str | Path, *, pitch_mm: float | None = None, max_megapixe
     Parameters
     ----------
     path : Path
-        ``.exr``, ``.tif``, ``.npy`` in mm, or a ``.png`` whose text says its range. What does not say that it holds
-        heights at corners holds them at centres; those of the corners are then means of neighbours, continued straight
-        at the edges, which is exact for planes only.
+        ``.exr``, ``.tif`` or ``.npy`` in mm, or a ``.png`` with its range in the metadata. Unless the file states that
+        its heights are at corners, they are at centres; corner heights are then means of neighbours, extrapolated
+        linearly at the edges, which is exact only for planes.
     pitch_mm : float, optional
-        Size of a pixel where the file does not say it.
+        Size of a pixel if the file does not state it.
     max_megapixels : float
 
     Returns
@@ -130,8 +130,8 @@ def read_height(path: str | Path, *, pitch_mm: float | None = None, max_megapixe
     Raises
     ------
     InputError
-        If it cannot be read, is no height field, or holds NaN or infinite values; heights at centres must be there
-        everywhere.
+        If it cannot be read, is not a height field, or holds NaN or infinite values; heights at centres must be
+        defined everywhere.
     LimitError
         If it is larger than ``max_megapixels``.
 
@@ -150,18 +150,18 @@ def read_height(path: str | Path, *, pitch_mm: float | None = None, max_megapixe
 def read_surface(
     path: str | Path, options: ReadOptions | None = None, *, like: NormalMap, pitch_mm: float
 ) -> NormalMap | Height:
-    """Read a curved background: heights where the file holds an array or a grey picture, else a normal map.
+    """Read a curved background: heights if the file holds an array or a grey picture, else a normal map.
 
     Parameters
     ----------
     path : str or Path
     options : ReadOptions, optional
-        As for the map that lies on it; all of a background is surface, whatever its colours, but where it is
+        As for the map that lies on it; all of a background is surface, whatever its colours, except where it is
         transparent.
     like : NormalMap
-        The map that lies on it: green points the same way.
+        The map that lies on it; green points the same way in both.
     pitch_mm : float
-        Size of a pixel where a file of heights does not say it.
+        Size of a pixel if a height file does not state it.
 
     Returns
     -------
@@ -197,20 +197,18 @@ def _height_of(path: Path, image: RasterImage, pitch_mm: float | None) -> Height
     if facts.at == "corners":
         return height_of_corners(str(path), z_mm, lower_right_of(image.alpha, z_mm.shape), pitch_mm)
     if facts.at != "centers":
-        raise InputError(
-            f"{path}: says that its heights are at {facts.at!r}; accepted are {' and '.join(_PLACE.names)}"
-        )
+        raise InputError(f"{path}: declares heights at {facts.at!r}; accepted values are {' and '.join(_PLACE.names)}")
     return height_of_centers(str(path), z_mm, image.alpha, pitch_mm)
 
 
 def _in_mm(image: RasterImage, facts: DepthFacts) -> Float64:
-    """(h, w) stored heights in mm, whatever alpha says."""
+    """The (h, w) stored heights in mm, regardless of alpha."""
     values = image.pixels[..., 0].astype(np.float64)
     if image.is_float:
         return values
     low, high = facts.black_mm, facts.white_mm
     if facts.kind != "height" or low is None or high is None:
         raise InputError(
-            f"{image.name}: does not say its height range in mm; give the heights as EXR, float TIFF or NPY in mm"
+            f"{image.name}: does not state its height range in mm; export the heights as EXR, float TIFF or NPY in mm"
         )
     return low + values / image.max_code * (high - low)

@@ -1,4 +1,4 @@
-"""Layers of a set as pictures: normals, coverage, depth, face numbers."""
+"""Make pictures of the layers of a set: normals, coverage, depth, face numbers."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from nmaptool.maps.codec import grey_codes
 from nmaptool.types.layer_set import LayerSet
 
 NORMAL_LAYERS = ("original", "base", "detail")
-_MOST_EXACT = 1 << 24  # whole numbers that float32 and three bytes hold
+_MOST_EXACT = 1 << 24  # float32 and three bytes hold all whole numbers below this
 
 
 def layer_picture(layers: LayerSet, name: str, floating: bool) -> Picture:
-    """A layer as a file holds it."""
+    """Return the picture of a layer, with its metadata; ``floating`` selects floats instead of codes."""
     shared = {"version": __version__, "layer": name, "recipe": json.dumps(dict(layers.report.options))}
     if layers.report.view:
         shared["view"] = layers.report.view
@@ -39,7 +39,7 @@ def layer_picture(layers: LayerSet, name: str, floating: bool) -> Picture:
 
 def _depth(layers: LayerSet, floating: bool) -> Picture:
     if layers.depth_mm is None:
-        raise UsageError("`depth`: these layers have no depth; only those of a mesh do")
+        raise UsageError("`depth`: these layers have no depth; only layers of a mesh do")
     seen = layers.coverage > 0
     near, far = float(layers.depth_mm[seen].min()), float(layers.depth_mm[seen].max())
     facts = {"kind": "depth", "near_mm": repr(near), "far_mm": repr(far)}
@@ -53,9 +53,11 @@ def _depth(layers: LayerSet, floating: bool) -> Picture:
 
 def _faces(layers: LayerSet, floating: bool) -> Picture:
     if layers.faces is None:
-        raise UsageError("`faces`: these layers have no face numbers; only those of a mesh do")
+        raise UsageError("`faces`: these layers have no face numbers; only layers of a mesh do")
     if int(layers.faces.max()) + 1 >= _MOST_EXACT:
-        raise LimitError(f"`faces`: a mesh of more than {_MOST_EXACT} faces has numbers too large for a picture")
+        raise LimitError(
+            f"`faces`: a mesh of more than {_MOST_EXACT} faces has numbers too large for a picture; leave `faces` out"
+        )
     facts = {"kind": "faces"}
     if floating:
         return Picture(layers.faces.astype(np.float32)[..., None], ("Y",), facts, "faces")

@@ -1,4 +1,4 @@
-"""The metadata that nmaptool writes into pictures, read back."""
+"""Read back the metadata that nmaptool writes into pictures."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from nmaptool.types.picture import DepthFacts
 PREFIX = "nmaptool:"
 _BREAKS = {"n": "\n", "r": "\r", "\\": "\\"}
 _ESCAPED = re.compile(r"\\([nr\\])")
-# names of the values that code 0 and the largest code stand for
+# attribute names of the values at code 0 and at the largest code
 _ENDS: dict[Literal["depth", "height"], tuple[str, str]] = {
     "depth": ("far_mm", "near_mm"),
     "height": ("height_min_mm", "height_max_mm"),
@@ -21,9 +21,9 @@ _ENDS: dict[Literal["depth", "height"], tuple[str, str]] = {
 
 
 def own_attributes(spec: Any) -> dict[str, str]:
-    """Nmaptool's own metadata in an OpenImageIO ImageSpec, keys without prefix."""
+    """Return nmaptool's own metadata in an OpenImageIO ImageSpec, with keys without the prefix."""
     own = {a.name[len(PREFIX) :]: str(a.value) for a in spec.extra_attribs if a.name.startswith(PREFIX)}
-    if not own:  # TIFF has no free-form attributes: they travel in its description, a line each
+    if not own:  # TIFF has no free-form attributes, so its description holds them, one per line
         for line in str(spec.getattribute("ImageDescription") or "").split("\n"):
             key, mark, value = line.removesuffix("\r").partition("=")
             if mark and key.startswith(PREFIX):
@@ -32,12 +32,12 @@ def own_attributes(spec: Any) -> dict[str, str]:
 
 
 def one_line(text: str) -> str:
-    """A value as a line of a TIFF's description; reading gives it back."""
+    """Escape a value to fit on a line of a TIFF's description; `own_attributes` restores it."""
     return text.replace("\\", "\\\\").replace("\n", "\\n").replace("\r", "\\r")
 
 
 def depth_facts(attributes: Mapping[str, str]) -> DepthFacts | None:
-    """What the metadata of a depth or height file says, None for other files; damaged values count as missing.
+    """Return the facts in the metadata of a depth or height file, else None; damaged values count as missing.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def _number(text: object) -> float | None:
 
 
 def _camera_fov(recipe: str) -> float | None:
-    """The camera's field of view in the options that the layers were drawn with."""
+    """The camera's field of view in the options with which the layers were rendered."""
     try:
         options = json.loads(recipe)
     except (ValueError, RecursionError):

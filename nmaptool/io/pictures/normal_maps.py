@@ -1,4 +1,4 @@
-"""Normal maps and grey control maps as files."""
+"""Read normal maps and grey control maps, and make pictures of normal maps to write."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from nmaptool.types.picture import RasterImage
 
 
 def split_layer(text: str) -> tuple[Path, str | None]:
-    """``maps.exr:detail`` as a path and a layer; a file of that very name wins.
+    """Split ``maps.exr:detail`` into a path and a layer; a file with exactly that name takes precedence.
 
     >>> split_layer("maps.exr:detail")[1]
     'detail'
@@ -74,18 +74,18 @@ def read_normal_map(
         ``FILE`` or ``FILE.exr:layer``.
     options : ReadOptions, optional
     like : NormalMap, optional
-        The original that this map goes with: which way green points is taken from there unless the options or the
-        file itself say it, since the curl of a detail map or a smooth background says little.
+        The original to which this map belongs. It sets the direction of green unless the options or the file state it,
+        because the curl of a detail map or a smooth background shows it poorly.
 
     Returns
     -------
     NormalMap
-        Unit normals in eye space; ``decoding`` says what was decided.
+        Unit normals in eye space; ``decoding`` states what was detected.
 
     Raises
     ------
     InputError
-        If the file cannot be read or is no normal map.
+        If the file cannot be read or is not a normal map.
     LimitError
         If it is larger than ``options.max_megapixels``.
 
@@ -100,7 +100,7 @@ def read_normal_map(
 
 
 def options_like(image: RasterImage, options: ReadOptions, like: NormalMap | None) -> ReadOptions:
-    """The options with green as in ``like``, unless they or the file itself say which way it points."""
+    """Return the options with green as in ``like``, unless they or the file state its direction."""
     if like is None or options.green != "auto" or image.attributes.get("green") in ("up", "down"):
         return options
     return replace(options, green="down" if like.decoding.green == "down" else "up")
@@ -109,8 +109,8 @@ def options_like(image: RasterImage, options: ReadOptions, like: NormalMap | Non
 def read_grey(path: str | Path, *, max_megapixels: float = 270.0) -> Float32:
     """Read a grey control picture: a mask, or a map of weights.
 
-    Integer codes become 0..1; floats stay as they are. A picture with colours all equal counts as grey. Where alpha
-    is the only thing that varies, alpha is meant.
+    Integer codes become 0..1; floats are not changed. A picture whose colour channels are equal counts as grey. If
+    only alpha varies, alpha is returned.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def read_grey(path: str | Path, *, max_megapixels: float = 270.0) -> Float32:
     (dtype('float32'), 0.0, 1.0)
     """
     image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
-    colors = [i for i, name in enumerate(image.channels) if name != "A"] or [0]  # alpha alone is a mask, too
+    colors = [i for i, name in enumerate(image.channels) if name != "A"] or [0]  # alpha alone is also a mask
     grey = image.pixels[..., colors[0]]
     tolerance = 8 if image.lossy else 0
     for other in colors[1:]:
@@ -156,7 +156,7 @@ def read_grey(path: str | Path, *, max_megapixels: float = 270.0) -> Float32:
 def normal_picture(
     normal_map: NormalMap, bits: int, *, half: bool = False, name: str = "", green: str = "up", zero_code: str = "127.5"
 ) -> Picture:
-    """A normal map as a file holds it: codes of 8 or 16 bits, or signed floats (32); its coverage as alpha."""
+    """Return the picture of a normal map: codes of 8 or 16 bits, or signed floats (32), with coverage as alpha."""
     covered = bool((normal_map.coverage < 1).any())
     channels = ("R", "G", "B", "A") if covered else ("R", "G", "B")
     attributes = {"version": __version__, "kind": "normal", "green": green}

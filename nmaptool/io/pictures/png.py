@@ -1,4 +1,4 @@
-"""The chunks of a PNG file, checked before a decoder sees them."""
+"""Check the chunks of a PNG file before a decoder sees them."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ _MAX_DEFLATE_RATIO = 1040
 
 @dataclass(frozen=True)
 class PngStructure:
-    """What a PNG's chunks say.
+    """Facts from the chunks of a PNG.
 
     Attributes
     ----------
     cols, rows : int
-        Size that the header claims.
+        Size that the header declares.
     color_chunks : tuple of str
         Colour-management chunks present.
     data_bytes : int
-        Compressed bytes of picture data.
+        Number of bytes of compressed picture data.
     pixel_bits : int
         Bits per pixel.
     """
@@ -38,7 +38,7 @@ class PngStructure:
 
     @property
     def is_possible(self) -> bool:
-        """Whether that much picture can come out of that little data."""
+        """Whether the compressed data can unpack to a picture of this size."""
         return self.cols * self.rows * self.pixel_bits / 8 <= self.data_bytes * _MAX_DEFLATE_RATIO + 65536
 
 
@@ -64,14 +64,14 @@ def read_structure(path: Path, max_megapixels: float) -> PngStructure:
     Raises
     ------
     InputError
-        If the file is cut short or damaged.
+        If the file is truncated or damaged.
     LimitError
-        If the header claims more than ``max_megapixels``; said first, since such a file is often just a header.
+        If the header declares more than ``max_megapixels``; checked first, since such a file is often just a header.
     """
     colors: list[str] = []
     header: tuple[int, int, int] | None = None
     data_bytes = 0
-    damaged = InputError(f"{path}: the PNG file is cut short or damaged; export or download it again")
+    damaged = InputError(f"{path}: the PNG file is truncated or damaged; export or download it again")
     with path.open("rb") as stream:
         if stream.read(8) != SIGNATURE:
             raise damaged

@@ -1,4 +1,4 @@
-"""Pictures through OpenImageIO: formats we allow only, alpha unassociated, codes untouched by colour management."""
+"""Read pictures through OpenImageIO: only supported formats, unassociated alpha, codes without colour management."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, LimitError
@@ -23,7 +23,7 @@ _LARGEST_PIXEL_BYTES = 16  # four float channels
 
 
 def error_text(source: Any) -> str:
-    """OpenImageIO's last error of a reader, a writer or the library, on one line; fetching it clears it."""
+    """Return and clear the last error of an OpenImageIO reader or writer, or of the library, on one line."""
     try:
         text = source.geterror()
     except UnicodeDecodeError:
@@ -32,14 +32,14 @@ def error_text(source: Any) -> str:
 
 
 def _check_jpeg_end(path: Path) -> None:
-    """Refuse a JPEG without its end mark: the decoder would fill what is missing with grey, in silence."""
+    """Refuse a JPEG without its end mark: the decoder would silently fill the missing part with grey."""
     data = path.read_bytes()
     if data.find(b"\xff\xd9", max(data.rfind(b"\xff\xda"), 0)) < 0:
-        raise InputError(f"{path}: the JPEG file is cut short or damaged; export or download it again")
+        raise InputError(f"{path}: the JPEG file is truncated or damaged; export or download it again")
 
 
 def _check_claim(path: Path, reason: str, max_megapixels: float) -> None:
-    """Refuse by our own limit a size that the reader itself refused, in its words ``... 100000x100000 ...``."""
+    """Apply our own limit to a size that OpenImageIO refused with a message like ``... 100000x100000 ...``."""
     claims = re.findall(r"(\d{4,})x(\d{4,})", reason)
     if claims:
         cols, rows = (int(side) for side in claims[-1])
@@ -48,7 +48,7 @@ def _check_claim(path: Path, reason: str, max_megapixels: float) -> None:
 
 
 def _openable(path: Path) -> str:
-    """The path as text, which is all that OpenImageIO takes; names in another encoding are not."""
+    """Return the path as UTF-8 text, which OpenImageIO needs; refuse names in other encodings."""
     try:
         return str(path).encode().decode()
     except UnicodeEncodeError:
@@ -57,19 +57,19 @@ def _openable(path: Path) -> str:
 
 
 def _open(path: Path, max_megapixels: float) -> tuple[Any, PictureFormat, png.PngStructure | None]:
-    """An open OpenImageIO input, the format, and a PNG's structure."""
+    """Return an open OpenImageIO input, the format, and the structure of a PNG."""
     kind = find_format(path)
     if kind is JPEG:
         _check_jpeg_end(path)
     structure = png.read_structure(path, max_megapixels) if kind is PNG else None
     if structure is not None and not structure.is_possible:
-        raise InputError(f"{path}: the PNG file is cut short or damaged; export or download it again")
+        raise InputError(f"{path}: the PNG file is truncated or damaged; export or download it again")
     config = oiio.ImageSpec()
     config.attribute("oiio:UnassociatedAlpha", 1)
-    # a limit of our own, so that the reader's answer does not depend on the machine's memory
+    # our own limit, so that the result does not depend on the memory of the machine
     allowed = int(max_megapixels * _LARGEST_PIXEL_BYTES) + 1 if math.isfinite(max_megapixels) else 0
     oiio.attribute("limits:imagesize_MB", min(allowed, 2**31 - 1))
-    source = oiio.ImageInput.open(_openable(path), config)  # bytes and ending agree: no other reader is tried
+    source = oiio.ImageInput.open(_openable(path), config)  # bytes and extension agree, so no other reader is tried
     if source is None:
         reason = error_text(oiio)
         _check_claim(path, reason, max_megapixels)
@@ -88,14 +88,14 @@ def read_image(path: Path, layer: str | None = None, max_megapixels: float = 270
     layer : str, optional
         Layer or part of an EXR.
     max_megapixels : float
-        Refuse more before anything is allocated.
+        Refuse larger pictures, before anything is allocated.
 
     Raises
     ------
     InputError
-        If it cannot be read, or the layer is not in it.
+        If it cannot be read, or does not have the layer.
     LimitError
-        If it claims to be larger than ``max_megapixels``.
+        If its declared size is larger than ``max_megapixels``.
     """
     source, kind, structure = _open(path, max_megapixels)
     try:
@@ -105,7 +105,7 @@ def read_image(path: Path, layer: str | None = None, max_megapixels: float = 270
             png.check_size(path, cols, rows, max_megapixels)
         chosen = layers.choose(path, parts, layer)
         if parts[chosen.part].deep:
-            raise InputError(f"{path}: holds deep data (many samples a pixel); flatten it on export")
+            raise InputError(f"{path}: holds deep data (many samples per pixel); flatten it on export")
         source.seek_subimage(chosen.part, 0)
         return _read_layer(path, source, kind, structure, chosen)
     finally:
@@ -114,15 +114,15 @@ def read_image(path: Path, layer: str | None = None, max_megapixels: float = 270
 
 @dataclass(frozen=True, eq=False)
 class PlacedImage:
-    """A part of a file at its place: not yet on the canvas.
+    """A part of a file with its place on the canvas, in its own data window.
 
     Parameters
     ----------
     image : RasterImage
     left, top : int
-        Of its data window in the display window.
+        Position of its data window in the display window.
     cols, rows : int
-        Of the display window.
+        Size of the display window.
     """
 
     image: RasterImage
@@ -138,7 +138,7 @@ def read_pages(path: Path, max_megapixels: float = 270.0) -> list[PlacedImage]:
     Raises
     ------
     InputError, LimitError
-        As `read_image`; the limit is on all of them together.
+        As `read_image`; the limit applies to all of them together.
     """
     source, kind, structure = _open(path, max_megapixels)
     try:
@@ -148,7 +148,7 @@ def read_pages(path: Path, max_megapixels: float = 270.0) -> list[PlacedImage]:
         for layer in found:
             spec = parts[layer.part]
             if spec.deep:
-                raise InputError(f"{path}: holds deep data (many samples a pixel); flatten it on export")
+                raise InputError(f"{path}: holds deep data (many samples per pixel); flatten it on export")
             png.check_size(path, spec.full_width, spec.full_height, max_megapixels)
             total += spec.width * spec.height
         if total > max_megapixels * 1e6:
@@ -176,7 +176,7 @@ def _parts(source: Any) -> list[Any]:
     parts: list[Any] = []
     while source.seek_subimage(len(parts), 0):
         parts.append(oiio.ImageSpec(source.spec()))
-    error_text(source)  # there is always one part less than asked for; that is no error
+    error_text(source)  # clear the expected error of seeking past the last part
     return parts
 
 
@@ -189,18 +189,18 @@ def _read_layer(
     *,
     placed: bool = False,
 ) -> RasterImage:
-    """The layer on the canvas, or (``placed``) in its own data window."""
+    """Read the layer onto the canvas or, with ``placed``, into its own data window."""
     spec = source.spec()
     stored = str(spec.format)
     wanted = {"uint8": oiio.UINT8, "uint16": oiio.UINT16}.get(stored, oiio.FLOAT)
     if stored not in ("uint8", "uint16", "half", "float"):
-        raise InputError(f"{path}: stores {stored} numbers; accepted are 8 or 16 bit integers, half and float")
+        raise InputError(f"{path}: stores {stored} values; export it as 8- or 16-bit integers, half or float")
     try:
         pixels = source.read_image(chosen.part, 0, 0, spec.nchannels, wanted)
     except MemoryError:
         raise LimitError(f"{path}: {spec.width} x {spec.height} does not fit in memory; make it smaller") from None
     if pixels is None:
-        raise InputError(f"{path}: the {kind.name} file is cut short or damaged; export or download it again")
+        raise InputError(f"{path}: the {kind.name} file is truncated or damaged; export or download it again")
     pixels = layers.pick(pixels, chosen)
     if not placed:
         pixels, chosen = _on_canvas(spec, pixels, chosen)
@@ -222,7 +222,7 @@ def _read_layer(
 
 
 def _on_canvas(spec: Any, pixels: NDArray[Any], chosen: layers.Layer) -> tuple[NDArray[Any], layers.Layer]:
-    """Put an EXR's data window at its place in the display window; what it leaves out is transparent."""
+    """Put an EXR's data window at its place in the display window; the rest is transparent."""
     data = (spec.x, spec.y, spec.width, spec.height)
     full = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
     if data == full or full[2] < 1 or full[3] < 1:

@@ -1,4 +1,4 @@
-"""Writing pictures through OpenImageIO, and reading them back before they are called written."""
+"""Write pictures through OpenImageIO and read them back to check them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813 - its own documentation's name
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, OutputError
@@ -18,7 +18,7 @@ from nmaptool.io.pictures.reader import PlacedImage, error_text, read_image, rea
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What one picture, or one part of a multi-part EXR, holds.
+    """The content of one picture, or of one part of a multi-part EXR.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Picture:
     attributes : mapping
         Metadata; keys without prefix.
     name : str
-        Of the part.
+        Name of the part.
     half : bool
         Store float32 as half.
     window : tuple of int, optional
@@ -51,7 +51,7 @@ def write_image(
     attributes: Mapping[str, str],
     half: bool = False,
 ) -> None:
-    """`write_pictures` of one."""
+    """Write one picture with `write_pictures`."""
     write_pictures([Picture(pixels, channels, attributes, half=half)], path)
 
 
@@ -61,13 +61,13 @@ def write_pictures(pictures: Sequence[Picture], path: Path) -> None:
     Parameters
     ----------
     pictures : sequence of Picture
-        Several become the parts of an EXR.
+        Several pictures become the parts of an EXR.
     path : Path
 
     Raises
     ------
     OutputError
-        If writing fails or what is on disk is not what was written.
+        If writing fails, or the file on disk differs from what was written.
     """
     specs = [_spec(path.suffix.lower(), picture) for picture in pictures]
     if len(specs) > 1:
@@ -83,7 +83,7 @@ def write_pictures(pictures: Sequence[Picture], path: Path) -> None:
         good = good and sink.write_image(np.ascontiguousarray(picture.pixels))
     reason = "" if good else error_text(sink)
     good = bool(sink.close()) and good
-    if good:  # the PNG writer calls a full disk a success
+    if good:  # the PNG writer reports success on a full disk
         placed = any(picture.window is not None for picture in pictures)
         back = _placed_on_disk(path) if placed else None
         good = all(_same_on_disk(path, picture, len(specs) > 1, back) for picture in pictures)

@@ -1,1 +1,1 @@
-"""Recipe files, and the pictures that they name."""
+"""Read recipe files and the pictures that they name."""

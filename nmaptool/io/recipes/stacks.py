@@ -1,4 +1,4 @@
-"""The maps and masks of a recipe, read: what `nmaptool.compose` takes."""
+"""Read the maps and masks of a recipe, as input of `nmaptool.compose`."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ class Stack(OneLine):
     Attributes
     ----------
     layers : tuple of Layer or LayerGroup
-        Those that are not hidden.
+        The layers that are not hidden.
     canvas : CanvasOptions
     recipe : Recipe
-        Including the reading options that were given, so that it gives the same layers again by itself.
+        Including the given reading options, so that the recipe alone reproduces the layers.
     maps : tuple of NormalMap
-        Every map once.
+        Each map once.
     outside : tuple of str
-        Files that were read outside the recipe's folder.
+        Files that were read from outside the recipe's folder.
     """
 
     layers: tuple[Layer | LayerGroup, ...]
@@ -57,11 +57,11 @@ def read_stack(
     Parameters
     ----------
     recipe : Recipe, str or Path
-        A recipe, or the file of one for `nmaptool.read_recipe`.
+        A recipe, or a file for `nmaptool.read_recipe`.
     reading : ReadOptions, optional
         For all maps; options of a single layer override them. ``max_megapixels`` limits all pictures together.
     folder : str or Path, optional
-        What files are relative to. Default: the recipe's own folder.
+        The folder to which file names are relative. Default: the recipe's own folder.
 
     Returns
     -------
@@ -71,8 +71,8 @@ def read_stack(
     Raises
     ------
     InputError
-        If a file cannot be read or is no normal map, a mask does not fit, or every layer is hidden; the message says
-        which layer of which recipe wants it.
+        If a file cannot be read or is not a normal map, a mask does not fit, or every layer is hidden; the message
+        names the layer and the recipe.
     LimitError
         If the pictures are larger than ``reading.max_megapixels`` together.
 
@@ -96,7 +96,7 @@ def read_stack(
 
 
 def outside(recipe: Recipe, folder: Path) -> tuple[str, ...]:
-    """Files of a recipe, as it names them, that do not lie in ``folder`` once links are followed."""
+    """Return the files of a recipe, as it names them, that are outside ``folder`` once links are followed."""
     return tuple(name for name in (*recipe.sources, *recipe.files) if not _lies_in(folder, name))
 
 
@@ -104,7 +104,7 @@ def _lies_in(folder: Path, name: str) -> bool:
     file, _ = split_layer(str(folder / name))
     try:
         return file.resolve().is_relative_to(folder.resolve())
-    except (OSError, RuntimeError, ValueError):  # links in a circle, a zero in the name: reading tells
+    except (OSError, RuntimeError, ValueError):  # a cycle of links or a null character: reading the file will report it
         return True
 
 
@@ -131,7 +131,7 @@ class _Pictures:
     taken: float = 0.0
 
     def layers(self, entries: tuple[Entry, ...]) -> list[Layer | LayerGroup]:
-        """What is not hidden, read."""
+        """Read the layers and groups that are not hidden."""
         found = (self._layer(entry) for entry in entries if not entry.hidden)
         return [layer for layer in found if layer is not None]
 
@@ -142,8 +142,12 @@ class _Pictures:
             layers = tuple(self.layers(entry.layers))
             if not layers:  # all of them hidden
                 return None
-            return _with_context(entry, lambda: LayerGroup(layers, entry.options, self._mask(entry)))
-        return _with_context(entry, lambda: Layer(self._map(entry), entry.options, self._mask(entry)))
+            return _with_context(
+                entry, lambda: LayerGroup(layers, entry.options, self._mask(entry), origin=entry.origin)
+            )
+        return _with_context(
+            entry, lambda: Layer(self._map(entry), entry.options, self._mask(entry), origin=entry.origin)
+        )
 
     def _map(self, entry: RecipeLayer) -> NormalMap:
         source = str(self.folder / entry.file)
@@ -183,7 +187,7 @@ class _Pictures:
 
 
 def _with_context(entry: Entry, make: Callable[[], _T]) -> _T:
-    """What ``make`` makes; its errors say which layer of which recipe they are about."""
+    """Return the result of ``make``; its errors are given the name of the layer and the recipe."""
     try:
         return make()
     except NmaptoolError as error:

@@ -1,4 +1,4 @@
-"""Workspaces from files, by ending and first bytes: PSD, PSB, ORA, TIFF, EXR."""
+"""Read workspaces, identified by extension and first bytes: PSD, PSB, ORA, TIFF, EXR."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ def _kind(path: Path) -> str:
         if head.startswith(magic):
             if path.suffix and path.suffix.lower() not in endings:
                 right = path.with_suffix(endings[0]).name
-                raise InputError(f"{path}: holds {kind} data but is not named so; rename it to {right}")
+                raise InputError(f"{path}: holds {kind} data; rename it to {right}")
             return kind
     if head.startswith(b"gimp xcf"):
-        raise InputError(f"{path}: is GIMP's own format, which is not read here; export it as PSD")
-    raise InputError(f"{path}: is no workspace that can be read here; accepted are {_ACCEPTED}")
+        raise InputError(f"{path}: is in GIMP's own format, which is not supported; export it as PSD")
+    raise InputError(f"{path}: is not a workspace in a supported format; export it as {_ACCEPTED}")
 
 
 def read_workspace(path: str | Path, *, max_megapixels: float = 270.0) -> Workspace:
-    """Read the layers of a file that an image editor wrote, or `write_workspace`.
+    """Read the layers of a file written by an image editor or by `write_workspace`.
 
     Parameters
     ----------
     path : str or Path
         PSD, PSB, ORA, multi-page TIFF or multi-part EXR, recognised by its bytes.
     max_megapixels : float
-        Of the canvas, and of all layers together; refused before any memory is taken.
+        Limit for the canvas, and for all layers together; larger files are refused before memory is allocated.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def read_workspace(path: str | Path, *, max_megapixels: float = 270.0) -> Worksp
     Raises
     ------
     InputError
-        If it cannot be read, or holds no layer of pixels.
+        If it cannot be read, or has no pixel layer.
     LimitError
         If it is larger than ``max_megapixels``.
 

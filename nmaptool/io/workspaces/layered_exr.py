@@ -1,4 +1,4 @@
-"""Workspaces as multi-part EXR: one part a layer, signed normals, its data window at its place on the canvas."""
+"""Workspaces as multi-part EXR: one part per layer, signed normals, its data window at its place on the canvas."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _CHANNELS = ("R", "G", "B", "A")
 
 
 def write_layered_exr(workspace: Workspace, path: Path) -> None:
-    """Write one part a layer, bottom to top; a mask is a part ``NAME [mask]`` with the one channel Y.
+    """Write one part per layer, bottom to top; a mask is a part ``NAME [mask]`` with the single channel Y.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Workspaces as TIFF: one page a layer, with its name and place; pixels are decoded by OpenImageIO."""
+"""Workspaces as TIFF: one page per layer, with its name and place; OpenImageIO decodes the pixels."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ _DAMAGE = (
 
 
 def write_layered_tiff(workspace: Workspace, path: Path) -> None:
-    """Write one page a layer, bottom to top; a mask is a grey page after its layer, called ``NAME [mask]``.
+    """Write one page per layer, bottom to top; a mask is a grey page after its layer, called ``NAME [mask]``.
 
-    A page's name is its PageName, its place XPosition and YPosition (which cannot be negative) and, exactly, in its
-    description, where nmaptool's own words are, too.
+    A page stores its name as PageName and its place as XPosition and YPosition, which cannot be negative. Its
+    description holds the exact place and nmaptool's other metadata.
     """
     size = sum(layer.pixels.nbytes + (layer.mask.values.nbytes if layer.mask else 0) for layer in workspace.layers)
     with tifffile.TiffWriter(path, bigtiff=size > _CLASSIC_BYTES) as writer:
@@ -83,7 +83,7 @@ def _write(
 
 @dataclass(frozen=True)
 class _Tags:
-    """What a page's directory says of it."""
+    """The tags in the directory of a page."""
 
     cols: int
     rows: int
@@ -96,7 +96,7 @@ class _Tags:
 
 @contextlib.contextmanager
 def _damage_named(path: Path) -> Iterator[None]:
-    """One clear line for whatever tifffile meets in a damaged file; its own words are not shown."""
+    """Turn any error of tifffile about a damaged file into one clear line; its own messages are not shown."""
     logger = logging.getLogger("tifffile")
     before = logger.level
     logger.setLevel(logging.CRITICAL + 1)
@@ -107,7 +107,7 @@ def _damage_named(path: Path) -> Iterator[None]:
     except (InputError, LimitError):
         raise
     except _DAMAGE:
-        raise InputError(f"{path}: the TIFF file is cut short or damaged; export or download it again") from None
+        raise InputError(f"{path}: the TIFF file is truncated or damaged; export or download it again") from None
     except MemoryError:
         raise LimitError(f"{path}: does not fit in memory; make it smaller") from None
     finally:
@@ -120,7 +120,7 @@ def read_layered_tiff(path: Path, max_megapixels: float) -> Workspace:
     Raises
     ------
     InputError
-        If it is damaged or of a kind not accepted.
+        If it is damaged or of an unsupported kind.
     LimitError
         If all pages together are over ``max_megapixels``.
     """
@@ -131,7 +131,7 @@ def read_layered_tiff(path: Path, max_megapixels: float) -> Workspace:
             budget.add(tags.name, tags.cols, tags.rows)
         images = [page.image for page in read_pages(path, max_megapixels)]
         if len(images) != len(directories):
-            raise ValueError("two readers see different numbers of pages")
+            raise ValueError("the two readers find different numbers of pages")
         kept = [(tags, image) for tags, image in zip(directories, images, strict=True) if not tags.reduced]
         pages = [Page(t.name or f"page {i + 1}", image, t.left, t.top) for i, (t, image) in enumerate(kept)]
         layers, own, orphans = layers_of(pages)
@@ -148,7 +148,7 @@ def read_layered_tiff(path: Path, max_megapixels: float) -> Workspace:
 
 
 def _canvas(pages: list[_Tags], first: Mapping[str, Any] | None) -> Frame:
-    """The canvas that the file states, else what holds all pages."""
+    """The canvas that the file states, else the smallest that holds all pages."""
     size = (first or {}).get("canvas")
     pitch = metadata.pitch_in(first)
     if isinstance(size, list) and len(size) == 2 and all(isinstance(n, int) and 0 < n <= FURTHEST for n in size):
@@ -163,7 +163,7 @@ def _directories(path: Path) -> list[_Tags]:
     with tifffile.TiffFile(path) as tiff:
         for page in tiff.pages:
             if len(found) >= MOST_LAYERS:
-                raise LimitError(f"{path}: holds more than {MOST_LAYERS} pages; accepted are at most as many")
+                raise LimitError(f"{path}: holds more pages than the limit of {MOST_LAYERS}; merge some")
             found.append(_tags(page if isinstance(page, tifffile.TiffPage) else page.aspage()))
     return found
 

@@ -1,4 +1,4 @@
-"""What a workspace file may claim before any of it is decoded."""
+"""Limits for what a workspace file declares, checked before any of it is decoded."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ _LONGEST_SIDE = 300_000
 
 
 class Budget:
-    """Sums the pixels that a file's layers claim.
+    """Adds up the pixels that the layers of a file declare.
 
     Parameters
     ----------
     path : Path
         For messages.
     max_megapixels : float
-        Of the canvas, and of all layers and masks together.
+        Limit for the canvas, and for all layers and masks together.
     """
 
     def __init__(self, path: Path, max_megapixels: float) -> None:
         self._path, self._limit, self._pixels = path, max_megapixels, 0
 
     def check_count(self, layers: int) -> None:
-        """Refuse more layers than any designer makes, by a LimitError."""
+        """Raise a LimitError if there are more layers than `MOST_LAYERS`."""
         if layers > MOST_LAYERS:
-            raise LimitError(f"{self._path}: holds {layers} layers; accepted are at most {MOST_LAYERS}")
+            raise LimitError(f"{self._path}: holds {layers} layers, more than the limit of {MOST_LAYERS}; merge some")
 
     def check_depth(self, depth: int) -> None:
-        """Refuse groups in groups without end, by an InputError."""
+        """Raise an InputError if groups are nested too deeply."""
         if depth > _DEEPEST_GROUP:
-            raise InputError(f"{self._path}: nests groups more than {_DEEPEST_GROUP} deep; merge some")
+            raise InputError(f"{self._path}: groups are nested more than {_DEEPEST_GROUP} deep; merge some")
 
     def add(self, name: str, cols: int, rows: int) -> None:
         """Count a layer's rectangle.
@@ -49,7 +49,7 @@ class Budget:
         shown = "".join(c if c.isprintable() else "?" for c in name[:60])
         if max(cols, rows) > _LONGEST_SIDE:
             raise LimitError(
-                f"{self._path}: layer {shown!r} claims {cols} x {rows} px; accepted are sides up to {_LONGEST_SIDE}"
+                f"{self._path}: layer {shown!r} declares {cols} x {rows} px; the limit is {_LONGEST_SIDE} px a side"
             )
         check_size(Path(f"{self._path}: layer {shown!r}"), cols, rows, self._limit)
         self._pixels += cols * rows

@@ -1,4 +1,4 @@
-"""How workspace files say what they hold: nmaptool's own words in them, blend modes, colour profiles."""
+"""The metadata of workspace files: nmaptool's own, blend modes, colour profiles."""
 
 from __future__ import annotations
 
@@ -54,23 +54,23 @@ _ORA_NORMAL = ("svg:src-over", "svg:normal", "")
 
 
 def psd_mode(mode: str) -> bytes:
-    """Photoshop's key of a blend mode; that of ``normal`` where it has none of that name."""
+    """Return Photoshop's key for a blend mode, or that of ``normal`` if Photoshop does not have the mode."""
     keys = {word: key for key, word in _PSD_MODES.items()}
     return keys.get(mode, "norm").encode("ascii")
 
 
 def from_psd_mode(key: bytes) -> str:
-    """A blend mode's name."""
+    """Return the name of a blend mode from Photoshop's key."""
     return _PSD_MODES.get(key.decode("latin-1"), key.decode("latin-1").strip())
 
 
 def ora_mode(mode: str) -> str:
-    """OpenRaster's word for a blend mode."""
+    """Return OpenRaster's name for a blend mode."""
     return "svg:src-over" if mode == NORMAL_BLEND else f"svg:{mode.replace(' ', '-')}"
 
 
 def from_ora_mode(word: str) -> str:
-    """A blend mode's name: ``svg:soft-light`` and ``krita:soft_light`` are ``soft light``."""
+    """Return the name of a blend mode: ``svg:soft-light`` and ``krita:soft_light`` are ``soft light``."""
     if word in _ORA_NORMAL:
         return NORMAL_BLEND
     return word.rpartition(":")[2].replace("-", " ").replace("_", " ")[:40]
@@ -82,7 +82,7 @@ def to_json(metadata: Mapping[str, Any]) -> str:
 
 
 def from_json(text: str | bytes) -> dict[str, Any] | None:
-    """The words, or None where they are no JSON object: an editor may have cut them."""
+    """Return the metadata, or None if the text is not a JSON object: an editor may have truncated it."""
     if len(text) > _LARGEST_METADATA:
         return None
     try:
@@ -93,12 +93,12 @@ def from_json(text: str | bytes) -> dict[str, Any] | None:
 
 
 def to_xmp(metadata: Mapping[str, Any]) -> bytes:
-    """The words as the property ``dc:source`` of an XMP packet: editors drop properties that they do not know."""
+    """Return the metadata as ``dc:source`` of an XMP packet, because editors drop properties that they do not know."""
     return _XMP.format(escape(to_json(metadata))).encode("utf-8")
 
 
 def from_xmp(packet: bytes) -> dict[str, Any] | None:
-    """The words out of an XMP packet, as an element or as an attribute; None where they are not there."""
+    """Return the metadata in an element or an attribute of an XMP packet, or None if there are none."""
     if b"source" not in packet or len(packet) > _LARGEST_METADATA:
         return None
     try:
@@ -116,7 +116,7 @@ def from_xmp(packet: bytes) -> dict[str, Any] | None:
 
 
 def pitch_in(metadata: Mapping[str, Any] | None) -> float | None:
-    """Millimetres per px, or None."""
+    """Return the mm per px in the metadata, or None."""
     pitch = (metadata or {}).get("pitch_mm")
     if isinstance(pitch, bool) or not isinstance(pitch, int | float) or not 0 < pitch < 1e6:
         return None
@@ -124,7 +124,7 @@ def pitch_in(metadata: Mapping[str, Any] | None) -> float | None:
 
 
 def profile_name(profile: bytes) -> str:
-    """What an ICC profile calls itself."""
+    """Return the name in an ICC profile."""
     plain = "ICC profile"
     try:
         (count,) = struct.unpack_from(">I", profile, 128)

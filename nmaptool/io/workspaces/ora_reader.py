@@ -1,4 +1,4 @@
-"""OpenRaster files as Krita, GIMP and MyPaint write them."""
+"""Read OpenRaster files from Krita, GIMP, MyPaint and nmaptool."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ def read_ora(path: Path, max_megapixels: float) -> Workspace:
     Raises
     ------
     InputError
-        If it is damaged, holds what no editor writes, or no layer of pixels.
+        If it is damaged, has entries that no editor writes, or has no pixel layer.
     LimitError
         If the canvas or all layers together are over ``max_megapixels``.
     """
     with OraArchive(path, max_megapixels) as archive:
         if "mimetype" in archive and archive.read("mimetype", 4096).strip() != MIMETYPE.encode("ascii"):
-            raise InputError(f"{path}: is a zip but no OpenRaster file; accepted are PSD, PSB, ORA, TIFF and EXR")
+            raise InputError(f"{path}: is a ZIP archive but not an OpenRaster file; save it as ORA, PSD or TIFF")
         if "stack.xml" not in archive:
-            raise InputError(f"{path}: is a zip without stack.xml, so no OpenRaster file; save it as ORA")
+            raise InputError(f"{path}: is a ZIP archive without stack.xml, not an OpenRaster file; save it as ORA")
         root = parse_xml(archive.read("stack.xml", _LARGEST_LIST), f"{path}: stack.xml")
         if root.tag != "image":
             raise archive.damaged()
@@ -64,7 +64,7 @@ def read_ora(path: Path, max_megapixels: float) -> Workspace:
                     found.walk(child, ())
     layers = tuple(reversed(found.layers))
     if not layers:
-        raise InputError(f"{path}: holds no layer of pixels; draw or paste one first")
+        raise InputError(f"{path}: has no pixel layer; draw or paste one first")
     return Workspace(
         frame=Frame(rows, cols, metadata.pitch_in(own)),
         layers=layers,
@@ -83,7 +83,7 @@ def _whole(element: Element, key: str, archive: OraArchive, least: int = -_FURTH
     except ValueError:
         raise archive.damaged() from None
     if not (math.isfinite(value) and least <= value <= _FURTHEST):
-        raise InputError(f"{archive.path}: stack.xml says {key}={value:g}, which cannot be meant; save it again")
+        raise InputError(f"{archive.path}: stack.xml has {key}={value:g}, which is out of range; save it again")
     return round(value)
 
 
@@ -102,7 +102,7 @@ def _label(element: Element) -> str:
 
 
 class _Layers:
-    """Layers top to bottom, as the list has them; a hidden ``NAME [mask]`` becomes the mask of the next."""
+    """Layers top to bottom, as in stack.xml; a hidden ``NAME [mask]`` becomes the mask of the layer ``NAME`` below."""
 
     def __init__(self, archive: OraArchive, max_megapixels: float, picture: Path) -> None:
         self.archive, self.limit, self.picture = archive, max_megapixels, picture
@@ -115,7 +115,7 @@ class _Layers:
         self._masks: dict[str, Element] = {}
 
     def check(self, stack: Element, depth: int) -> None:
-        """Sum what all layers claim, before the first is decoded."""
+        """Add up the sizes that all layers declare, before the first is decoded."""
         self.budget.check_depth(depth)
         for child in stack.children:
             if child.tag == "stack":
@@ -147,14 +147,14 @@ class _Layers:
                 self._take(child, groups)
             elif child.tag in ("text", "filter"):
                 self.skipped.append((_label(child), f"{child.tag} layer"))
-        for mask in self._masks.values():  # masks whose layer is gone are layers like any other
+        for mask in self._masks.values():  # masks whose layer is gone
             self.skipped.append((_label(mask), "mask without its layer"))
         self._masks.clear()
 
     def _take(self, element: Element, groups: tuple[WorkspaceGroup, ...]) -> None:
         if self._source(element) is None:
             kind = Path(element.attributes.get("src", "")).suffix or "empty"
-            self.skipped.append((_label(element), f"layer of kind {kind}"))
+            self.skipped.append((_label(element), f"layer with {kind} source"))
             return
         name = _label(element)
         if name.endswith(MASK_SUFFIX) and element.attributes.get("visibility") == "hidden":
@@ -208,7 +208,7 @@ class _Layers:
 
 
 def _own(element: Element) -> dict[str, Any]:
-    """Mode and strength from the layer's own attributes."""
+    """Mode and strength from nmaptool's attributes of a layer."""
     found: dict[str, Any] = {}
     mode, strength = element.attributes.get("nmaptool-mode"), element.attributes.get("nmaptool-strength")
     if mode is not None:

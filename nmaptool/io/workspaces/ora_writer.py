@@ -1,4 +1,4 @@
-"""Workspaces as OpenRaster: a zip of PNGs and a list of them."""
+"""Write workspaces as OpenRaster: a ZIP archive of PNGs and a list of them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from nmaptool.workspace.flatten import flattened
 MIMETYPE = "image/openraster"
 METADATA_FILE = "nmaptool.json"
 _THUMBNAIL_PX = 256
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # so that the same workspace is the same file
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # so that the same workspace always gives the same file
 
 
 def write_ora(workspace: Workspace, path: Path) -> None:
@@ -59,7 +59,7 @@ def write_ora(workspace: Workspace, path: Path) -> None:
 
 
 def _add(archive: zipfile.ZipFile, name: str, data: bytes) -> None:
-    """Stored, not deflated: the PNGs are compressed already, and the mimetype must be plain."""
+    """Store without compression: the PNGs are compressed already, and the mimetype must be plain."""
     archive.writestr(zipfile.ZipInfo(name, _EPOCH), data, zipfile.ZIP_STORED)
 
 

@@ -1,4 +1,4 @@
-"""What layered TIFF and EXR files have in common: pictures with a name and a place, and nmaptool's words on each."""
+"""What layered TIFF and EXR files share: pictures with a name and a place, each with nmaptool's metadata."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ FURTHEST = 300_000
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """One page or part as its file has it.
+    """One page or part of a file.
 
     Parameters
     ----------
     name : str
     image : RasterImage
     left, top : int
-        Place that the format itself tells.
+        Place that the format itself states.
     """
 
     name: str
@@ -36,13 +36,13 @@ class Page:
 
 
 def page_attributes(workspace: Workspace, number: int, *, mask: bool = False) -> dict[str, str]:
-    """Metadata of a layer's page, or of its mask's: what every nmaptool map says, and the layer's own words."""
+    """Return the metadata of the page of a layer or of its mask: those of every nmaptool map, and the layer's own."""
     layer = workspace.layers[number]
     frame = workspace.frame
     said: dict[str, Any] = {"names": [one.name for one in workspace.layers], "canvas": [frame.cols, frame.rows]}
     if frame.pitch_mm is not None:
         said["pitch_mm"] = frame.pitch_mm
-    if not number and not mask and workspace.metadata is not None:  # some editors keep one description only
+    if not number and not mask and workspace.metadata is not None:  # some editors keep only one description
         said["workspace"] = dict(workspace.metadata)
     if mask:
         assert layer.mask is not None
@@ -64,12 +64,12 @@ def page_attributes(workspace: Workspace, number: int, *, mask: bool = False) ->
 
 
 def page_metadata(image: RasterImage) -> dict[str, Any]:
-    """Nmaptool's words on a page; empty where an editor dropped them."""
+    """Return nmaptool's metadata of a page, empty if an editor dropped them."""
     return metadata.from_json(image.attributes.get("words", "")) or {}
 
 
 def layers_of(pages: Sequence[Page]) -> tuple[tuple[WorkspaceLayer, ...], dict[str, Any] | None, list[tuple[str, str]]]:
-    """Pages to layers bottom to top, what is said of the whole, and masks whose layer is gone."""
+    """Return layers bottom to top, the metadata of the workspace, and the masks whose layer is gone."""
     masks: dict[str, WorkspaceMask] = {}
     kept: list[tuple[Page, dict[str, Any]]] = []
     all_metadata = [page_metadata(page.image) for page in pages]
@@ -81,7 +81,7 @@ def layers_of(pages: Sequence[Page]) -> tuple[tuple[WorkspaceLayer, ...], dict[s
             masks[owner] = _mask(page, said)
         elif "mask_of" not in said and owner != page.name and grey:
             masks[owner] = _mask(page, {})
-        else:  # a picture that only inherited a mask's words is no mask
+        else:  # a picture that only inherited a mask's metadata is not a mask
             kept.append((page, {} if "mask_of" in said else said))
     groups: dict[int, WorkspaceGroup] = {}
     layers = tuple(_layer(page, said, masks, groups) for page, said in kept)
@@ -90,7 +90,7 @@ def layers_of(pages: Sequence[Page]) -> tuple[tuple[WorkspaceLayer, ...], dict[s
 
 
 def _metadata(said: list[dict[str, Any]]) -> dict[str, Any] | None:
-    """The words of all layers as one; layers that are gone have only their name left."""
+    """Join the metadata of all layers; of layers that are gone only the name is left."""
     whole = next((one["workspace"] for one in said if isinstance(one.get("workspace"), dict)), None)
     if whole is not None:
         return dict(whole)
@@ -112,7 +112,7 @@ def _place(page: Page, said: Mapping[str, Any]) -> tuple[int, int]:
 
 
 def _exact(own: int, said: object) -> int:
-    """A place that a file tells twice: its own cannot be negative in a TIFF; where they differ, the layer was moved."""
+    """The place from nmaptool's metadata, or the format's own (not negative in TIFF) if an editor moved the layer."""
     if isinstance(said, int) and not isinstance(said, bool) and abs(said) <= FURTHEST and own in (said, max(said, 0)):
         return said
     return min(max(own, -FURTHEST), FURTHEST)
@@ -165,9 +165,9 @@ def _mask(page: Page, said: Mapping[str, Any]) -> WorkspaceMask:
 
 
 def masks_joined(layers: Sequence[WorkspaceLayer]) -> list[WorkspaceLayer]:
-    """Layers bottom to top; a hidden grey one called ``NAME [mask]`` becomes the mask of the layer of that name.
+    """Return layers bottom to top; a hidden grey one called ``NAME [mask]`` becomes the mask of the layer ``NAME``.
 
-    So a mask stays one when an editor saves a format without masks as one that has them.
+    This keeps masks when an editor converts a format without masks to one that has them.
     """
     bare = {layer.name for layer in layers if layer.mask is None}
     found: dict[str, WorkspaceMask] = {}
@@ -183,7 +183,7 @@ def masks_joined(layers: Sequence[WorkspaceLayer]) -> list[WorkspaceLayer]:
 
 
 def four_channels(image: RasterImage) -> NDArray[Any]:
-    """R, G, B, A of whatever a layer holds; grey is grey codes, no alpha is opaque."""
+    """Return the R, G, B, A of a layer, (H, W, 4); grey is repeated three times, and without alpha all is opaque."""
     names, pixels = image.channels, image.pixels
     color = [names.index(c) for c in "RGB"] if {"R", "G", "B"} <= set(names) else [0, 0, 0]
     top = largest_code(pixels)
@@ -192,7 +192,7 @@ def four_channels(image: RasterImage) -> NDArray[Any]:
 
 
 def grey_channel(image: RasterImage) -> NDArray[Any]:
-    """A mask out of what an editor made of it: grey, times alpha where it has one."""
+    """Return a mask as an editor may have saved it: grey, times alpha if it has one."""
     grey = image.pixels[..., 0]
     if "A" not in image.channels:
         return np.ascontiguousarray(grey)

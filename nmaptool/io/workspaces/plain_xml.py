@@ -1,4 +1,4 @@
-"""XML without its dangers: no document type, no entities, bounded depth and size."""
+"""Parse XML safely: no document type, no entities, bounded depth and size."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Element:
     text: str = ""
 
     def walk(self) -> Iterator[Element]:
-        """The element and all in it, depth first."""
+        """Yield the element and its descendants, depth first."""
         yield self
         for child in self.children:
             yield from child.walk()

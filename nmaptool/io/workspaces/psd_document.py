@@ -1,9 +1,9 @@
-"""A Photoshop document opened with limits: its header checked, its structures parsed by psd-tools, damage told.
+"""Open Photoshop documents with limits: check the header, parse the structures with psd-tools, report damage.
 
 psd-tools' low-level structures (``psd_tools.psd``) are used here and in `nmaptool.io.workspaces.psd_reader` and
-`nmaptool.io.workspaces.psd_writer`. None of psd-tools' private names is: where 16 and 32 bit layers lie, which its
-``PSD._get_layer_info`` knows, is written down in `layer_records`. tests/test_private_names.py says which structure or
-parameter is gone after an update.
+`nmaptool.io.workspaces.psd_writer`, but none of its private names: `layer_records` finds layers of 16 and 32 bits as
+its ``PSD._get_layer_info`` does. tests/test_private_names.py shows which structure or parameter is gone after an
+update.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _DAMAGE = (
 
 @contextlib.contextmanager
 def explain_damage(path: Path) -> Iterator[None]:
-    """One clear line for whatever psd-tools meets in a damaged file; its own words are not shown."""
+    """Turn any error of psd-tools about a damaged file into one clear line; its own messages are not shown."""
     logger = logging.getLogger("psd_tools")
     before, logger.disabled = logger.level, False
     logger.setLevel(logging.CRITICAL + 1)
@@ -55,12 +55,12 @@ def explain_damage(path: Path) -> Iterator[None]:
 
 
 def damaged(path: Path) -> InputError:
-    """The error for a file that is cut short or broken."""
-    return InputError(f"{path}: the PSD file is cut short or damaged; save or download it again")
+    """The error for a truncated or damaged file."""
+    return InputError(f"{path}: the PSD file is truncated or damaged; save or download it again")
 
 
 def check_header(path: Path, max_megapixels: float) -> tuple[int, int, int]:
-    """(rows, cols, depth) of a document that can be read here, from its first 26 bytes."""
+    """Return (rows, cols, depth) from the first 26 bytes of a document, or refuse it."""
     with path.open("rb") as stream:
         head = stream.read(26)
         size = stream.seek(0, 2)
@@ -70,18 +70,18 @@ def check_header(path: Path, max_megapixels: float) -> tuple[int, int, int]:
     if version not in (1, 2) or not 1 <= channels <= 56 or min(rows, cols) < 1:
         raise damaged(path)
     check_size(path, cols, rows, max_megapixels)
-    if size > max_megapixels * 1e6 * 16 + 1e8:  # as much as all layers uncompressed in 32 bits
-        raise LimitError(f"{path}: is a file of {size / 1e9:.1f} GB; make it smaller or raise `max_megapixels`")
+    if size > max_megapixels * 1e6 * 16 + 1e8:  # the size of all layers, uncompressed in 32 bits
+        raise LimitError(f"{path}: is too large, {size / 1e9:.1f} GB; make it smaller or raise `max_megapixels`")
     if mode != 3:
         found = f"a {_MODES[mode]} picture" if mode in _MODES else "a picture of an unknown colour mode"
-        raise InputError(f"{path}: is {found}; normal maps need RGB: convert it to RGB of 16 bits")
+        raise InputError(f"{path}: is {found}; normal maps need RGB: convert it to 16-bit RGB")
     if depth not in (8, 16, 32):
-        raise InputError(f"{path}: has {depth} bits a channel; accepted are 8, 16 and 32")
+        raise InputError(f"{path}: has a depth of {depth} per channel; use 8, 16 or 32 bits")
     return rows, cols, depth
 
 
 def parse(path: Path) -> PSD:
-    """The document's structures; what it claims to hold cannot take much more memory than the file."""
+    """Parse the structures of a document; false sizes in it cannot take much more memory than the file."""
     with path.open("rb") as stream:
         size = stream.seek(0, 2)
         stream.seek(0)
@@ -90,9 +90,9 @@ def parse(path: Path) -> PSD:
 
 
 def layer_records(document: PSD) -> tuple[list[LayerRecord], list[Any]]:
-    """Records of the layers and groups, bottom to top, and the channels of each.
+    """Return the records of the layers and groups, bottom to top, and the channels of each.
 
-    Photoshop keeps layers of 16 and 32 bits in a block of their own, which comes first where there is one.
+    Photoshop keeps layers of 16 and 32 bits in a separate block, which takes precedence if it exists.
     """
     information = document.layer_and_mask_information
     blocks, info = information.tagged_blocks, information.layer_info
@@ -105,7 +105,7 @@ def layer_records(document: PSD) -> tuple[list[LayerRecord], list[Any]]:
 
 
 def check_end(path: Path, document: PSD, header: tuple[int, int, int]) -> None:
-    """Refuse a merged picture, the last thing in the file, of which only a part is there."""
+    """Refuse a file whose merged picture, its last section, is incomplete."""
     rows, cols, depth = header
     data, channels = document.image_data.data, document.header.channels
     needed = 0

@@ -1,4 +1,4 @@
-"""Photoshop documents as editors write them: PSD and PSB, 8, 16 and 32 bits, groups, masks, hidden layers."""
+"""Read Photoshop documents: PSD and PSB, 8, 16 and 32 bits, groups, masks, hidden layers."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def read_psd(path: Path, max_megapixels: float) -> Workspace:
     Raises
     ------
     InputError
-        If it is damaged, not RGB, or holds no layer of pixels.
+        If it is damaged, not RGB, or has no pixel layer.
     LimitError
         If the canvas or all layers together are over ``max_megapixels``.
     """
@@ -59,7 +59,7 @@ def _workspace(path: Path, document: PSD, header: tuple[int, int, int], max_mega
         found.layers.append(_merged(document, depth))
     if not found.layers:
         what = ", ".join(f"{name} ({kind})" for name, kind in found.skipped[:5])
-        raise InputError(f"{path}: holds no layer of pixels{f', only {what}' if what else ''}; rasterise a layer first")
+        raise InputError(f"{path}: has no pixel layer{f', only {what}' if what else ''}; rasterise a layer first")
     return Workspace(
         frame=Frame(rows, cols, metadata.pitch_in(own)),
         layers=tuple(found.layers),
@@ -76,7 +76,7 @@ def _bytes(value: Any) -> bytes:
 
 
 class _Layers:
-    """Records bottom to top into layers and groups, whose record comes after what is in them."""
+    """Turns records, bottom to top, into layers and groups; the record of a group comes after its members."""
 
     def __init__(self, path: Path, depth: int, version: int, budget: Budget) -> None:
         self.path, self.depth, self.version, self.budget = path, depth, version, budget
@@ -84,7 +84,7 @@ class _Layers:
         self.skipped: list[tuple[str, str]] = []
 
     def read(self, records: list[LayerRecord], channels: list[Any]) -> None:
-        """Read all; sizes are checked before the first channel is decoded."""
+        """Read all records; sizes are checked before the first channel is decoded."""
         if len(channels) < len(records):
             raise damaged(self.path)
         self.budget.check_count(len(records))
@@ -94,7 +94,7 @@ class _Layers:
                 if record.mask_data is not None:
                     self.budget.add(_name(record), record.mask_data.width, record.mask_data.height)
         inside: list[WorkspaceGroup] = []
-        # from the top down a group's record comes before what is in it
+        # from the top down, a group's record comes before its members
         for record, planes in zip(reversed(records), reversed(channels), strict=False):
             kind = _kind(record)
             if kind == "group":
@@ -164,7 +164,7 @@ def _native(raw: bytes, depth: int) -> NDArray[Any]:
 
 
 def _merged(document: PSD, depth: int) -> WorkspaceLayer:
-    """The picture of a document without layers."""
+    """The picture of a document without layers, as a layer."""
     header = document.header
     if header.channels < 3:
         raise ValueError("an RGB picture has three channels")
@@ -183,7 +183,7 @@ def _name(record: LayerRecord) -> str:
 
 
 def _kind(record: LayerRecord) -> str:
-    """``pixels``, ``group``, ``end`` of a group, or what cannot be read."""
+    """``pixels``, ``group``, ``end`` of a group, or the name of a kind of layer that cannot be read."""
     blocks = record.tagged_blocks
     for tag in (Tag.SECTION_DIVIDER_SETTING, Tag.NESTED_SECTION_DIVIDER_SETTING):
         setting = blocks.get_data(tag)
@@ -198,7 +198,7 @@ def _kind(record: LayerRecord) -> str:
 
 
 def _not_kept(record: LayerRecord) -> list[str]:
-    """What an editor shows on a layer and its pixels do not hold."""
+    """Features of a layer that an editor shows but its pixels do not hold."""
     found = []
     if record.clipping == Clipping.NON_BASE:
         found.append("clipping to the layer below")

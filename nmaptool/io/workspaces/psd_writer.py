@@ -1,4 +1,4 @@
-"""Workspaces as Photoshop documents of 8 or 16 bits, built from psd-tools' structures."""
+"""Write workspaces as Photoshop documents of 8 or 16 bits, built from psd-tools' structures."""
 
 from __future__ import annotations
 
@@ -43,10 +43,10 @@ def write_psd(workspace: Workspace, path: Path, version: int = 1) -> None:
     Parameters
     ----------
     workspace : Workspace
-        Of 8 or 16 bits, all layers of the same.
+        With 8 or 16 bits, the same in all layers.
     path : Path
     version : int
-        1 for a PSD, 2 for a PSB, which holds more.
+        1 for a PSD, 2 for a PSB, which can be larger.
     """
     depth = workspace.bits
     info = _layer_info(workspace, depth, version)
@@ -57,13 +57,13 @@ def write_psd(workspace: Workspace, path: Path, version: int = 1) -> None:
     merged = ImageData(compression=Compression.RLE)
     top = (1 << depth) - 1
     preview = flattened(workspace)
-    preview[..., :3] = preview[..., :3] * preview[..., 3:] + 1 - preview[..., 3:]  # the format mats it with white
+    preview[..., :3] = preview[..., :3] * preview[..., 3:] + 1 - preview[..., 3:]  # the format requires a white matte
     preview = np.floor(preview * np.float32(top) + np.float32(0.5)).clip(0, top)
     merged.set_data([_big_endian(preview[..., i].astype(_kind(depth))) for i in range(4)], header)
     document = PSD(
         header=header,
         image_resources=_resources(workspace),
-        # with 16 bits Photoshop keeps its layers in a block of its own, where GIMP 2.10 does not look; all read this
+        # Photoshop keeps 16-bit layers in a separate block, which GIMP 2.10 does not read; all read this one
         layer_and_mask_information=LayerAndMaskInformation(LayerInfo(*info), None, TaggedBlocks()),
         image_data=merged,
     )
@@ -72,7 +72,7 @@ def write_psd(workspace: Workspace, path: Path, version: int = 1) -> None:
 
 
 def version_of(workspace: Workspace) -> int:
-    """The least version that holds it: 2 (PSB) where a side is beyond 30,000 px, or the data would not fit in 2 GB."""
+    """Return the lowest possible version: 2 (PSB) if a side is over 30,000 px or the data would not fit in 2 GB."""
     size = sum(layer.pixels.nbytes for layer in workspace.layers) + workspace.frame.rows * workspace.frame.cols * 8
     sides = (workspace.frame.longer_side, *(max(layer.size) for layer in workspace.layers))
     return 2 if max(sides) > _LARGEST_PSD_SIDE or size > _LARGEST_PSD_BYTES else 1
@@ -87,7 +87,7 @@ def _big_endian(channel: NDArray[Any]) -> bytes:
 
 
 def _layer_info(workspace: Workspace, depth: int, version: int) -> tuple[int, LayerRecords, ChannelImageData]:
-    """Records and channels bottom to top; a group is what lies between its end mark and its own record."""
+    """Records and channels, bottom to top; the members of a group lie between its end mark and its own record."""
     records: list[LayerRecord] = []
     channels: list[ChannelDataList] = []
     opened: list[WorkspaceGroup] = []
@@ -111,12 +111,12 @@ def _layer_info(workspace: Workspace, depth: int, version: int) -> tuple[int, La
             opened.append(group)
         add(*_record(layer, workspace.frame, depth, version))
     close_to(0)
-    # negative: the merged picture's fourth channel is its transparency
+    # a negative count: the merged picture's fourth channel is its transparency
     return -len(records), LayerRecords(records), ChannelImageData(channels)
 
 
 def _named(name: str) -> tuple[str, TaggedBlocks]:
-    """The old name, which holds few letters, and blocks with the full one."""
+    """The old-style name, which cannot hold all letters, and blocks with the full name."""
     blocks = TaggedBlocks()
     blocks.set_data(Tag.UNICODE_LAYER_NAME, name)
     return name.encode("macroman", "replace")[:255].decode("macroman"), blocks
@@ -170,13 +170,13 @@ def _mask_data(mask: WorkspaceMask) -> MaskData:
         left=mask.left,
         bottom=mask.top + rows,
         right=mask.left + cols,
-        background_color=255 if mask.outside >= 0.5 else 0,  # the format knows only these two
+        background_color=255 if mask.outside >= 0.5 else 0,  # the format has only these two values
         flags=MaskFlags(mask_disabled=not mask.enabled),
     )
 
 
 def _channel(plane: NDArray[Any], depth: int, version: int) -> ChannelData:
-    data = ChannelData(compression=Compression.RLE)  # Krita 5.1 opens no zipped channels here
+    data = ChannelData(compression=Compression.RLE)  # Krita 5.1 does not open zipped channels here
     rows, cols = plane.shape
     data.set_data(_big_endian(plane), cols, rows, depth, version)
     return data

@@ -1,4 +1,4 @@
-"""The coarsest level, where masks have become irregular: an assembled matrix and pyamg's hierarchy for it."""
+"""The coarsest level, where masks have become irregular: an assembled matrix and its LU or pyamg hierarchy."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from nmaptool.solver.amg_hierarchy import hierarchy_of
 from nmaptool.solver.multigrid.level import Stencil, inner
 from nmaptool.solver.multigrid.values import Values
 
-# up to so many unknowns a sparse LU is quicker than a hierarchy: what is left of thin shapes is nearly a tree
+# up to this many unknowns a sparse LU is faster than a hierarchy: thin shapes leave a graph that is almost a tree
 _DIRECT = 60_000
 # ties below this share of a part's couplings are lost in rounding
 _NO_TIE = 1e-11
 
 
 def assemble(level: Stencil) -> tuple[sparse.csr_matrix, np.ndarray]:
-    """The level's matrix in CSR float64 of its active unknowns, grid first, then off-grid; also which they are.
+    """Return the matrix of the level's active unknowns, CSR float64, and their indices; grid first, then off-grid.
 
-    The diagonal is summed up in float64, so that what nothing ties stays exactly singular.
+    The diagonal is summed in float64; parts without ties stay exactly singular.
     """
     rows, cols = level.shape
     size, off_grid = level.size, level.off_grid
@@ -53,7 +53,7 @@ def assemble(level: Stencil) -> tuple[sparse.csr_matrix, np.ndarray]:
 def _anchored(
     matrix: sparse.csr_matrix, couplings: sparse.csr_matrix, tie: Float64, total: Float64
 ) -> sparse.csr_matrix:
-    """One unknown more firmly tied in each part that nothing ties: a constant is free there, any will do."""
+    """Return the matrix with one unknown tied in each part without ties: the constant is free there, so any will do."""
     count, label = sparse.csgraph.connected_components(couplings, directed=False)
     ties, sums = (np.bincount(label, each, minlength=count) for each in (tie, total))
     loose = ties <= _NO_TIE * sums
@@ -67,7 +67,7 @@ def _anchored(
 
 
 def coarse_solver(matrix: sparse.csr_matrix) -> Callable[[Float64], Float64]:
-    """An approximate inverse, symmetric and positive: LU where that is quick, else two cycles of Ruge and Stueben."""
+    """Return an approximate inverse, symmetric and positive: LU for small matrices, else two Ruge-Stueben cycles."""
     if matrix.shape[0] <= _DIRECT:
         if matrix.shape[0] == 0:
             return lambda b: b

@@ -1,4 +1,4 @@
-"""The finest level: faces' weights instead of a matrix, two 2x2 box sums instead of a product with one."""
+"""The finest level: face weights instead of a matrix, and two 2x2 box sums instead of a matrix product."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
 from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
-# A is at most the weights around + beta, so that 4/3 of the inverse of that stays below 2 / A; with beta 0 it is just
-# Jacobi's step, 1 / diagonal
+# A is at most the sum of the weights around a vertex + beta, so 4/3 of the inverse of that sum is below 2 / A; with
+# beta 0 it is Jacobi's step, 1 / diagonal
 _STEP = 4 / 3
 
 
 def inner_product(one: Values, two: Values) -> float:
-    """Sum of products; BLAS would bring threads of its own into each of ours."""
+    """Return the sum of products; not by BLAS, which would start its own threads in each of ours."""
     return float((one * two).sum())
 
 
@@ -32,9 +32,9 @@ class Finest:
     shape : (int, int)
         (H+1, W+1).
     quarter : flat
-        A quarter of each face's weight, at its upper left vertex, with margins; 0 in the last row and column.
+        A quarter of the weight of each face, at its upper left vertex, with margins; 0 in the last row and column.
     step : (size,)
-        Of a smoothing step; 0 at vertices that are not to be solved for.
+        Length of a smoothing step; 0 at vertices that are not unknown.
     """
 
     def __init__(self, system: QuadSystem, dtype: DTypeLike) -> None:
@@ -56,16 +56,16 @@ class Finest:
         for_each_band(self.size, self._bands, lambda band: work(band.start, band.stop))
 
     def sum_over_bands(self, work: Callable[[int, int], float]) -> float:
-        """Sum of what ``work`` gives for the start and stop of each band of vertices."""
+        """Return the sum of ``work(start, stop)`` over all bands of vertices."""
         bands = [(first, min(first + self._bands, self.size)) for first in range(0, self.size, self._bands)]
         return math.fsum(map_parallel(bands, lambda band: work(*band)))
 
     def dot(self, one: Values, two: Values) -> float:
-        """Sum of the products of two flat arrays without margins."""
+        """Return the inner product of two flat arrays without margins."""
         return self.sum_over_bands(lambda start, stop: inner_product(one[start:stop], two[start:stop]))
 
     def times(self, x: Values, out: Values) -> float:
-        """Put A x into ``out`` (no margins), for x with margins; x^T A x."""
+        """Write A x to ``out`` (no margins), for x with margins, and return x^T A x."""
 
         def band(start: int, stop: int) -> float:
             out[start:stop] = self.apply(x, start, stop)
@@ -74,7 +74,7 @@ class Finest:
         return self.sum_over_bands(band)
 
     def _around(self, start: int, stop: int) -> Values:
-        """Sum of the quarters around each vertex of a range."""
+        """Return the sum of the quarters around each vertex of a range."""
         cols, first = self.shape[1], self.edge + start
         count = stop - start
         pair = self.quarter[first - cols - 1 : first + count - 1] + self.quarter[first - cols : first + count]
@@ -88,7 +88,7 @@ class Finest:
         np.divide(_STEP, total, out=self.step[band], where=unknown & (total > 0))
 
     def mixed(self, x: Values, start: int, stop: int) -> Values:
-        """What the means of the faces around pull: corner_sum(weight * corner_mean(x)) for a range of vertices."""
+        """Return the pull of the means of the faces, corner_sum(weight * corner_mean(x)), for a range of vertices."""
         cols, first = self.shape[1], self.edge + start - self.shape[1] - 1
         count = stop - start + cols + 1  # faces
         pair = x[first : first + count + cols] + x[first + 1 : first + count + cols + 1]
@@ -98,11 +98,11 @@ class Finest:
         return pair[: stop - start] + pair[cols : cols + stop - start]
 
     def apply(self, x: Values, start: int, stop: int) -> Values:
-        """A x for a range of vertices, from differences as in `nmaptool.solver.operator`: nothing smooth is lost."""
+        """Return A x for a range of vertices; computed from differences, as in `nmaptool.solver.operator`."""
         cols, edge, inside = self.shape[1], self.edge, stop - start
         first = edge + start - cols - 1
         quarter = self.quarter[first : first + inside + cols + 1]  # of the faces around
-        # along rows: the edges left and right of each vertex, weighed by the faces above and below them
+        # along rows: the edges left and right of each vertex, weighted by the faces above and below them
         across = x[edge + start : edge + stop + 1] - x[edge + start - 1 : edge + stop]
         across *= quarter[: inside + 1] + quarter[cols:]
         out = across[:-1] - across[1:]
@@ -120,7 +120,7 @@ class Finest:
         return out
 
     def start(self, residual: Values, z: Values) -> None:
-        """First smoothing step, from zero: z (with margins) from the residual."""
+        """Do the first smoothing step, from zero: z (with margins) from the residual."""
         edge = self.edge
         self.in_bands(
             lambda start, stop: np.multiply(
@@ -129,7 +129,7 @@ class Finest:
         )
 
     def left_rows(self, residual: Values, z: Values, first: int, last: int) -> Values:
-        """(last - first, cols) residual that is left after `start`."""
+        """Return the (last - first, cols) residual after `start`."""
         cols = self.shape[1]
         left = self.mixed(z, first * cols, last * cols)
         part = residual[first * cols : last * cols] * (1 - _STEP)
@@ -137,7 +137,7 @@ class Finest:
         return left.reshape(-1, cols)
 
     def finish(self, residual: Values, z: Values, out: Values) -> float:
-        """Last smoothing step: ``out`` (no margins) from z and the residual; its inner product with the residual."""
+        """Do the last smoothing step, from z to ``out`` (no margins); return the inner product of out and residual."""
         edge = self.edge
 
         def band(start: int, stop: int) -> float:
@@ -151,7 +151,7 @@ class Finest:
         return self.sum_over_bands(band)
 
     def split(self, first: int, last: int) -> Split:
-        """Rows ``first`` to ``last`` of the next coarser grid, sorted by kind; see `split.Split`."""
+        """Return rows ``first`` to ``last`` of the next coarser grid, sorted by kind; see `split.Split`."""
         rows, cols = self.shape
         coarse = (rows + 1) // 2, (cols + 1) // 2
         top, bottom = max(2 * (first - HALO) - 2, 0), min(2 * (last + HALO) + 2, rows)
@@ -179,7 +179,7 @@ class Finest:
         return split
 
     def _free_only(self, full: dict[str, Values], tie: Values, top: int, bottom: int) -> dict[str, Values]:
-        """Couplings between unknown vertices alone; those to held ones become ties."""
+        """Return the couplings between unknown vertices; those to held vertices are added to ``tie``."""
         rows, cols = self.shape
         padded = np.zeros((bottom - top + 2, cols + 2), self.dtype)
         above, below = max(top - 1, 0), min(bottom + 1, rows)

@@ -1,7 +1,8 @@
 """Couplings of the coarser grid: P^T A P, for the interpolation P and the couplings of a band.
 
-What is kept of A is its couplings and its ties to fixed heights, each of one sign, never the diagonal, their sum: a
-surface that nothing ties keeps its free constant exactly on every level, whatever the rounding. Ties are lumped.
+A is stored as its couplings and its ties to fixed heights, all non-negative; the diagonal, which is their sum, is not
+stored. A surface without ties thus keeps its free constant exactly on every level, whatever the rounding. Ties are
+lumped.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from nmaptool.solver.multigrid.split import LINKS, Split
 from nmaptool.solver.multigrid.values import Values, add_product
 
 _Term = tuple[str, int, int]
-# kind and place of the weights with which each vertex takes from the coarse vertex at (0, 0)
+# the vertices that interpolate from the coarse vertex at (0, 0): kind, down, across, and the weight's name
 TAKES: tuple[tuple[str, int, int, str], ...] = (
     ("b", 0, 0, "b_w"),
     ("b", 0, -1, "b_e"),
@@ -26,7 +27,7 @@ TAKES: tuple[tuple[str, int, int, str], ...] = (
 
 
 def _sum(split: Split, *terms: tuple[_Term, ...]) -> Values:
-    """The first of the terms and the products that the others are."""
+    """Return the first term plus the products of the others."""
     (start,), *products = terms
     out = split(*start).copy()
     for one, two in products:
@@ -35,7 +36,7 @@ def _sum(split: Split, *terms: tuple[_Term, ...]) -> Values:
 
 
 def coarse_couplings(split: Split) -> dict[str, Values]:
-    """Couplings "e", "s", "se", "sw" of the coarse vertices of the band, none negative."""
+    """Return the couplings "e", "s", "se", "sw" of the coarse vertices of the band, none negative."""
     split.reach(0)
     out = {"e": _east(split), "s": _south(split), "se": _south_east(split), "sw": _south_west(split)}
     for values in out.values():
@@ -44,11 +45,11 @@ def coarse_couplings(split: Split) -> dict[str, Values]:
 
 
 def _east(split: Split) -> Values:
-    """To (0, 1): over the vertex beside it, and the diagonal ones south and north of that."""
+    """Return the couplings to (0, 1): via the vertex beside it, and the diagonal ones south and north of that."""
     b_w, b_e = split("b_w"), split("b_e")
     to_south, from_south = split("d_nw"), split("d_ne")
     to_north, from_north = split("d_sw", -1), split("d_se", -1)
-    # from the column of (0, 0) to that between, then from there to the column of (0, 1)
+    # from the column of (0, 0) to the column between, and from there to the column of (0, 1)
     out = b_e * _sum(split, (("e_o", 0, 0),), (("sw_b", 0, 0), ("u_n", 0, 0)), (("se_u", -1, 0), ("u_s", -1, 0)))
     add_product(out, from_south, _sum(split, (("se_o", 0, 0),), (("e_u", 0, 0), ("u_n", 0, 0))))
     add_product(out, from_north, _sum(split, (("sw_d", -1, 0),), (("e_u", -1, 0), ("u_s", -1, 0))))
@@ -57,7 +58,7 @@ def _east(split: Split) -> Values:
     )
     add_product(out, to_south, _sum(split, (("sw_o", 0, 1),), (("e_d", 0, 0), ("u_n", 0, 1))))
     add_product(out, to_north, _sum(split, (("se_d", -1, 0),), (("e_d", -1, 0), ("u_s", -1, 1))))
-    # inside that column
+    # within the column between
     add_product(out, split("s_b"), b_w * from_south + to_south * b_e)
     add_product(out, split("s_d", -1), b_w * from_north + to_north * b_e)
     out -= split("sum_b") * b_w * b_e
@@ -67,7 +68,7 @@ def _east(split: Split) -> Values:
 
 
 def _south(split: Split) -> Values:
-    """To (1, 0): over the vertex under it, and the diagonal ones east and west of that."""
+    """Return the couplings to (1, 0): via the vertex below it, and the diagonal ones east and west of that."""
     u_n, u_s = split("u_n"), split("u_s")
     to_east, from_east = split("d_nw"), split("d_sw")
     to_west, from_west = split("d_ne", 0, -1), split("d_se", 0, -1)
@@ -88,7 +89,7 @@ def _south(split: Split) -> Values:
 
 
 def _south_east(split: Split) -> Values:
-    """To (1, 1): over the diagonal vertex between."""
+    """Return the couplings to (1, 1): via the diagonal vertex between."""
     into, out_of = split("d_nw"), split("d_se")
     out = out_of * _sum(split, (("se_o", 0, 0),), (("s_b", 0, 0), ("b_w", 0, 0)), (("e_u", 0, 0), ("u_n", 0, 0)))
     add_product(
@@ -101,7 +102,7 @@ def _south_east(split: Split) -> Values:
 
 
 def _south_west(split: Split) -> Values:
-    """To (1, -1): over the diagonal vertex between, which belongs to (0, -1)."""
+    """Return the couplings to (1, -1): via the diagonal vertex between, which belongs to (0, -1)."""
     into, out_of = split("d_ne", 0, -1), split("d_sw", 0, -1)
     out = out_of * _sum(split, (("sw_o", 0, 0),), (("s_b", 0, -1), ("b_e", 0, -1)), (("e_d", 0, -1), ("u_n", 0, 0)))
     add_product(
@@ -114,7 +115,7 @@ def _south_west(split: Split) -> Values:
 
 
 def coarse_ties(split: Split) -> Values:
-    """Ties of the coarse vertices of the band to fixed heights: P^T A (P 1), none negative."""
+    """Return the ties of the coarse vertices of the band to fixed heights: P^T A (P 1), none negative."""
     split.reach(1)
     uneven = any(split(f"lack_{kind}").any() for kind in "bud")
     for kind in "obud":

@@ -23,19 +23,19 @@ from nmaptool.solver.system import QuadSystem
 # a grid this small, or a level with this share of off-grid vertices, is solved algebraically
 _SMALLEST = 2000
 _MOST_STRAYS = 0.4
-# coarse vertices that are not worth a second thread, and those of a band: each takes some 70 arrays
+# up to _FEW coarse vertices, a second thread does not pay; _BAND limits a band, which needs about 70 arrays
 _FEW, _BAND = 20_000, 1 << 16
 
 
 class _Found:
-    """What coarsening finds out about the finer level, in that level's layout; only where vertices may go off-grid."""
+    """Results of coarsening in the layout of the finer level; needed only where vertices may become off-grid."""
 
     def __init__(self, shape: Shape, dtype: DTypeLike) -> None:
         self.shape = shape
         self.off_grid_vertex, self.scale, self.lack, self.rest = (np.zeros(shape, dtype) for _ in range(4))
 
     def keep(self, split: Split, first: int, last: int) -> None:
-        """Put the rows of a band back into the level's order."""
+        """Copy the rows of a band back into the order of the level."""
         for name, into in (
             ("stray", self.off_grid_vertex),
             ("scale", self.scale),
@@ -51,7 +51,7 @@ class _Found:
 
 
 def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
-    """The next coarser level and the way to it."""
+    """Return the transfer to the next coarser level, and that level."""
     shape: Shape = (fine.shape[0] + 1) // 2, (fine.shape[1] + 1) // 2
     couplings = {name: new_field(shape, fine.dtype) for name in DIRECTIONS}
     weights = {name: new_field(shape, fine.dtype) for name in WEIGHTS}
@@ -122,18 +122,18 @@ class Hierarchy:
         self._solve = coarse_solver(matrix)
 
     def under(self, system: QuadSystem, factor: float) -> Hierarchy:
-        """These coarse levels under the finest one of a similar system.
+        """Return a hierarchy with these coarse levels and the finest level of a similar system.
 
         Parameters
         ----------
         system : QuadSystem
         factor : float
-            Its weights are about so many times those that the levels were made for.
+            Approximate ratio of its weights to those that the levels were built for.
 
         Returns
         -------
         Hierarchy
-            Shares its work space with this one.
+            It shares its work space with this one.
         """
         other = copy.copy(self)
         other.finest = Finest(system, self.finest.dtype)
@@ -154,7 +154,7 @@ class Hierarchy:
         Returns
         -------
         float
-            Its inner product with the residual.
+            Inner product of the correction and the residual.
         """
         finest, way = self.finest, self.transfers[0]
         finest.start(residual, z)
@@ -167,7 +167,7 @@ class Hierarchy:
         return finest.finish(residual, z, out)
 
     def _descend(self, number: int, residual: Values, at_strays: Values) -> tuple[Values, Values]:
-        """Correction (with margins) and that of the off-grid vertices, on coarse level ``number``."""
+        """Return the corrections on coarse level ``number``: on the grid (with margins) and at off-grid vertices."""
         if number == len(self.relaxations):
             return self._at_bottom(residual, at_strays)
         relax, way = self.relaxations[number], self.transfers[number + 1]

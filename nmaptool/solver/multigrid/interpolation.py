@@ -1,8 +1,9 @@
 """Interpolation that follows the couplings, after Dendy's black-box multigrid (J. Comput. Phys. 48, 1982).
 
-A vertex between two coarse ones takes from each as much as it is coupled to that side, so that nothing is carried over
-a gap or a jump of the weights. A vertex that the coarse ones next to it hardly hold (a thin branch that runs between
-the coarse vertices) is left out: it becomes an off-grid vertex, an unknown of its own on all coarser levels.
+A vertex between two coarse ones is interpolated from each in proportion to its coupling to that side, so nothing is
+interpolated across a gap or a jump of the weights. A vertex that is only weakly coupled to the coarse ones next to it
+(on a thin branch that runs between them) is left out: it becomes an off-grid vertex, a separate unknown on all coarser
+levels.
 """
 
 from __future__ import annotations
@@ -14,15 +15,15 @@ import numpy as np
 from nmaptool.solver.multigrid.split import LINKS, Split
 from nmaptool.solver.multigrid.values import Values, add_product
 
-# a vertex whose coarse neighbours hold less than this share of it is an off-grid vertex
+# a vertex becomes off-grid if its coarse neighbours have less than this share of its couplings
 HELD_SHARE = 0.4
 # a side counts if its nearest vertex has at least this share of the side's couplings
 _DIRECT_SHARE = 0.1
-# ties to fixed heights below this share of the diagonal do not show in the interpolation
+# the interpolation ignores ties to fixed heights below this share of the diagonal
 _FELT_TIE = 0.02
 _TINY = 1e-37
 
-# a side: its name, and its couplings, those of its middle vertex first
+# a side: its name and its couplings, the one to its middle vertex first
 Sides = tuple[str, tuple[tuple[str, int, int], ...]]
 _BESIDE: tuple[Sides, Sides] = (
     ("w", (("e_o", 0, 0), ("se_u", -1, 0), ("sw_b", 0, 0))),
@@ -37,11 +38,11 @@ WEIGHTS = ("b_w", "b_e", "u_n", "u_s", "d_nw", "d_ne", "d_sw", "d_se")
 
 
 def interpolate(split: Split) -> None:
-    """Add the weights (`WEIGHTS`), what they lack to 1 ("lack_b", "lack_u", "lack_d") and the off-grid vertices.
+    """Add the weights (`WEIGHTS`), 1 minus their sums ("lack_b", "lack_u", "lack_d") and the off-grid vertices.
 
-    Expects the couplings and, per kind, "tie" (coupling to fixed heights) and "out" (coupling off the grid); works on a
-    band and one row more on either side. Off-grid vertices are 1 in "stray_b", "stray_u", "stray_d"; off-grid couplings
-    are multiplied by "scale_b", "scale_u" and "scale_d" for their weights.
+    Expects the couplings and, per kind, "tie" (coupling to fixed heights) and "out" (coupling to off-grid vertices).
+    Works on a band and one more row on either side. Off-grid vertices are 1 in "stray_b", "stray_u", "stray_d"; the
+    weights of off-grid couplings are the couplings times "scale_b", "scale_u" and "scale_d".
     """
     split.reach(1)
     for kind in "bud":
@@ -55,7 +56,7 @@ def interpolate(split: Split) -> None:
 
 
 def _side(split: Split, near: tuple[str, int, int], *others: tuple[str, int, int]) -> Values:
-    """Coupling to one side, collapsed on its middle vertex; 0 if that is not among what it is coupled to."""
+    """Return the coupling to one side, collapsed to its middle vertex; 0 if the coupling to that vertex is too weak."""
     side = split(*near).copy()
     for other in others:
         side += split(*other)
@@ -69,7 +70,10 @@ def _felt(split: Split, kind: str) -> Values:
 
 
 def _settle(split: Split, kind: str, held: Values, felt: Values, parts: Mapping[str, Values]) -> None:
-    """Weights of a kind from its parts; their sum and ties off the grid are ``held``, to fixed heights ``felt``."""
+    """Set the weights of a kind from its parts.
+
+    ``held`` is the sum of the parts and the off-grid couplings, ``felt`` the ties to fixed heights that count.
+    """
     tie, total = split(f"tie_{kind}"), split(f"sum_{kind}")
     off_grid_vertex = held + tie < HELD_SHARE * (total + tie)
     split.keep(f"stray_{kind}")[:] = off_grid_vertex
@@ -96,7 +100,7 @@ def _sum(first: Values, *products: tuple[Values, Values]) -> Values:
 
 
 def _diagonal(split: Split) -> None:
-    """From all eight around it: the four coarse ones, and the four between them by their own weights."""
+    """Interpolate from all eight vertices around: the four coarse ones, and the four between them by their weights."""
     north, south = split("s_b"), split("s_d")
     west, east = split("e_u"), split("e_d")
     parts = {

@@ -1,7 +1,7 @@
-"""What one level of the hierarchy holds, and the passes over it that every cycle makes.
+"""The arrays of one level of the hierarchy, and the passes over them in every cycle.
 
-Arrays are flat with a margin of a row and a place on both sides, so that all eight neighbours are a constant step away;
-what a step over the edge of a row meets is multiplied by a coupling of zero.
+Arrays are flat with a margin of one row and one element at both ends, so all eight neighbours are at constant offsets.
+Values read across the end of a row are multiplied by a coupling of zero.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, Split, sorted_rows
 from nmaptool.solver.multigrid.values import Values, add_product
 
 Shape = tuple[int, int]
-# elements of a band at most: smaller ones have their threads wait for each other more than they compute
+# most elements in a band: with smaller bands, threads wait for each other longer than they compute
 _BAND = 3 << 16
-# fewer are not worth a second thread
+# up to this many elements, a second thread does not pay
 _FEW = 150_000
 
 
 def margin(shape: Shape) -> int:
-    """Elements before the first and after the last of a field."""
+    """Return the number of elements before the first and after the last vertex of a field."""
     return shape[1] + 1
 
 
 def new_field(shape: Shape, dtype: DTypeLike) -> Values:
-    """Zeros for a level, with margins."""
+    """Return zeros for a level, with margins."""
     return np.zeros(shape[0] * shape[1] + 2 * margin(shape), dtype)
 
 
 def inner(values: Values, shape: Shape) -> Values:
-    """(rows, cols) view of a field without its margins."""
+    """Return a (rows, cols) view of a field without its margins."""
     edge = margin(shape)
     return values[edge : edge + shape[0] * shape[1]].reshape(shape)
 
@@ -46,12 +46,12 @@ def in_bands(size: int, work: Callable[[int, int], object]) -> None:
 
 
 def band_size(size: int, few: int = _FEW, most: int = _BAND) -> int:
-    """Elements of a band of so many: all of few, else such that an even number of bands is nearly full."""
+    """Return the elements per band: all if they are few, else such that an even number of bands is nearly full."""
     return size if size <= few else -(-size // (2 * -(-size // (2 * most))))
 
 
 def rows_at_once(shape: Shape, few: int = _FEW, most: int = _BAND) -> int:
-    """Rows of a band, see `band_size`."""
+    """Return the number of rows in a band; see `band_size`."""
     return -(-band_size(shape[0] * shape[1], few, most) // shape[1])
 
 
@@ -63,9 +63,9 @@ class Stencil:
     ----------
     shape : (int, int)
     couplings : mapping of str to flat arrays with margins
-        To the east, south, south-east and south-west.
+        Couplings to the east, south, south-east and south-west.
     tie : flat array with margins
-        To fixed heights.
+        Coupling to fixed heights.
     off_grid : OffGrid
     """
 
@@ -93,7 +93,7 @@ class Stencil:
         in_bands(size, add_up)
 
     def forget_ties(self) -> None:
-        """Give back the memory of what only coarsening asks for."""
+        """Free the memory of the ties, which only coarsening needs."""
         self.tie = np.zeros(0, self.dtype)
 
     def _steps(self) -> list[tuple[Values, int]]:
@@ -101,14 +101,14 @@ class Stencil:
         return list(zip((self.couplings[d] for d in DIRECTIONS), (1, cols, cols + 1, cols - 1), strict=True))
 
     def add_neighbours(self, x: Values, out: Values, start: int, stop: int) -> None:
-        """Add to ``out`` what neighbours in ``x`` (with margins) pull, times their couplings, off-grid ones apart."""
+        """Add to ``out`` the sum of coupling times ``x`` (with margins) over the eight grid neighbours."""
         first, last = self.edge + start, self.edge + stop
         for values, step in self._steps():
             add_product(out, values[first:last], x[first + step : last + step])
             add_product(out, values[first - step : last - step], x[first - step : last - step])
 
     def split(self, first: int, last: int) -> Split:
-        """Rows ``first`` to ``last`` of the next coarser grid, sorted by kind."""
+        """Return rows ``first`` to ``last`` of the next coarser grid, sorted by kind."""
         coarse = (self.shape[0] + 1) // 2, (self.shape[1] + 1) // 2
         arrays = {}
         for name, values in {**self.couplings, "tie": self.tie}.items():
@@ -121,7 +121,7 @@ class Stencil:
         return Split(arrays, coarse[1], last - first)
 
     def _to_off_grid(self, top: int, bottom: int) -> Values:
-        """(bottom - top, cols) couplings to off-grid vertices."""
+        """Return the (bottom - top, cols) couplings to off-grid vertices."""
         cols = self.shape[1]
         out = np.zeros((bottom - top, cols), self.dtype)
         first, last = np.searchsorted(self.off_grid.near, (top * cols, bottom * cols))

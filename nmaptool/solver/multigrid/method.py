@@ -1,4 +1,4 @@
-"""Conjugate gradients in float32, preconditioned by a V-cycle; the heights themselves are float64."""
+"""Conjugate gradients in float32, preconditioned by a V-cycle; the heights are float64."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from nmaptool.solver.multigrid.level import new_field
 from nmaptool.solver.multigrid.values import Values, add_scaled
 from nmaptool.solver.system import QuadSystem
 
-# so far the residual keeps in step with the heights; then a new one is due
+# down to this reduction the updated residual matches the heights; below it, it must be recomputed
 _REDUCTION: dict[type[np.floating[Any]], float] = {np.float32: 4e-7, np.float64: 1e-13}
-# coarse levels serve a system whose weights changed by up to so much against each other
+# coarse levels are reused if the ratios of new to old weights differ by at most this factor
 _MOST_CHANGE = 2.0
 _PATIENCE = 12
 
 
 def _factor(made_for: QuadSystem, system: QuadSystem) -> float | None:
-    """How many times greater the weights are, if on the same faces and vertices and by a similar factor everywhere."""
+    """Return the ratio of the weights to the old ones, or None if it varies too much or other vertices are held."""
     if made_for.weight.shape != system.weight.shape or not np.array_equal(made_for.held, system.held):
         return None
     least, most = math.inf, 0.0
@@ -43,19 +43,19 @@ def _factor(made_for: QuadSystem, system: QuadSystem) -> float | None:
 
 
 def _stalls(history: list[float]) -> bool:
-    """Whether the last iterations brought less than a half: what is left is rounding."""
+    """Whether the last iterations did not even halve the residual: the rest is rounding error."""
     return len(history) > _PATIENCE and min(history[-_PATIENCE:]) > 0.5 * min(history[:-_PATIENCE])
 
 
 class MultigridMethod:
-    """One hierarchy, any number of right-hand sides; see `nmaptool.solver.method.Method`.
+    """One hierarchy for any number of right-hand sides; see `nmaptool.solver.method.Method`.
 
     Parameters
     ----------
     system : QuadSystem
     like : MultigridMethod, optional
-        Of another system. If that differs by little, its coarse levels serve for this one, too, and most of the set-up
-        is saved.
+        Method of another system. If the two systems differ little, its coarse levels are reused, which saves most of
+        the set-up.
 
     Attributes
     ----------
@@ -76,12 +76,12 @@ class MultigridMethod:
             self._one_at_a_time: threading.Lock = like._one_at_a_time
         else:
             self._hierarchy, self._made_for = Hierarchy(system, self.precision), system
-            self._one_at_a_time = threading.Lock()  # the levels have one work space
+            self._one_at_a_time = threading.Lock()  # the levels share one work space
 
     def improve(
         self, z: Float64, residual: NDArray[Any], reduction: float, max_iterations: int, report: Report | None
     ) -> tuple[float, ...]:
-        """Conjugate gradients from zero."""
+        """Solve by conjugate gradients from zero."""
         finest = self._hierarchy.finest
         left = residual.reshape(-1)
         size = float(max(left.max(), -left.min()))
@@ -95,7 +95,7 @@ class MultigridMethod:
             while len(history) < max_iterations:
                 rest = search.step(z.reshape(-1), size)
                 if rest is None:
-                    break  # what is left is rounding
+                    break  # the rest is rounding error
                 history.append(math.sqrt(rest) / start)
                 if report is not None:
                     report(history[-1])
@@ -105,30 +105,30 @@ class MultigridMethod:
 
 
 class _Search:
-    """Conjugate gradients on their way: one residual, one direction.
+    """State of the conjugate gradients: one residual, one direction.
 
     Parameters
     ----------
     hierarchy : Hierarchy
     left : flat
-        The residual; kept up to date in place.
+        The residual; updated in place.
     """
 
     def __init__(self, hierarchy: Hierarchy, left: Values) -> None:
         self._hierarchy, self._left = hierarchy, left
         finest = hierarchy.finest
         self._work, self._direction = (new_field(finest.shape, finest.dtype) for _ in range(2))
-        # what a cycle gives, then A times the direction
+        # the result of a cycle, then A times the direction
         self._other = np.empty(finest.size, finest.dtype)
         self._before = math.inf
 
     def step(self, z: Float64, size: float) -> float | None:
-        """One step; the square of the residual's norm, or None where rounding has taken over.
+        """Do one step; return the squared norm of the residual, or None if rounding errors dominate.
 
         Parameters
         ----------
         z : flat float64
-            ``size`` times the step is added to it.
+            Heights; ``size`` times the step is added to them.
         size : float
         """
         finest, left, other = self._hierarchy.finest, self._left, self._other
@@ -148,7 +148,7 @@ class _Search:
         length = product / curvature
 
         def move(first: int, last: int) -> float:
-            # in float64: a step rounded to float32 would part the heights from the residual
+            # in float64: with a step rounded to float32, the heights would no longer match the residual
             z[first:last] += np.multiply(direction[first:last], length * size, dtype=np.float64)
             add_scaled(left[first:last], other[first:last], -length)
             return inner_product(left[first:last], left[first:last])

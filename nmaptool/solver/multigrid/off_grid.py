@@ -1,4 +1,4 @@
-"""Off-grid vertices: no coarse vertex stands for them; they stay unknowns of their own down to the coarsest level."""
+"""Off-grid vertices: no coarse vertex represents them; they stay separate unknowns down to the coarsest level."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class OffGrid:
     ----------
     count : int
     near : (n,) int64
-        Flat places of the grid's vertices that off-grid vertices are coupled to, ascending.
+        Flat indices of the grid vertices that off-grid vertices are coupled to, ascending.
     to_grid : (n, count) CSR
     among : (count, count) CSR
         Symmetric, without a diagonal.
     tie : (count,)
-        To fixed heights.
+        Coupling to fixed heights.
     """
 
     count: int
@@ -42,17 +42,17 @@ class OffGrid:
         self.inverse = np.divide(1, self.diagonal, out=np.zeros(self.count, self.tie.dtype), where=self.diagonal > 0)
 
     def sums_at_grid(self) -> Values:
-        """(n,) couplings to off-grid vertices of the grid's vertices ``near``."""
+        """Return the (n,) sums of the couplings of the grid vertices ``near`` to off-grid vertices."""
         return np.asarray(self.to_grid.sum(axis=1), self.tie.dtype).ravel()
 
 
 def none(dtype: DTypeLike) -> OffGrid:
-    """No off-grid vertices at all."""
+    """Return an empty set of off-grid vertices."""
     empty = sparse.csr_matrix((0, 0), dtype=dtype)
     return OffGrid(0, np.zeros(0, np.int64), empty, empty, np.zeros(0, dtype))
 
 
-# the eight neighbours: step down, step across, direction of the coupling, whether this vertex holds it
+# the eight neighbours: step down, step across, direction of the coupling, whether it is stored at this vertex
 _AROUND = (
     (0, 1, "e", True),
     (0, -1, "e", False),
@@ -66,7 +66,7 @@ _AROUND = (
 
 
 def links(couplings: dict[str, Values], shape: tuple[int, int], places: Places) -> tuple[Places, Places, Values]:
-    """Positions in ``places``, flat places of their neighbours on the grid, couplings; zeros left out."""
+    """Return positions in ``places``, flat indices of their grid neighbours, and the couplings, without zeros."""
     cols, edge = shape[1], shape[1] + 1
     whose, where, how = [], [], []
     for down, across, direction, holds in _AROUND:
@@ -79,7 +79,7 @@ def links(couplings: dict[str, Values], shape: tuple[int, int], places: Places) 
     return np.concatenate(whose), np.concatenate(where), np.concatenate(how)
 
 
-# place of a coarse vertex that a kind takes from, relative to its own, by the weight's name
+# the coarse vertices that each kind interpolates from: the weight's name, and the offset from the own coarse vertex
 _FROM = {
     0: (),
     1: (("b_w", 0, 0), ("b_e", 0, 1)),
@@ -89,7 +89,7 @@ _FROM = {
 
 
 def grid_weights(weights: dict[str, Values], shape: tuple[int, int], places: Places) -> sparse.csr_matrix:
-    """Rows of the interpolation between the grids, for the vertices at ``places`` of the finer one."""
+    """Return the rows of the interpolation between the grids for the vertices at ``places`` of the finer grid."""
     cols, coarse_rows, coarse_cols = shape[1], (shape[0] + 1) // 2, (shape[1] + 1) // 2
     down, across = places // cols, places % cols
     own = (down // 2) * coarse_cols + across // 2
@@ -113,14 +113,15 @@ def grid_weights(weights: dict[str, Values], shape: tuple[int, int], places: Pla
 
 @dataclass(eq=False)
 class OffGridTransfer:
-    """Interpolation from the off-grid vertices of the next level, as they are: to those of this level and to new ones.
+    """Interpolation from the off-grid vertices of the next level to this level.
 
     Attributes
     ----------
     kept : int
-        Strays of this level; they come first on the next.
+        Number of off-grid vertices of this level; on the next level they come first.
     rows : (n,) int64
-        Flat places of the grid's vertices that take from off-grid vertices, those that become such included; ascending.
+        Flat indices of the grid vertices that interpolate from off-grid vertices, including those that become off-grid;
+        ascending.
     weights : (n, off-grid vertices of the next level) CSR
     """
 
@@ -139,25 +140,25 @@ def transfer(
     became: Places,
     scale: Values,
 ) -> OffGridTransfer:
-    """Who takes from off-grid vertices, and how much.
+    """Return the interpolation of grid vertices from off-grid vertices.
 
     Parameters
     ----------
     off_grid : OffGrid
-        Of this level.
+        Off-grid vertices of this level.
     couplings : mapping of str to flat arrays with margins
     shape : (int, int)
-        Of this level.
+        Shape of this level.
     became : (m,) int64
-        Flat places of the vertices that become off-grid vertices, ascending.
+        Flat indices of the vertices that become off-grid, ascending.
     scale : (rows * cols)
-        What off-grid couplings are multiplied by for the weights; 0 for coarse vertices and new off-grid ones.
+        Factor from off-grid couplings to weights; 0 for coarse vertices and new off-grid ones.
     """
     kept, added = off_grid.count, len(became)
     old = off_grid.to_grid.tocoo()
     rows, columns, values = [off_grid.near[old.row]], [old.col], [old.data]
     whose, where, how = links(couplings, shape, became)
-    # only diagonal vertices look at those beside and under, which alone come before them
+    # only diagonal vertices interpolate from other kinds: from those beside and under, which are settled before them
     diagonal = (where // shape[1] % 2 == 1) & (where % shape[1] % 2 == 1)
     between = ~((became // shape[1] % 2 == 1) & (became % shape[1] % 2 == 1))
     seen = diagonal & between[whose]
@@ -186,18 +187,18 @@ def coarse_off_grid(
     rest: Values,
     lack: Values,
 ) -> OffGrid:
-    """Strays of the next level with the couplings P^T A P.
+    """Return the off-grid vertices of the next level with the couplings P^T A P.
 
     Parameters
     ----------
     off_grid, moved, couplings, shape
         As in `transfer`.
     grid : mapping of str to flat arrays with margins
-        The interpolation's weights between the grids.
+        Weights of the interpolation between the grids.
     total : (rows * cols)
         Sum of the couplings of each vertex.
     rest, lack : (rows * cols)
-        Ties that the interpolation leaves, and what its weights lack to 1; see `galerkin.coarse_ties`.
+        Ties that remain after interpolation, and 1 minus the sum of its weights; see `galerkin.coarse_ties`.
     """
     kept, count = moved.kept, moved.weights.shape[1]
     whose, where, how = links(couplings, shape, moved.rows)
@@ -211,9 +212,9 @@ def coarse_off_grid(
     mine = sparse.csr_matrix((-total[moved.rows], (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape)
     near = off_grid.to_grid.tocoo()
     widened = sparse.csr_matrix((near.data, (at(off_grid.near)[near.row], near.col)), shape=(size, count))
-    on_grid = (pull + mine) @ moved.weights + widened  # (A P) at the grid's vertices
+    on_grid = (pull + mine) @ moved.weights + widened  # (A P) at the grid vertices
     coarse = (grid_weights(grid, shape, places).T @ on_grid).tocoo()
-    # at the off-grid vertices themselves
+    # at the off-grid vertices
     spread = sparse.csr_matrix(
         (np.ones(len(moved.rows), total.dtype), (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape
     )

@@ -1,4 +1,4 @@
-"""Smoothing on the coarse levels: two steps of Richardson's iteration before and two after, chosen after Chebyshev."""
+"""Smoothing on the coarse levels: two Richardson steps before and two after, with step lengths after Chebyshev."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ class Relaxation:
     x : flat with margins
         The correction on the grid.
     off_grid : (count,)
+        The correction at the off-grid vertices.
     """
 
     def __init__(self, level: Stencil) -> None:
@@ -37,7 +38,7 @@ class Relaxation:
         self._steps = (1 / (top * (middle + half)), 1 / (top * (middle - half)))
 
     def _largest(self) -> float:
-        """Largest eigenvalue of the diagonally scaled matrix, by the power method from a fixed start."""
+        """Estimate the largest eigenvalue of the diagonally scaled matrix by the power method, from a fixed start."""
         level, random = self.level, np.random.default_rng(0)
         edge = level.edge
         self.x[edge : edge + level.size] = random.random(level.size) - 0.5
@@ -52,21 +53,21 @@ class Relaxation:
             self.x /= size
             self.off_grid = self.off_grid / size
             before, strays_before = self.x, self.off_grid
-            self._step(1.0)  # x - D^-1 A x; its old value is now the work space
+            self._step(1.0)  # x - D^-1 A x; the old x is now the work space
             np.subtract(before, self.x, out=self.x)
             self.off_grid = strays_before - self.off_grid
         return math.sqrt(float(np.dot(self.x, self.x)) + float(np.dot(self.off_grid, self.off_grid)))
 
     def load(self, residual: Values, off_grid: Values) -> None:
-        """What is to be solved for."""
+        """Set the right-hand side."""
         self._load, self._load_strays = residual, off_grid
 
     def forget_load(self) -> None:
-        """Let go of it, so that the next cycle has room for its own."""
+        """Release the right-hand side, so its memory is free for the next cycle."""
         self._load, self._load_strays = self.x, self.off_grid
 
     def smooth(self, first: bool) -> None:
-        """Two steps; the first ones start from zero, the last ones go backwards."""
+        """Do two steps; the first ones start from zero, the last ones are in reverse order."""
         level = self.level
         one, two = self._steps
         if first:
@@ -87,7 +88,7 @@ class Relaxation:
         ] + off_grid.among @ self.off_grid
 
     def _step(self, length: float) -> None:
-        """Take x + length D^-1 (load - A x)."""
+        """Replace x by x + length D^-1 (load - A x)."""
         level, edge, factor = self.level, self.level.edge, length
         x, out = self.x, self._next
         pulls = self._pull_of_off_grid()
@@ -108,7 +109,7 @@ class Relaxation:
         self.x, self._next = out, x
 
     def left(self) -> tuple[Values, Values]:
-        """The residual on the grid and at the off-grid vertices."""
+        """Return the residual on the grid and at the off-grid vertices."""
         level, edge, x = self.level, self.level.edge, self.x
         left = self._next[edge : edge + level.size]  # free until the next step
 

@@ -1,9 +1,9 @@
-"""A band of a level, sorted by what its vertices are to the next coarser grid.
+"""A band of a level, sorted by the position of its vertices relative to the next coarser grid.
 
-Vertex (2i, 2j) of a level is vertex (i, j) of the coarser one. It brings along three others: the one beside it
-(2i, 2j+1), the one below (2i+1, 2j) and the diagonal one (2i+1, 2j+1). The letters are those of their places: o for
-the vertex itself, b beside, u under, d diagonal. All four kinds are held in arrays of the coarse grid's layout, so that
-every neighbour is a constant step away in flat memory.
+Vertex (2i, 2j) of a level is vertex (i, j) of the coarser one. Three others belong to it: the one beside it
+(2i, 2j+1), the one below (2i+1, 2j) and the diagonal one (2i+1, 2j+1). Their kinds are called o for the vertex itself,
+b beside, u under, d diagonal. Each kind is stored in an array with the layout of the coarse grid, so every neighbour is
+at a constant offset in flat memory.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from numpy.typing import DTypeLike
 
 from nmaptool.solver.multigrid.values import Values
 
-# each kind with its place in the level: rows down, columns across from the coarse vertex's own
+# each kind and its offset in the level, rows down and columns across, from the coarse vertex
 KINDS = (("o", 0, 0), ("b", 0, 1), ("u", 1, 0), ("d", 1, 1))
-# rows above and below the band, which its own rows look at
+# rows above and below the band that the computation of its own rows reads
 HALO = 2
 # couplings by direction: east, south, south-east, south-west
 DIRECTIONS = ("e", "s", "se", "sw")
 
 
 def sorted_rows(fine: Values, top: int, coarse_shape: tuple[int, int], first: int, last: int) -> dict[str, Values]:
-    """Rows ``first - HALO`` to ``last + HALO`` of the coarse grid's layout, of each kind, flat; 0 beyond the edges.
+    """Return rows ``first - HALO`` to ``last + HALO`` of each kind in the coarse layout, flat; 0 outside the grid.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def sorted_rows(fine: Values, top: int, coarse_shape: tuple[int, int], first: in
         Values at a level's vertices, from its row ``top`` on.
     top : int
     coarse_shape : (int, int)
-        Of the coarser grid: half of both, rounded up.
+        Shape of the coarser grid: half of rows and columns, rounded up.
     first, last : int
         The band in rows of the coarser grid.
     """
@@ -47,24 +47,24 @@ def sorted_rows(fine: Values, top: int, coarse_shape: tuple[int, int], first: in
 
 
 def _zeros(rows: int, cols: int, dtype: DTypeLike) -> Values:
-    """For a band of coarse rows, with their halo and a place more at both ends for steps aside."""
+    """Return zeros for a band of coarse rows with their halo, and one more element at both ends for steps across."""
     return np.zeros((rows + 2 * HALO) * cols + 2, dtype)
 
 
 class Split:
-    """Couplings of a band by kind and direction, and what else a level knows of its vertices.
+    """Couplings of a band by kind and direction, and other values at its vertices.
 
-    ``split(name, down, across)`` is a view of an array over the rows that are being worked on, from the place so many
-    coarse rows further down and columns across. Names of couplings are direction and kind, such as "se_o".
+    ``split(name, down, across)`` is a view of an array over the current rows, shifted by that many coarse rows down and
+    columns across. Names of couplings are direction and kind, such as "se_o".
 
     Parameters
     ----------
     arrays : mapping of str to flat arrays
-        As of `sorted_rows`.
+        Arrays as returned by `sorted_rows`.
     cols : int
-        Of the coarse grid.
+        Columns of the coarse grid.
     rows : int
-        Of the band.
+        Rows of the band.
     """
 
     def __init__(self, arrays: dict[str, Values], cols: int, rows: int) -> None:
@@ -73,22 +73,22 @@ class Split:
         self.reach(0)
 
     def reach(self, margin: int) -> None:
-        """Work on the band and ``margin`` rows above and below."""
+        """Set the current rows to the band and ``margin`` rows above and below it."""
         self._start = 1 + (HALO - margin) * self.cols
         self._stop = 1 + (HALO + self.rows + margin) * self.cols
 
     def __call__(self, name: str, down: int = 0, across: int = 0) -> Values:
-        """View of an array."""
+        """Return a view of an array."""
         step = down * self.cols + across
         return self.arrays[name][self._start + step : self._stop + step]
 
     def keep(self, name: str) -> Values:
-        """A new array of zeros under a name; its part that is being worked on."""
+        """Add an array of zeros under a name; return its current rows."""
         self.arrays[name] = _zeros(self.rows, self.cols, self.dtype)
         return self(name)
 
 
-# of each kind: its eight neighbours as (kind, down, across, coupling, down, across), the coupling held by one end
+# the eight neighbours of each kind as (kind, down, across, coupling, down, across); a coupling is stored at one end
 Link = tuple[str, int, int, str, int, int]
 LINKS: dict[str, tuple[Link, ...]] = {
     "o": (

@@ -1,4 +1,4 @@
-"""Between a level and the next coarser one: residuals go down, corrections come up."""
+"""Transfer between a level and the next coarser one: residuals are restricted, corrections are interpolated."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Transfer:
     fine, coarse : (int, int)
         Shapes of the grids.
     weights : mapping of str to flat arrays with margins
-        In the coarse grid's layout, see `interpolation.WEIGHTS`.
+        Weights in the layout of the coarse grid; see `interpolation.WEIGHTS`.
     off_grid : OffGridTransfer
     """
 
@@ -32,7 +32,7 @@ class Transfer:
     off_grid: OffGridTransfer | None
 
     def restrict(self, rows_of: Callable[[int, int], Values], out: Values) -> None:
-        """Coarse residual ``out`` (flat) from rows of the fine one, given as (n, cols) by ``rows_of(first, last)``."""
+        """Write the coarse residual to ``out`` (flat); ``rows_of(first, last)`` gives (n, cols) fine rows."""
         rows, cols = self.coarse
 
         def band(part: slice) -> None:
@@ -44,7 +44,7 @@ class Transfer:
         for_each_band(rows, rows_at_once(self.coarse), band)
 
     def _restricted(self, fine: Values, top: int, first: int, last: int) -> Values:
-        """Rows ``first`` to ``last`` from fine rows that start ``top`` (-1 or 0) rows from row ``first``'s own."""
+        """Return coarse rows ``first`` to ``last``; ``fine`` starts ``top`` (-1 or 0) rows from row 2 * first."""
         cols = self.coarse[1]
         start, stop = margin(self.coarse) + first * cols, margin(self.coarse) + last * cols
         weight = self.weights
@@ -52,7 +52,7 @@ class Transfer:
         lead = -top
 
         def part(down: int, across: int) -> Values:
-            """Rows of a kind, flat, after one place of zero; where it lies below, from one row higher on."""
+            """Return the rows of a kind, flat, after one zero; kinds below start one row higher."""
             kind = np.zeros(1 + (down + last - first) * cols, fine.dtype)
             skip = down * (1 - lead)
             found = fine[(1 - lead if down else lead) :: 2, across::2][: down + last - first - skip]
@@ -75,7 +75,7 @@ class Transfer:
         return out
 
     def prolong(self, coarse: Values, out: Values) -> None:
-        """Add the coarse correction to ``out``; both fields have margins."""
+        """Add the interpolated coarse correction to ``out``; both fields have margins."""
         rows, cols = self.coarse
         grid, edge, weight = inner(out, self.fine), margin(self.coarse), self.weights
 

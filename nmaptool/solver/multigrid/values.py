@@ -1,4 +1,4 @@
-"""What numbers the levels hold: float32, or float64 for weights that span too much for it."""
+"""The number type of the levels: float32, or float64 if the weights span too wide a range."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-# float32 or float64, all of one hierarchy alike
+# float32 or float64, the same throughout a hierarchy
 Values = NDArray[np.floating[Any]]
 
 
 def add_product(out: Values, one: Values, *others: Values) -> None:
-    """Add a product to ``out``, in one pass for two factors; all flat, contiguous and of one type."""
+    """Add a product to ``out``, in one pass for two factors; all arrays are flat, contiguous and of the same type."""
     for other in others[1:]:
         one = one * other
     cv2.accumulateProduct(one, others[0], out)
