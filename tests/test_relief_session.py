@@ -22,6 +22,8 @@ CHANGES = {
     "delta": ({"delta": 20.0}, False),
     "background": ({"background": "cut"}, True),
     "slope_cap": ({"slope_cap": 0.4}, True),
+    "edge": ({"edge": "wall"}, True),
+    "edge_height": ({"edge": "wall", "edge_height": nm.length("4.5mm")}, True),
     "energy": ({"energy": "eq4"}, True),
     "per_pixel": ({"per_pixel": True}, True),
     "height": ({"height": nm.length("7mm")}, False),

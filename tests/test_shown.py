@@ -49,6 +49,7 @@ def values():
         recipe,
         *recipe.layers,
     ]
+    found.append(nm.solid(relief))
     results = [relief, composition, depth, layers, smoothed]
     found += [*results, *(result.report for result in results), relief.height, layers.report.mixture]
     found += [comparison, *comparison.contenders.values(), *comparison.rendered_views.values(), workspace, unpacked]

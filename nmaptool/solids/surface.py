@@ -33,6 +33,6 @@ def surface_mesh(height: Height | Relief) -> Mesh:
     --------
     >>> height = nm.Height(np.zeros((3, 4)), np.ones((2, 3), bool), nm.Frame(2, 3, pitch_mm=0.5))
     >>> nm.surface_mesh(height)
-    <Mesh mesh: 12 vertices, 12 faces, 1 mm to a unit (assumed)>
+    <Mesh mesh: 12 vertices, 12 faces, 1 mm per unit (assumed)>
     """
     return solid(height, SolidOptions(outline="exact")).to_mesh()
