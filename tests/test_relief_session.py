@@ -24,6 +24,7 @@ CHANGES = {
     "slope_cap": ({"slope_cap": 0.4}, True),
     "edge": ({"edge": "wall"}, True),
     "edge_height": ({"edge": "wall", "edge_height": nm.length("4.5mm")}, True),
+    "outline_round": ({"background": "cut", "outline_round": nm.length("6mm")}, True),
     "energy": ({"energy": "eq4"}, True),
     "per_pixel": ({"per_pixel": True}, True),
     "height": ({"height": nm.length("7mm")}, False),

@@ -49,6 +49,9 @@ class ReliefOptions(Options, group="Relief"):
         wall if more than a third of the motif is flat.
     edge_height:
         Mean height of the wall of --edge wall, such as 2mm. Default: the height of the free surface at its outline.
+    outline_round:
+        Round the corners of a motif that is cut out (--background cut) to this radius, such as 0.5mm. Parts and gaps
+        narrower than twice the radius disappear.
     slope_cap:
         Largest slope (rise per run) to keep. Steeper normals, and those that face away, are reduced to it.
     energy:
@@ -84,6 +87,7 @@ class ReliefOptions(Options, group="Relief"):
     background: BackgroundMode = option("plane", choice_of(BackgroundMode))
     edge: Edge = option("blend", choice_of(Edge))
     edge_height: Length | None = option(None, LengthText("2mm"))
+    outline_round: Length | None = option(None, LengthText("0.5mm"))
     slope_cap: float = option(3.0, Positive("3", _LARGEST_SLOPE))
     energy: Energy = option("eq6", choice_of(Energy))
     per_pixel: bool = option(False, Switch())
@@ -112,6 +116,8 @@ class ReliefOptions(Options, group="Relief"):
             raise UsageError(f"`edge='wall'`: needs a flat plate, `background='plane'`, not {self.background}")
         if self.edge_height is not None and self.edge == "blend":
             raise UsageError(f"`edge_height='{self.edge_height}'`: needs `edge='wall'`")
+        if self.outline_round is not None and self.background != "cut":
+            raise UsageError(f"`outline_round='{self.outline_round}'`: needs `background='cut'`, not {self.background}")
         if self.edge != "blend" and self.fit != "scale":
             raise UsageError(f"`fit={self.fit!r}`: is for `edge='blend'`; a wall goes with `fit='scale'`")
         if self.fit != "scale" and self.height is None:

@@ -184,6 +184,22 @@ def motif_of(original: NormalMap, mask: Float32 | None, fading: bool) -> Mask:
     return both
 
 
+def rounded_motif(coverage: Float32, options: ReliefOptions) -> Mask:
+    """(H, W) bool: the motif of a coverage whose corners were rounded.
+
+    Raises
+    ------
+    InputError
+        If nothing is left.
+    """
+    motif: Mask = coverage >= 0.5
+    if not motif.any():
+        raise InputError(
+            f"`outline_round='{options.outline_round}'`: no part of the motif is twice as wide; use a smaller radius"
+        )
+    return motif
+
+
 def height_term_mask(original: NormalMap, motif: Mask, mask: Float32 | None) -> Mask:
     """Return where the height term acts: the motif, without the flat patches of a map with a flat background.
 

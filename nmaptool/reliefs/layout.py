@@ -6,7 +6,7 @@ import functools
 
 import numpy as np
 
-from nmaptool.core.arrays import Float64, Mask, read_only
+from nmaptool.core.arrays import Float32, Float64, Mask, read_only
 from nmaptool.core.grid import touching_vertices
 from nmaptool.reliefs.domain import Domain
 from nmaptool.reliefs.standing import Standing
@@ -21,6 +21,8 @@ class Layout:
     motif : (H, W) bool
     tolerance : float
         Tolerance to which the background was integrated, if it is a normal map.
+    coverage : (H, W) float32
+        Share of each pixel that is motif.
     standing : Standing, optional
         The motif, where it stands on its plate with walls.
     flat_share : float
@@ -28,9 +30,16 @@ class Layout:
     """
 
     def __init__(
-        self, domain: Domain, motif: Mask, tolerance: float, standing: Standing | None = None, flat_share: float = 0.0
+        self,
+        domain: Domain,
+        motif: Mask,
+        tolerance: float,
+        coverage: Float32,
+        standing: Standing | None = None,
+        flat_share: float = 0.0,
     ) -> None:
         self.domain = domain
+        self.coverage = read_only(coverage)
         self.standing = standing
         self.motif = read_only(motif)
         self.tolerance = tolerance

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import threading
 
+import numpy as np
+
 from nmaptool.core.errors import UsageError
 from nmaptool.core.progress import Progress, Stages
 from nmaptool.options import ReliefOptions
@@ -14,6 +16,7 @@ from nmaptool.reliefs.finish import finish
 from nmaptool.reliefs.heights import SolveSettings, SystemHeights
 from nmaptool.reliefs.layout import Layout
 from nmaptool.reliefs.report import SolverFacts, facts_of, report_of
+from nmaptool.reliefs.rounding import rounded
 from nmaptool.reliefs.standing import Standing, bridged, flat_share, stands
 from nmaptool.reliefs.targets import CappedSlopes, Weights, build_targets, capped_slopes, to_pixels
 from nmaptool.solver import QuadSystem, Solver, prepare
@@ -169,7 +172,7 @@ class ReliefSession:
                 case.pulled,
             )
         report = dataclasses.replace(report, seconds=stages.elapsed)
-        return Relief(height, case.layout.motif, report, self._maps.coverage)
+        return Relief(height, case.layout.motif, report, case.layout.coverage)
 
     def _weights(self, options: ReliefOptions) -> Weights:
         maps = self._maps
@@ -183,7 +186,8 @@ class ReliefSession:
         energy = options.energy if maps.detail is not None else "eq6"
         stiffened = weights.mu if energy == "eq6" else 0.0
         ground = self._ground_key(options, pitch_mm)
-        system = (options.background, options.edge, weights.beta, stiffened, options.solver)
+        held = ground[:1] if options.background == "surface" else ground  # the solver does not depend on its height
+        system = (*held, weights.beta, stiffened, options.solver)
         shape = (weights.mu, energy, options.slope_cap)
         with stages.stage("inputs"):
             for case in self._cases:
@@ -243,7 +247,7 @@ class ReliefSession:
     def _ground_key(self, options: ReliefOptions, pitch_mm: float) -> tuple[object, ...]:
         """Return what the layout depends on, except the tolerance to which a background's normal map is integrated."""
         if options.background != "surface":
-            return (options.background, options.edge)
+            return (options.background, options.edge, self._radius_px(options, pitch_mm))
         return (options.background, options.slope_cap if isinstance(self._maps.surface, NormalMap) else pitch_mm)
 
     def _holds(self, case: _Case, options: ReliefOptions) -> bool:
@@ -256,18 +260,29 @@ class ReliefSession:
         original, mask = maps.original, maps.mask
         motif = given.motif_of(original, mask, fading=options.background in ("plane", "surface"))
         base_px, ground = given.base_of(maps.surface, pitch_mm, options)
+        coverage = maps.coverage
+        radius_px = self._radius_px(options, pitch_mm)
+        if radius_px:
+            coverage = rounded(np.where(motif, coverage, np.minimum(coverage, 0.49)), radius_px)
+            motif = given.rounded_motif(coverage, options)
         standing = None
         if stands(options, original.normals, motif):
-            motif = bridged(motif, maps.coverage)
+            motif = bridged(motif, coverage)
             standing = Standing(motif)
         domain = build_domain(
             options.background,
             motif,
             original.coverage >= 0.5,
-            maps.coverage,
+            coverage,
             base_px,
             given.height_term_mask(original, motif, mask),
             ground,
             standing is not None,
         )
-        return Layout(domain, motif, options.tolerance, standing, flat_share(original.normals, motif))
+        flat = flat_share(original.normals, motif)
+        return Layout(domain, motif, options.tolerance, coverage, standing, flat)
+
+    @staticmethod
+    def _radius_px(options: ReliefOptions, pitch_mm: float) -> float:
+        """The radius of rounded corners in px; 0 if corners stay."""
+        return 0.0 if options.outline_round is None else options.outline_round.to_mm(pitch_mm, 0) / pitch_mm

@@ -30,16 +30,20 @@ _BLUR_PX = 1.5
 
 
 def soft_share(mask: Mask, coverage: Float32) -> float:
-    """Share of the pixels along the outline of a mask that are partly covered."""
+    """Share of the corners of the pixel outline of a mask that lie beside partly covered pixels.
+
+    Straight runs along rows and columns do not count: they need no soft pixels.
+    """
     edges = outline_edges(mask, find_splits(mask))
-    inside = coverage[edges.rows, edges.cols]
-    if not len(inside):
+    order = np.argsort(edges.start)
+    following = order[np.searchsorted(edges.start[order], edges.end)]
+    turns = edges.end[following] - edges.start[following] != edges.end - edges.start
+    rows, cols = edges.rows[turns], edges.cols[turns]
+    if not len(rows):
         return 0.0
     padded = np.pad(coverage, 1)
-    around = [
-        padded[edges.rows + 1 + down, edges.cols + 1 + right] for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1))
-    ]
-    values = np.stack([inside, *around])
+    sides = ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
+    values = np.stack([padded[rows + 1 + down, cols + 1 + right] for down, right in sides])
     return float(((values > _SOFT[0]) & (values < _SOFT[1])).any(axis=0).mean())
 
 
