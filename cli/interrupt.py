@@ -44,7 +44,7 @@ def _raise(number: int, frame: FrameType | None) -> None:
 
 def _wait(ours: socket.socket) -> None:
     """End the process some time after Ctrl-C, unless Ctrl-C itself has ended it by then."""
-    with contextlib.suppress(ConnectionError):  # how Windows may close a pair of sockets
+    with contextlib.suppress(ConnectionError):  # Windows may close a socket pair this way
         while numbers := ours.recv(1):
             if numbers[0] == signal.SIGINT:
                 time.sleep(_PATIENCE_S)

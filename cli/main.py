@@ -77,7 +77,7 @@ def run() -> None:
     """Run the command line of this process and exit."""
     # the solver's dot products are short: threads of the linear algebra library cost more time than they save
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    if isinstance(sys.stdout, io.TextIOWrapper):  # a pipe on Windows takes the letters of one language only
+    if isinstance(sys.stdout, io.TextIOWrapper):  # the code page of a pipe on Windows lacks most letters
         sys.stdout.reconfigure(errors="backslashreplace")
     with interruptible():
         code = main()

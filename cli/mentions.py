@@ -16,8 +16,8 @@ def flag_of(name: str) -> str:
 def in_flags(text: str) -> str:
     """A message of the library with its options as flags.
 
-    >>> in_flags("`fit='scale'` needs `height`; for an engraving say `delta=-30`")
-    '--fit scale needs --height; for an engraving say --delta=-30'
+    >>> in_flags("`fit='scale'` needs `height`; for an engraving use `delta=-30`")
+    '--fit scale needs --height; for an engraving use --delta=-30'
     """
     return rendered(text, _words)
 

@@ -16,7 +16,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813
 import pytest
 
-# the benchmark measures memory by means that Windows does not have
+# the benchmark measures memory in a way that Windows does not offer
 collect_ignore = ["test_bench_systems.py"] if sys.platform == "win32" else []
 
 BACKDROPS = {"white": (1.0, 1.0, 1.0), "black": (-1.0, -1.0, -1.0), "grey": (0.0, 0.0, 0.0), "flat": (0.0, 0.0, 1.0)}
@@ -145,7 +145,7 @@ def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., SimpleNamespace]:
 
 @pytest.fixture
 def wide_help(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Help in lines of 2000 characters, whatever console an earlier test left behind."""
+    """Show help in lines of 2000 characters, regardless of the console that an earlier test set."""
     from rich.console import Console
 
     from nmaptool_cli.main import app

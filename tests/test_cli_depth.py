@@ -88,7 +88,7 @@ def test_a_mask_sets_the_coverage(run: Any, tmp_path: Path, depth_png: Path, png
         (("-o", "map.exr", "--jumps-out", "j.exr"), 2, "the jumps picture is written as .png"),
         (("-o", "map.exr", "--jump", "x"), 2, "--jump x: use auto, none or a height, such as 2px"),
         (("-o", "map.exr", "--smooth", "-1px"), 2, "--smooth=-1px: use auto, none or a height"),
-        (("-o", "map.exr", "--depth-scale", "5mm"), 2, "is unknown; give px or %, or the --width of the picture"),
+        (("-o", "map.exr", "--depth-scale", "5mm"), 2, "is not known; give px or %, or the --width of the picture"),
         (("-o", "map.exr", "--fov", "200"), 2, "--fov 200: must lie between"),
         (("-o", "map.exr", "--mask", "none.png"), 3, "none.png: no such file"),
         (("-o", "map.exr", "--max-megapixels", "0.001"), 4, "megapixels"),

@@ -39,7 +39,7 @@ def test_invalid_options_are_refused(given: dict[str, Any], pattern: str) -> Non
 
 @pytest.mark.parametrize("flag", ["depth_scale", "jump", "smooth"])
 def test_mm_need_a_pitch(flag: str) -> None:
-    pattern = rf"`{flag}='2mm'`: the pitch of image is unknown; give px or %, or the `width` of the picture"
+    pattern = rf"`{flag}='2mm'`: the size of a pixel in image is not known; give px or %, or the `width` of the picture"
     with pytest.raises(nm.UsageError, match=pattern):
         nm.depth_to_normals(picture(RAMP, 8), nm.DepthOptions(**{flag: "2mm"}))
 
@@ -74,13 +74,15 @@ def test_an_image_without_any_depth_is_refused(value: float) -> None:
 def test_options_that_contradict_the_file_are_refused() -> None:
     height = picture(RAMP, name="h.exr", attributes={"kind": "height", "pitch_mm": "0.5"})
     with pytest.raises(
-        nm.UsageError, match=r"`invert`: h\.exr declares that it holds height, which fixes the direction; omit it"
+        nm.UsageError, match=r"`invert`: h\.exr declares that it holds height, which fixes the direction; leave it out"
     ):
         nm.depth_to_normals(height, nm.DepthOptions(invert=True))
-    with pytest.raises(nm.UsageError, match=r"`fov`: h\.exr holds heights, which have no perspective; omit `fov`"):
+    with pytest.raises(nm.UsageError, match=r"`fov`: h\.exr holds heights, which have no perspective; leave it out"):
         nm.depth_to_normals(height, nm.DepthOptions(fov=40))
     unknown = picture(RAMP, name="h.exr", attributes={"kind": "height"})
-    with pytest.raises(nm.UsageError, match=r"h\.exr: holds height in mm, but its pitch is unknown; give the `width`"):
+    with pytest.raises(
+        nm.UsageError, match=r"h\.exr: holds height in mm, but the size of a pixel is not known; give the `width`"
+    ):
         nm.depth_to_normals(unknown)
     for ends in ({}, {"near_mm": "1", "far_mm": "far"}, {"near_mm": "nan", "far_mm": "2"}):
         damaged = picture(RAMP, 8, name="d.png", attributes={"kind": "depth", "pitch_mm": "1", **ends})

@@ -25,7 +25,7 @@ from nmaptool_cli.mentions import flag_of, in_flags
 
 CLASSES = [v for name in nm.__all__ if isinstance(v := getattr(nm, name), type) and issubclass(v, Options)]
 ROOT = pathlib.Path(nm.__file__).parent
-# what holds options in a recipe, with a key of theirs in its 5th line
+# a recipe for each options class, with one of its keys in line 5
 RECIPES = {
     nm.LayerOptions: '[[layer]]\nfile = "a.png"\n\n# a comment\n{}\nmask = "m.png"\n',
     nm.GroupOptions: '[[layer]]\nfile = "a.png"\n\n[[layer]]\n{}\n  [[layer.layer]]\n  file = "a.png"\n',

@@ -251,7 +251,7 @@ def test_the_smallest_maps_are_inspected(run, tmp_path, dome, codes, png, shape,
     assert f"{shape[1]} x {shape[0]}" in result.out
 
 
-def test_a_name_that_standard_output_has_no_letters_for(clean_map):
+def test_a_name_that_standard_output_cannot_encode_is_escaped(clean_map):
     path = clean_map.rename(clean_map.with_name("größe 頭.png"))
     script = "import sys; sys.argv[0] = 'nmap'; from nmaptool_cli.start import run; run()"
     for encoding, shown in (("cp1252", "größe \\u982d.png: 96 x 96"), ("utf-8", "größe 頭.png: 96 x 96")):

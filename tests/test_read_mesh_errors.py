@@ -51,7 +51,7 @@ def test_missing_files_folders_and_devices_are_refused(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no devices and pipes among its files")
-def test_streams_and_devices(tmp_path):
+def test_streams_and_devices_are_refused(tmp_path):
     with pytest.raises(InputError, match=r"null: is a stream or device, not a file; save the mesh as a file"):
         read_mesh("/dev/null")
     os.mkfifo(tmp_path / "pipe.stl")
@@ -60,7 +60,7 @@ def test_streams_and_devices(tmp_path):
 
 
 @LONG_NAMES
-def test_a_name_that_is_too_long(tmp_path):
+def test_a_name_that_is_too_long_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"cannot be read \(File name too long\)"):
         read_mesh(tmp_path / ("a" * 300 + ".obj"))
 

@@ -147,7 +147,7 @@ def test_recipes_that_contain_each_other_are_refused(folder, monkeypatch):
             nm.read_recipe(name)
 
 
-def test_a_recipe_that_holds_itself_by_another_name(folder, monkeypatch, symlink):
+def test_a_recipe_that_includes_itself_under_another_name_is_refused(folder, monkeypatch, symlink):
     monkeypatch.chdir(folder)
     write(folder, "self.toml", link("alias.toml"))
     symlink(folder / "alias.toml", "self.toml")

@@ -20,7 +20,7 @@ def message_of(text, kind=nm.InputError, line_of=None):
 
 
 def line_in(text, kind=nm.InputError):
-    """The line that the message names; all else in it is what it is without lines."""
+    """Return the line in the message; the rest of the message is the same without lines."""
     message = message_of(text, kind, Lines(text).of)
     (line,) = re.findall(r"^scene\.toml, line (\d+): ", message)
     assert message.replace(f", line {line}", "", 1) == message_of(text, kind)
@@ -33,7 +33,7 @@ def line_in(text, kind=nm.InputError):
         ("rotation = 3", "unknown key 'rotation'; did you mean 'rotate'?"),
         ("Scale = 3", "unknown key 'Scale'; did you mean 'scale'?"),
         ("xyz = 3", "unknown key 'xyz'; use one of file, name, mode, strength, at, anchor, scale, rotate"),
-        ("flip-h = true\nflip_h = true", "flip_h: is there twice, with _ and with -; take one out"),
+        ("flip-h = true\nflip_h = true", "flip_h: is given twice, with _ and with -; remove one"),
         ('strength = "0.8"', "strength: found the text '0.8', expected a number such as 0.8"),
         ("strength = true", "strength: found true, expected a number such as 0.8"),
         ("strength = -1", "strength = -1: must be zero or more"),
@@ -143,7 +143,7 @@ def test_groups_nested_too_deeply_are_refused():
     where = re.escape("layer " + ".".join(["1"] * (depth - 1)))
     text = f'{tables}file = "a"'
     message = message_of(text, nm.LimitError)
-    assert re.match(f"scene.toml: {where}: groups lie more than 16 deep in each other; flatten them", message)
+    assert re.match(f"scene.toml: {where}: groups are nested more than 16 deep; flatten them", message)
     assert line_in(text, nm.LimitError) == depth
 
 

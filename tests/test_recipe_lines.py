@@ -1,4 +1,4 @@
-"""The lines of keys in TOML text: every key that tomllib finds is found where it is written."""
+"""The lines of keys in TOML text: every key that tomllib finds gets the line where it is written."""
 
 import itertools
 import random
@@ -41,7 +41,7 @@ x = 1
 
 
 def paths(values, above=()):
-    """The keys of everything in values."""
+    """Yield the keys of everything in values."""
     pairs = values.items() if isinstance(values, dict) else enumerate(values) if isinstance(values, list) else ()
     for key, value in pairs:
         yield (*above, key)
@@ -49,13 +49,13 @@ def paths(values, above=()):
 
 
 def found_in(text):
-    """Where everything is that tomllib finds."""
+    """Return the line of everything that tomllib finds."""
     lines = Lines(text)
     return {keys: lines.of(keys) for keys in paths(tomllib.loads(text))}
 
 
 @pytest.mark.parametrize("ending", ["\n", "\r\n"])
-def test_a_scene(ending):
+def test_a_scene_has_the_expected_lines(ending):
     first, second = ("layer", 0), ("layer", 1)
     assert found_in(SCENE.replace("\n", ending)) == {
         ("canvas",): 2,
@@ -82,7 +82,7 @@ def test_a_scene(ending):
     }
 
 
-def test_lists_and_inline_tables():
+def test_lists_and_inline_tables_are_followed():
     text = """layer = [ # ]
   {file = "a.png", read = {green = "up"}},
 
@@ -108,7 +108,7 @@ x = 1"""
     }
 
 
-def test_what_is_not_there_has_the_line_of_the_table_around_it():
+def test_missing_keys_have_the_line_of_the_table_around_them():
     lines = Lines(SCENE)
     assert lines.of(("layer", 1, "mode")) == 18
     assert lines.of(("layer", 1, "layer", 0, "read", "green")) == 23
@@ -173,7 +173,7 @@ class Writer:
 
 
 @pytest.mark.parametrize("seed", range(150))
-def test_random_text(seed):
+def test_every_key_of_random_text_is_found(seed):
     text = Writer(seed).text()
     values = tomllib.loads(text)
     lines = Lines(text)
@@ -187,5 +187,5 @@ def test_random_text(seed):
             assert lines.of(keys) == text.count("\n", 0, place) + 1, keys
 
 
-def test_lists_deep_in_each_other():
+def test_deeply_nested_lists_are_followed():
     assert Lines(f"x = [{'[' * 90}1{']' * 90}]\ny = 1").of(("y",)) == 2

@@ -72,7 +72,9 @@ def test_sizes_may_be_in_px_mm_or_percent(bumpy):
     )
     assert by_px == pytest.approx(by_mm) == pytest.approx(by_share)
     unknown = nm.NormalMap(whole.normals, whole.coverage, nm.Frame(128, 128), name="dome.png")
-    with pytest.raises(nm.UsageError, match=r"`sigma_s='2mm'`: the pitch of dome.png is unknown; give px or %"):
+    with pytest.raises(
+        nm.UsageError, match=r"`sigma_s='2mm'`: the size of a pixel in dome.png is not known; give px or %"
+    ):
         nm.split(unknown, nm.SplitOptions(sigma_s=nm.length("2mm")))
     with pytest.raises(nm.UsageError, match=r"`sigma_s='0.1px'`: is only 0.1 px here; use at least 0.3px"):
         nm.split(whole, nm.SplitOptions(sigma_s=nm.length("0.1px")))

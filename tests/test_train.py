@@ -111,7 +111,7 @@ def test_invalid_train_options_are_refused(changes, message):
         ({"sigma_s": ()}, "`sigma_s`: found 0 values, expected 1 to 16"),
         ({"sigma_s": (0.0,)}, "`sigma_s=0`: must lie between 0.1 and 1000"),
         ({"sigma_r": (0.2, np.nan)}, "`sigma_r=nan`: must lie between 0.01 and 10"),
-        ({"passes": 0}, "passes 0: must lie between 1 and 20"),
+        ({"passes": 0}, "`passes=0`: must lie between 1 and 20"),
     ],
 )
 def test_invalid_descriptors_are_refused(changes, message):

@@ -126,7 +126,7 @@ def test_replaced_files_are_restored(tmp_path, tree, monkeypatch, links):
 
 
 def test_a_leftover_that_cannot_be_removed_does_not_end_a_run(tmp_path, monkeypatch):
-    """As on Windows while another program has the file open."""
+    """Windows does not remove a file that another program has open."""
     (tmp_path / "a.txt").write_text("old", encoding="utf-8")
 
     def refuse(self, missing_ok=False):
@@ -140,7 +140,7 @@ def test_a_leftover_that_cannot_be_removed_does_not_end_a_run(tmp_path, monkeypa
 def test_impossible_targets_are_refused_before_the_work(tmp_path):
     (tmp_path / "old.txt").write_text("precious", encoding="utf-8")
     (tmp_path / "file").write_text("no folder", encoding="utf-8")
-    # Windows takes a name that is too long for a missing one
+    # Windows reports a name that is too long as missing
     too_long = [(OutputError, r"(?i)too long", plan([], folders=[tmp_path / ("n" * 300)]))] * (sys.platform != "win32")
     for error, message, outputs in (
         (UsageError, r"a\.md: a note is written as \.txt$", plan([tmp_path / "a.md"])),

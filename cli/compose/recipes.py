@@ -1,4 +1,4 @@
-"""Errors about the layers of a recipe, in its words."""
+"""Errors about the layers of a recipe, with its keys instead of flags."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def errors_of(stack: nm.Stack) -> Iterator[None]:
-    """Errors that are raised within name the recipe, and its keys: ``at`` for ``--at``."""
+    """Make errors that are raised within name the recipe and its keys: ``at``, not ``--at``."""
     from nmaptool.composition.recipe_parsing import with_recipe_keys
 
     try:

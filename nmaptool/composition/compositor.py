@@ -117,7 +117,7 @@ def compose_onto(
 
 
 def group_piece(inner: Canvas, group: LayerGroup) -> Piece:
-    """What a group lays on a canvas: its layers, composed on a canvas of their own, under its mask.
+    """Return the piece of a group: its layers, already composed on their own canvas, under its mask.
 
     Raises
     ------

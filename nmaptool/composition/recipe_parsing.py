@@ -1,4 +1,4 @@
-"""What a designer wrote in a recipe, checked key by key."""
+"""Parse and check the keys and values of a recipe."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from nmaptool.options.kinds import Kind, Switch, Text
 from nmaptool.options.length_kinds import ScaleText
 from nmaptool.types.recipe import DEEPEST, READ_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
 
-# what the keys take that are no options
+# kinds of the keys that are not options
 _FILE_KINDS: dict[str, Kind] = {
     "file": Text("bunny.exr"),
     "recipe": Text("ornaments.toml"),
     "mask": Text("mask.png"),
     "hidden": Switch(),
 }
-# what they name, none of which may be empty
+# what the names in these keys refer to; none may be empty
 _NAMES = {"file": "a normal map", "recipe": "a recipe", "mask": "a grey picture"}
 _PLACE_KEYS = tuple(f.name for f in fields(LayerOptions))
 _GROUP_OPTIONS = tuple(f.name for f in fields(GroupOptions))
@@ -41,7 +41,7 @@ _LONGEST_SHOWN = 60
 def parse_recipe(
     values: Mapping[str, Any], *, name: str = "recipe", folder: str = "", line_of: LineOf | None = None
 ) -> Recipe:
-    """Make a recipe of a mapping, as ``tomllib`` reads it.
+    """Make a recipe from a mapping, such as ``tomllib`` returns.
 
     Parameters
     ----------
@@ -49,12 +49,12 @@ def parse_recipe(
         ``canvas`` (table, optional) and ``layer`` (list of tables); keys are the fields of the options, with _
         or -.
     name : str
-        What to call the recipe in messages.
+        Name of the recipe for messages.
     folder : str
-        What its files are relative to.
+        Folder that its file names are relative to.
     line_of : callable, optional
-        Gives the line of a value in the recipe's text, for messages: ``line_of(("layer", 0, "mode"))`` is that of
-        ``values["layer"][0]["mode"]``, or of the table around it. Default: messages name no lines.
+        Returns the line of a value in the text of the recipe, for messages: ``line_of(("layer", 0, "mode"))`` is the
+        line of ``values["layer"][0]["mode"]``, or of the table around it. Default: messages name no lines.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def parse_recipe(
     Raises
     ------
     InputError
-        If a key or value is not accepted; the message says where, which key, what was found and what is accepted.
+        If a key or value is not accepted; the message names the place, the key, what was found and what is accepted.
     LimitError
         If groups are nested too deeply.
 
@@ -84,11 +84,11 @@ def parse_recipe(
 
 
 def _entries(found: Any, around: Place, number: str, depth: int) -> tuple[Entry, ...]:
-    """The layers in a recipe, or in the group of that number."""
+    """Return the layers of a recipe, or of the group with this number."""
     title = f"layer {number.rstrip('.')}" if number else ""
     place = around.to("layer", title=title)
     if depth > DEEPEST:
-        raise LimitError(f"{place.named()}: groups lie more than {DEEPEST} deep in each other; flatten them")
+        raise LimitError(f"{place.named()}: groups are nested more than {DEEPEST} deep; flatten them")
     brackets = "layer." * number.count(".") + "layer"
     if isinstance(found, Mapping):
         raise InputError(f"{place.named()}: [{brackets}] is one table; write [[{brackets}]], with double brackets")
@@ -101,7 +101,7 @@ def _entries(found: Any, around: Place, number: str, depth: int) -> tuple[Entry,
 
 
 def _entry(found: Any, place: Place, number: str, depth: int) -> Entry:
-    """A layer, a group or a link, by what it holds."""
+    """Return a layer, a group or a link, depending on which keys the table has."""
     table = _table(found, place, "[[layer]]")
     place = place.to(title=place.title + _called(table))
     known = _known(table, _ALL_KEYS, place)
@@ -140,7 +140,7 @@ def _read(found: Any, place: Place) -> dict[str, Any]:
 
 
 def _called(table: Mapping[str, Any]) -> str:
-    """`` (bunny)``: the layer's name, or its file's."""
+    """Return `` (bunny)``: the name of the layer, or of its file, for messages."""
     name = table.get("name") or table.get("file") or table.get("recipe")
     if not isinstance(name, str) or not name:
         return ""
@@ -156,7 +156,7 @@ def _table(found: Any, place: Place, example: str) -> Mapping[str, Any]:
 
 
 def _known(table: Mapping[str, Any], accepted: Iterable[str], place: Place) -> dict[str, Any]:
-    """The table with _ in its keys, all of them known."""
+    """Return the table with _ in its keys; unknown keys are refused."""
     accepted = tuple(accepted)
     known: dict[str, Any] = {}
     for written, value in table.items():
@@ -166,13 +166,13 @@ def _known(table: Mapping[str, Any], accepted: Iterable[str], place: Place) -> d
             remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(accepted)}"
             raise InputError(f"{place.named(written)}: unknown key {_cut(written)!r}; {remedy}")
         if key in known:
-            raise InputError(f"{place.named(written)}: {key}: is there twice, with _ and with -; take one out")
+            raise InputError(f"{place.named(written)}: {key}: is given twice, with _ and with -; remove one")
         known[key] = value
     return known
 
 
 def _typed(options: type[Options], table: Mapping[str, Any], place: Place) -> dict[str, Any]:
-    """The values as the options want them; the options' own fields say what each key takes."""
+    """Check each value against the kind of its option and convert it."""
     kinds = {**_FILE_KINDS, **{f.name: kind for f in fields(options) if (kind := kind_of(f)) is not None}}
     return {key: _value(kinds[key], value, key, place) for key, value in table.items()}
 
@@ -201,7 +201,7 @@ def _number(kind: Kind, value: Any, key: str, place: Place) -> Any:
 
 
 def _options(kind: Any, given: Mapping[str, Any], place: Place) -> Any:
-    """Options of that kind; what they refuse is told in the recipe's words, with the line of the first key named."""
+    """Make options; their errors use the keys of the recipe and name the line of the first key mentioned."""
     try:
         return kind(**given)
     except UsageError as error:
@@ -210,7 +210,7 @@ def _options(kind: Any, given: Mapping[str, Any], place: Place) -> Any:
 
 
 def with_recipe_keys(text: str) -> str:
-    """A message with its options as keys of a recipe; what a recipe does not have stays as it is.
+    """Write the options in a message as keys of a recipe; options that a recipe does not have are kept.
 
     >>> with_recipe_keys("`height_factor=5000`: must lie between -1000 and 1000")
     'height_factor = 5000: must lie between -1000 and 1000'
@@ -221,7 +221,7 @@ def with_recipe_keys(text: str) -> str:
 
 
 def _key(name: str, value: Any) -> str:
-    """A key and its value as TOML writes them."""
+    """Return a key and its value as TOML."""
     if name not in _KEYS:
         return f"`{name}`" if value is None else f"`{name}={value!r}`"
     if value is None:
@@ -231,7 +231,7 @@ def _key(name: str, value: Any) -> str:
 
 
 def number_text(number: float) -> str:
-    """The shortest text that is that number again.
+    """Return the shortest text that reads back as the same number.
 
     >>> number_text(12.0), number_text(0.1)
     ('12', '0.1')
@@ -245,7 +245,7 @@ def _cut(text: str) -> str:
 
 
 def _shown(value: Any) -> str:
-    """A value as the recipe has it, with its type."""
+    """Describe a value of a recipe with its type, for messages."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

@@ -1,4 +1,4 @@
-"""Places in a recipe, as messages name them: ``scene.toml, line 14: layer 2 (bunny)``."""
+"""Places in a recipe, as in messages: ``scene.toml, line 14: layer 2 (bunny)``."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-# what leads to a value: ("layer", 1, "mode") is values["layer"][1]["mode"]
+# the path to a value: ("layer", 1, "mode") is values["layer"][1]["mode"]
 Keys: TypeAlias = tuple[str | int, ...]
-# the line of what the keys lead to, or of the table around it
+# returns the line of the value at the keys, or of the table around it
 LineOf: TypeAlias = Callable[[Keys], int]
 
 
@@ -19,13 +19,13 @@ class Place:
     Parameters
     ----------
     recipe : str
-        The recipe's name.
+        Name of the recipe.
     line_of : callable, optional
-        Gives the lines of keys.
+        Returns the line of a key.
     keys : tuple
-        Those that lead here.
+        Path to the table.
     title : str
-        What to call it in messages, such as "layer 2 (bunny)"; "" is the whole recipe.
+        Its name for messages, such as "layer 2 (bunny)"; empty for the whole recipe.
     """
 
     recipe: str
@@ -34,10 +34,10 @@ class Place:
     title: str = ""
 
     def to(self, *keys: str | int, title: str) -> Place:
-        """A place in this table."""
+        """Return a place in this table."""
         return replace(self, keys=(*self.keys, *keys), title=title)
 
     def named(self, *keys: str | int) -> str:
-        """What to call this table in a message about it, or about the value of a key in it."""
+        """Return the start of a message about this table, or about the value of a key in it."""
         line = "" if self.line_of is None else f", line {self.line_of((*self.keys, *keys))}"
         return f"{self.recipe}{line}: {self.title}" if self.title else f"{self.recipe}{line}"

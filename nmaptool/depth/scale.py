@@ -72,7 +72,8 @@ def in_px(length: Length, cols: int, pitch_mm: float | None, field: str, name: s
     if length.is_absolute:
         if pitch_mm is None:
             raise UsageError(
-                f"`{field}='{length}'`: the pitch of {name} is unknown; give px or %, or the `width` of the picture"
+                f"`{field}='{length}'`: the size of a pixel in {name} is not known; give px or %, or the `width` of "
+                "the picture"
             )
         return length.to_mm(1.0, 1) / pitch_mm
     return length.to_mm(1.0, cols)
@@ -90,7 +91,9 @@ def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) ->
     """
     kind = kind_of(image)
     if kind != "grey" and options.invert:
-        raise UsageError(f"`invert`: {image.name} declares that it holds {kind}, which fixes the direction; omit it")
+        raise UsageError(
+            f"`invert`: {image.name} declares that it holds {kind}, which fixes the direction; leave it out"
+        )
     cols = image.frame.cols
     pitch = options.width.to_mm(1.0, 1) / cols if options.width is not None else image.frame.pitch_mm
     black, white, mm_per_value = _range(image, grey)
@@ -106,7 +109,8 @@ def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) ->
     elif mm_per_value is not None:
         if pitch is None:
             raise UsageError(
-                f"{image.name}: holds {kind} in mm, but its pitch is unknown; give the `width` of the picture"
+                f"{image.name}: holds {kind} in mm, but the size of a pixel is not known; give the `width` of the "
+                "picture"
             )
         scale_px, source = (white - black) * mm_per_value / pitch, "file"
     else:
@@ -139,7 +143,7 @@ def _fov(image: RasterImage, options: DepthOptions) -> tuple[float, str]:
     facts = image.depth_facts
     if options.fov is not None:
         if options.fov and facts is not None and facts.kind == "height":
-            raise UsageError(f"`fov`: {image.name} holds heights, which have no perspective; omit `fov`")
+            raise UsageError(f"`fov`: {image.name} holds heights, which have no perspective; leave it out")
         return options.fov, "given"
     if facts is None or facts.fov_deg is None or not NARROWEST_FOV <= facts.fov_deg <= WIDEST_FOV:
         return 0.0, "assumed"

@@ -102,7 +102,8 @@ def _in_px(sigma_s: Length, normal_map: NormalMap) -> float:
     frame = normal_map.frame
     if sigma_s.is_absolute and frame.pitch_mm is None:
         raise UsageError(
-            f"`sigma_s='{sigma_s}'`: the pitch of {normal_map.name} is unknown; give px or %, such as `sigma_s='1%'`"
+            f"`sigma_s='{sigma_s}'`: the size of a pixel in {normal_map.name} is not known; give px or %, such as "
+            "`sigma_s='1%'`"
         )
     pitch = frame.pitch_mm or 1.0
     sigma_s_px = sigma_s.to_mm(pitch, frame.longer_side) / pitch

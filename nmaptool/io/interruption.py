@@ -57,7 +57,7 @@ class Unfinished:
             If the folder cannot be created.
         """
         try:
-            # Windows does not remove what is open
+            # Windows does not remove open files
             made = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         except OSError as error:
             raise OutputError(f"cannot create a temporary folder ({reason_of(error)}); set TMPDIR") from None

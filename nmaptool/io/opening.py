@@ -24,7 +24,7 @@ def read_head(path: Path, count: int, wanted: str, for_streams: str) -> tuple[by
         If the file is missing, empty or not readable, or is a folder, a stream or a device.
     """
     try:
-        if path.is_dir():  # which Windows refuses to open as if it were protected
+        if path.is_dir():  # Windows reports a folder as a protected file
             raise InputError(f"{path}: is a folder; give {wanted}")
         if path.exists() and not path.is_file():
             raise InputError(f"{path}: is a stream or device, not a file; {for_streams}")

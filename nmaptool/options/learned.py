@@ -38,7 +38,7 @@ class DescriptorOptions:
                 if not low <= value <= high:  # also for NaN
                     raise UsageError(f"`{name}={value:g}`: must lie between {low:g} and {high:g}, such as 3")
         if not 1 <= self.passes <= _MOST_PASSES:
-            raise UsageError(f"passes {self.passes}: must lie between 1 and {_MOST_PASSES}, such as 3")
+            raise UsageError(f"`passes={self.passes}`: must lie between 1 and {_MOST_PASSES}, such as 3")
 
     @property
     def size(self) -> int:

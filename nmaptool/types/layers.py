@@ -29,7 +29,7 @@ class Layer(OneLine):
     mask_name : str
         Name of the mask for messages, such as its file.
     origin : str
-        What to call it in errors, such as "scene.toml, line 14: layer 2 (bunny)". Default: its name.
+        Start of errors about it, such as "scene.toml, line 14: layer 2 (bunny)". Default: its name.
 
     Raises
     ------
@@ -75,7 +75,7 @@ class LayerGroup(OneLine):
     mask_name : str
         Name of the mask for messages, such as its file.
     origin : str
-        What to call it in errors, such as "scene.toml, line 14: layer 2 (bunny)". Default: its name.
+        Start of errors about it, such as "scene.toml, line 14: layer 2 (bunny)". Default: its name.
     """
 
     layers: tuple[Layer | LayerGroup, ...]
@@ -103,7 +103,7 @@ class LayerGroup(OneLine):
 
 @contextmanager
 def errors_about(layer: Layer | LayerGroup) -> Iterator[None]:
-    """Errors that are raised within call a layer by its origin, where it has one."""
+    """Begin errors that are raised within with the origin of a layer, if it has one."""
     try:
         yield
     except NmaptoolError as error:

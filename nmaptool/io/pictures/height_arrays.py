@@ -73,7 +73,7 @@ def read_height_array(path: Path, pitch_mm: float | None, max_megapixels: float)
 def _load(path: Path, max_megapixels: float) -> NDArray[Any]:
     not_ours = InputError(f"{path}: is not a NumPy array file, or is truncated; save it again")
     try:
-        if path.is_dir():  # which Windows refuses to open as if it were protected
+        if path.is_dir():  # Windows reports a folder as a protected file
             raise InputError(f"{path}: is a folder; give a height file")
         with path.open("rb") as stream:
             if not stream.read(6) == np.lib.format.MAGIC_PREFIX:

@@ -1,4 +1,4 @@
-"""The lines of keys and tables in TOML text, which ``tomllib`` does not tell."""
+"""Find the lines of keys and tables in TOML text, which ``tomllib`` does not report."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from nmaptool.composition.recipe_places import Keys
 
-# a string of any kind, the end of a line, a bracket or sign, or part of a bare key, number or date
+# a string of any kind, a line end, a bracket or sign, or part of a bare key, number or date
 _TOKEN = re.compile(
     r"""
       \"{3} (?: \\. | (?!\"{3}) [^\\] )*+ \"{3,5}
@@ -27,22 +27,22 @@ _TOKEN = re.compile(
 
 @dataclass(slots=True)
 class _Node:
-    """A key, a table or an element of a list, with the line where it begins and what it holds."""
+    """A key, a table or an element of a list, with the line where it begins and its contents."""
 
     line: int
     inner: dict[str | int, _Node] = field(default_factory=dict)
 
     def to(self, key: str, line: int) -> _Node:
-        """The node of a key, which begins at ``line`` if it is new."""
+        """Return the node of a key; a new one begins at ``line``."""
         return self.inner.setdefault(key, _Node(line))
 
     def to_table(self, key: str, line: int) -> _Node:
-        """The node of a key in a header; of ``[[key]]`` tables, the last one."""
+        """Return the node of a key in a header; for ``[[key]]`` tables, the last one."""
         node = self.to(key, line)
         return node.inner.get(len(node.inner) - 1, node)
 
     def find(self, key: str | int) -> _Node | None:
-        """What is there under a key, as it is written or with - for _."""
+        """Return the node of a key, as given or with - for _; None if there is none."""
         found = self.inner.get(key)
         if found is None and isinstance(key, str):
             same = (n for k, n in self.inner.items() if isinstance(k, str) and k.replace("-", "_") == key)
@@ -51,7 +51,7 @@ class _Node:
 
 
 class Lines:
-    r"""Where keys and tables begin.
+    r"""The lines where keys and tables begin.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Lines:
         self._root = _tree(text)
 
     def of(self, keys: Keys) -> int:
-        """The line, from 1, of what the keys lead to in the values; of the table around it if it is not there."""
+        """Return the line, from 1, of the value at the keys, or of the innermost table around it if it is missing."""
         node = self._root
         for key in keys:
             found = node.find(key)
@@ -80,7 +80,7 @@ class Lines:
 
 
 def _tokens(text: str) -> Iterator[tuple[str, int]]:
-    """Every token with its line, without comments and blanks."""
+    """Yield each token with its line; comments and blanks are skipped."""
     line = 1
     for found in _TOKEN.finditer(text):
         token = found[0]
@@ -90,11 +90,11 @@ def _tokens(text: str) -> Iterator[tuple[str, int]]:
 
 
 def _tree(text: str) -> _Node:
-    """Everything that the text defines."""
-    root = table = _Node(1)  # table: what the last header named
-    around: list[_Open] = []  # lists and inline tables that are not closed, outermost first
-    key, key_line = "", 1  # as far as it has been read
-    is_key = True  # rather than a value
+    """Return the tree of everything that the text defines."""
+    root = table = _Node(1)  # table: that of the last header
+    around: list[_Open] = []  # open lists and inline tables, outermost first
+    key, key_line = "", 1  # the part read so far
+    is_key = True  # whether the next tokens are a key, not a value
     tokens = _tokens(text)
     for token, line in tokens:
         match token:
@@ -134,12 +134,12 @@ class _Open:
     index: int = 0
 
     def element(self, line: int) -> _Node:
-        """The node of the next element of a list."""
+        """Return the node of the next element of a list."""
         return self.node.inner.setdefault(self.index, _Node(line))
 
 
 def _header(tokens: Iterator[tuple[str, int]], root: _Node, line: int) -> _Node:
-    """The table that a header names, after its first bracket."""
+    """Return the table of a header, whose first bracket has been read."""
     written, is_list = "", False
     for token, _ in tokens:
         if token == "]":
@@ -158,7 +158,7 @@ def _header(tokens: Iterator[tuple[str, int]], root: _Node, line: int) -> _Node:
 
 
 def _parts(key: str) -> list[str]:
-    """The keys in a dotted key, without quotes."""
+    """Split a dotted key into its keys, without quotes."""
     if not {'"', "'"} & set(key):
         return key.split(".")
     parts, values = [], tomllib.loads(f"{key} = 0")
