@@ -52,7 +52,7 @@ def has_soft_edges(mask: Mask, coverage: Float32) -> bool:
     return soft_share(mask, coverage) >= _SOFT_SHARE
 
 
-def smooth_shape(mask: Mask, coverage: Float32) -> tuple[Shape, float]:
+def smooth_shape(mask: Mask, coverage: Float32, *, rounds_border: bool = False) -> tuple[Shape, float]:
     """The shape of a mask with its outline moved to where coverage is one half.
 
     The nodes of the outline move by less than half a pixel, and no pixel is turned over, so islands, holes and bridges
@@ -63,6 +63,9 @@ def smooth_shape(mask: Mask, coverage: Float32) -> tuple[Shape, float]:
     mask : (H, W) bool
     coverage : (H, W) float32
         Share of each pixel that is covered, 0 to 1.
+    rounds_border : bool
+        Whether coverage also describes the border of the picture, where its corners are rounded; otherwise nodes on the
+        border slide along it.
 
     Returns
     -------
@@ -72,8 +75,10 @@ def smooth_shape(mask: Mask, coverage: Float32) -> tuple[Shape, float]:
     """
     splits = find_splits(mask)
     edges = outline_edges(mask, splits)
-    ring = _Ring.of(edges, mask, splits.first, splits.vertices)
-    contour = _Contour.of(coverage if has_soft_edges(mask, coverage) else _blurred(coverage))
+    ring = _Ring.of(edges, mask, splits.first, splits.vertices, slides=not rounds_border)
+    contour = _Contour.of(
+        coverage if has_soft_edges(mask, coverage) else _blurred(coverage, rounds_border), rounds_border
+    )
     by_px = _towards(contour, ring)
     fixed_nodes, fixed_by = split_moves(splits)
     by_px[np.searchsorted(ring.nodes, fixed_nodes)] = fixed_by
@@ -109,10 +114,10 @@ def smooth_foot_line(motif: Mask, coverage: Float32) -> tuple[Shape, float]:
     return foot, deviation_px
 
 
-def _blurred(coverage: Float32) -> Float32:
+def _blurred(coverage: Float32, rounds_border: bool) -> Float32:
     from scipy import ndimage  # takes long to load
 
-    blurred: Float32 = ndimage.gaussian_filter(coverage, _BLUR_PX, mode="nearest")
+    blurred: Float32 = ndimage.gaussian_filter(coverage, _BLUR_PX, mode="constant" if rounds_border else "nearest")
     return blurred
 
 
@@ -120,7 +125,8 @@ def _blurred(coverage: Float32) -> Float32:
 class _Ring:
     """The nodes of an outline, with their neighbours on it.
 
-    ``free`` is (n, 2): 1 where a node may move across and down. Nodes on the border of the picture slide along it.
+    ``free`` is (n, 2): 1 where a node may move across and down. Nodes on the border of the picture slide along it, or
+    only its corners stay.
     """
 
     nodes: Nodes
@@ -131,7 +137,7 @@ class _Ring:
     is_split: Mask
 
     @classmethod
-    def of(cls, edges: OutlineEdges, mask: Mask, first_second: int, split: Nodes) -> _Ring:
+    def of(cls, edges: OutlineEdges, mask: Mask, first_second: int, split: Nodes, *, slides: bool) -> _Ring:
         rows, cols = mask.shape
         order = np.argsort(edges.start)
         nodes = edges.start[order]
@@ -146,7 +152,8 @@ class _Ring:
         sides, ends = (col == 0) | (col == cols), (row == 0) | (row == rows)
         border = sides | ends
         along = border & border[before] & border[after]
-        free = np.column_stack([~sides & ~along, ~ends & ~along]).astype(np.float64)
+        moves = np.column_stack([~sides & ~along, ~ends & ~along] if slides else [~(sides & ends)] * 2)
+        free = moves.astype(np.float64)
         free[is_split] = 0.0
         return cls(nodes, grid, before, after, free, is_split)
 
@@ -160,8 +167,8 @@ class _Contour:
     down: Float64
 
     @classmethod
-    def of(cls, coverage: Float32) -> _Contour:
-        counts = corner_sum(np.ones(coverage.shape))
+    def of(cls, coverage: Float32, rounds_border: bool) -> _Contour:
+        counts = 4.0 if rounds_border else corner_sum(np.ones(coverage.shape))
         values = corner_sum(coverage.astype(np.float64)) / counts
         down, across = (np.asarray(slope, np.float64) for slope in np.gradient(values))
         return cls(values, across, down)

@@ -151,8 +151,12 @@ def _shape_of(
     )
     if not is_smooth or edge.all():
         return pixel_shape(mask, find_splits(mask)), {"outline": "exact", "outline_deviation_mm": 0.0}
-    moved = smooth_foot_line if has_foot_line else smooth_shape
-    shape, deviation_px = moved(edge, edge.astype(np.float32) if coverage is None else coverage)
+    coverage = edge.astype(np.float32) if coverage is None else coverage
+    if has_foot_line:
+        shape, deviation_px = smooth_foot_line(edge, coverage)
+    else:
+        rounds = isinstance(relief, Relief) and relief.report.options.outline_round is not None
+        shape, deviation_px = smooth_shape(edge, coverage, rounds_border=rounds)
     return shape, {"outline": "smooth", "outline_deviation_mm": deviation_px * height.pitch_mm}
 
 
