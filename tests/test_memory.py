@@ -1,10 +1,12 @@
 """Memory: sizes as text, available memory, the needs of a solver, and refusals before the work begins."""
 
+import dataclasses
 import sys
 import tracemalloc
 
 import numpy as np
 import pytest
+from relief_cases import dome
 from solver_cases import blobs, free_system
 
 import nmaptool as nm
@@ -171,3 +173,13 @@ def test_an_image_too_large_for_the_machine_is_refused(monkeypatch):
     assert prepare(free_system(np.ones((5, 7))), memory_limit_bytes=10**9).planned_bytes > 12_300_000
     monkeypatch.setattr(planning, "available_bytes", lambda: None)
     prepare(free_system(np.ones((5, 7))))
+
+
+def test_the_memory_limit_applies_to_weights_that_need_float64():
+    original, _, detail = dome(64, bumps=1)
+    mu_map = np.where(np.arange(64) < 9, 0, 1)[None] * np.ones((64, 1), np.float32)
+    session = nm.ReliefSession(original, detail, mu_map=mu_map)
+    wide = nm.ReliefOptions(mu=1e5, beta=0.004, delta=12.0, background="cut", tolerance=1e-6)
+    planned = session.solve(wide).report.planned_bytes
+    with pytest.raises(nm.LimitError, match="the float64 multigrid solver needs about"):
+        session.solve(dataclasses.replace(wide, memory_limit=f"{planned - 1}B"))

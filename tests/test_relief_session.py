@@ -293,11 +293,3 @@ def test_solving_from_the_progress_callback_is_refused(maps):
     with pytest.raises(nm.UsageError, match="a session cannot solve inside its own progress callback"):
         session.solve(START, progress=ask)
     assert session.solve(START).report.residual <= START.tolerance
-
-
-def test_the_memory_limit_applies_to_weights_that_need_float64(maps):
-    session = nm.ReliefSession(*maps, mu_map=np.where(np.arange(SIDE) < 9, 0, 1)[None] * np.ones((SIDE, 1), np.float32))
-    wide = dataclasses.replace(START, mu=1e5, background="cut", tolerance=1e-6)
-    planned = session.solve(wide).report.planned_bytes
-    with pytest.raises(nm.LimitError, match="the float64 multigrid solver needs about"):
-        session.solve(dataclasses.replace(wide, memory_limit=f"{planned - 1}B"))
