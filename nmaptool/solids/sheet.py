@@ -16,6 +16,7 @@ from nmaptool.solids.shape import Shape
 from nmaptool.types.solid import Faces, Nodes, Part
 
 _BAND_PIXELS = 1 << 17
+_RANGE_ROWS = 256
 # share of pixels in a band up to which they are made one by one
 _SPARSE = 0.05
 
@@ -92,8 +93,13 @@ class Sheet:
         """Lowest and highest node."""
         inside = touching_vertices(self.shape.mask)
         inside.ravel()[self.shape.vertex_of(self.shape.moved)] = False
-        z = np.concatenate([self.z_mm[inside], self.z_of(self.shape.moved)])
-        return float(z.min()), float(z.max())
+        moved = self.z_of(self.shape.moved)
+        low, high = moved.min(initial=np.inf), moved.max(initial=-np.inf)
+        for top in range(0, len(inside), _RANGE_ROWS):  # the heights are not copied as a whole
+            rows, used = self.z_mm[top : top + _RANGE_ROWS], inside[top : top + _RANGE_ROWS]
+            low = min(low, float(rows.min(initial=np.inf, where=used)))
+            high = max(high, float(rows.max(initial=-np.inf, where=used)))
+        return float(low), float(high)
 
     @property
     def node_count(self) -> int:

@@ -162,6 +162,8 @@ def _shape_of(
 
 def _in_range(height: Height, shape: Shape) -> Height:
     """Heights whose range is kept by the moved nodes of the outline."""
+    if shape.keeps_heights:
+        return height
     low, high = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0)).z_range()
     wanted_low, wanted_high = height.range_mm
     if (low, high) == (wanted_low, wanted_high) or low == high:
