@@ -75,3 +75,42 @@ def check_solid(solid: nm.Solid) -> None:
     merged = trimesh.Trimesh(single, mesh.faces, process=True)  # as a file without shared vertices is read
     assert merged.is_watertight
     assert len(merged.faces) == solid.face_count
+
+
+def crossings(vertices: np.ndarray, faces: np.ndarray) -> int:
+    """Number of pairs of triangles whose insides have points in common, by separating axes.
+
+    Two triangles are apart if along some axis they share no more than a touch. The axes are both normals, the cross
+    products of their edges, and the directions across edges within each plane.
+    """
+    corners = vertices[faces]
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    touch = 1e-9 * float(np.ptp(vertices))
+    found = 0
+    for one in range(len(faces) - 1):
+        others = np.arange(one + 1, len(faces))
+        near = (low[others] < high[one] + touch).all(axis=1) & (high[others] > low[one] - touch).all(axis=1)
+        second = corners[others[near]]
+        if len(second):
+            first = np.broadcast_to(corners[one], second.shape)
+            found += int(np.count_nonzero(~_apart(first, second, touch)))
+    return found
+
+
+def _apart(first: np.ndarray, second: np.ndarray, touch: float) -> np.ndarray:
+    """(n,) bool: whether an axis separates each pair of triangles."""
+    edges = [np.roll(each, -1, axis=1) - each for each in (first, second)]
+    normals = [np.cross(each[:, 0], each[:, 1]) for each in edges]
+    axes = [*normals]
+    axes += [np.cross(edges[0][:, i], edges[1][:, j]) for i in range(3) for j in range(3)]
+    axes += [np.cross(normal, each[:, i]) for normal, each in zip(normals, edges, strict=True) for i in range(3)]
+    apart = np.zeros(len(first), bool)
+    for axis in axes:
+        length = np.linalg.norm(axis, axis=1)
+        usable = length > 1e-12
+        unit = axis / np.where(usable, length, 1.0)[:, None]
+        a, b = (np.einsum("nkc,nc->nk", each, unit) for each in (first, second))
+        low, high = (np.stack([pick(a), pick(b)]) for pick in (lambda v: v.min(axis=1), lambda v: v.max(axis=1)))
+        usable &= ((high - low) > touch).any(axis=0)  # both lie in one plane: this axis says nothing
+        apart |= usable & ((high[0] <= low[1] + touch) | (high[1] <= low[0] + touch))
+    return apart

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from solid_cases import HARD_MASKS, PLATE, check_solid, mask_of, random_options, random_relief
+from solid_cases import HARD_MASKS, PLATE, check_solid, crossings, mask_of, random_options, random_relief
 
 import nmaptool as nm
 from nmaptool.solids.flat_back import rectangles_of
@@ -178,3 +178,35 @@ def test_bad_numbers_of_triangles_are_refused(text, message):
 def test_numbers_of_triangles_are_read():
     counts = [nm.SolidOptions(triangles=text).triangle_count for text in ("200k", "1.5M", "1234", 900)]
     assert counts == [200_000, 1_500_000, 1234, 900]
+
+
+def test_triangles_that_cross_are_found():
+    flat = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0]], float)
+    upright = np.array([[0.5, 0.5, -1], [0.5, 0.5, 1], [3, 3, 0]], float)
+    faces = np.arange(6).reshape(2, 3)
+    assert crossings(np.concatenate([flat, upright]), faces) == 1
+    assert crossings(np.concatenate([flat, upright + 5]), faces) == 0
+    assert crossings(np.concatenate([flat, flat + np.array([0.5, 0.2, 0])]), faces) == 1  # in one plane
+    beside = np.array([[2, 0, 0], [0, 2, 0], [2, 2, 1]], float)
+    assert crossings(np.concatenate([flat, beside]), faces) == 0  # only an edge in common
+
+
+def test_no_triangles_of_a_solid_cross(trials):
+    checked = 0
+    for seed in range(trials(300)):
+        relief, given = random_relief(seed), random_options(seed)
+        if relief.height.domain.size < 220:
+            mesh = nm.solid(relief, given).to_mesh()
+            assert crossings(mesh.vertices, mesh.faces) == 0, seed
+            checked += 1
+    assert checked >= trials(300) // 10
+
+
+def test_no_triangles_cross_behind_a_foot_line(trials):
+    for seed in range(1, trials(100), 2):  # with coverage
+        relief = random_relief(seed)
+        if relief.height.domain.size < 220:
+            height = dataclasses.replace(relief.height, domain=np.ones_like(relief.height.domain))
+            given = options(**({"base": "3mm"}, {"base": "3mm", "hollow": "0.5mm"}, {"shell": "0.4mm"})[seed % 3])
+            mesh = nm.solid(dataclasses.replace(relief, height=height), given).to_mesh()
+            assert crossings(mesh.vertices, mesh.faces) == 0, seed

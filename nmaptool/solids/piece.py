@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -114,7 +115,7 @@ def back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOpt
         z_mm = shell_back(front.z_mm, shape.mask, in_mm(options.shell, height), height.pitch_mm)
         # moved nodes are as far behind the front as the vertices that they come from
         behind = front.z_of_moved - (front.z_mm - z_mm).ravel()[shape.vertex_of(shape.moved)]
-        return Sheet(z_mm, shape, front.placing, -1, first, behind)
+        return Sheet(z_mm, shape, front.placing, -1, first, behind, diagonals_of=front)
     assert options.base is not None
     base_mm = in_mm(options.base, height) - zero_mm
     deepest = -front.z_range()[0]
@@ -125,11 +126,13 @@ def back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOpt
         )
     if options.hollow is not None:
         z_mm = hollow_back(front.z_mm, shape.mask, in_mm(options.hollow, height), base_mm, height.pitch_mm)
-        return Sheet(z_mm, shape, front.placing, -1, first, z_mm.ravel()[shape.vertex_of(shape.moved)])
+        moved = z_mm.ravel()[shape.vertex_of(shape.moved)]
+        return Sheet(z_mm, shape, front.placing, -1, first, moved, diagonals_of=front)
     outline = np.zeros(shape.node_count, bool)
     outline[edges.start] = True
-    beside = pixels_touching(shape.moved[outline[shape.moved]], shape)
-    return FlatBack(shape, front.placing, -base_mm, first, edges, beside)
+    on = outline[shape.moved]  # nodes of a foot line stay on the grid
+    flat = dataclasses.replace(shape, moved=shape.moved[on], by_px=shape.by_px[on])
+    return FlatBack(flat, front.placing, -base_mm, first, edges, pixels_touching(flat.moved, flat))
 
 
 def in_mm(length: Length, height: Height) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,15 +21,14 @@ from nmaptool.solids.sheet import Placing, Sheet
 from nmaptool.solids.smooth import smooth_shape
 from nmaptool.solids.walls import wall_parts
 from nmaptool.types.height import Height
-from nmaptool.types.solid import Body, Part
+from nmaptool.types.solid import Body, Nodes, Part
 
 
 @dataclass(frozen=True, eq=False)
 class RaisedFront:
     """The front of a motif that stands on its plate: two sheets with walls between them.
 
-    Nodes of the plate follow those of the motif. Along the border of the picture the walls of the motif also end at the
-    height of the plate, so that walls below can go on from there.
+    Nodes of the plate follow those of the motif.
 
     Attributes
     ----------
@@ -49,18 +49,29 @@ class RaisedFront:
     @property
     def face_count(self) -> int:
         """Triangles of both sheets and of the walls between them."""
-        return self.motif.face_count + self.plate.face_count + 2 * len(self.motif_edges.start)
+        return self.motif.face_count + self.plate.face_count + 2 * len(self.walls.start)
+
+    @cached_property
+    def walls(self) -> OutlineEdges:
+        """The edges between motif and plate, with the motif to the left."""
+        return _chosen(self.motif_edges, ~self._on_border(self.motif_edges))
+
+    @cached_property
+    def borders(self) -> tuple[OutlineEdges, OutlineEdges]:
+        """The edges of motif and plate on the border of the picture."""
+        motif, plate = (_chosen(each, self._on_border(each)) for each in (self.motif_edges, self.plate_edges))
+        return motif, plate
 
     def border(self) -> OutlineEdges:
-        """The edges of both outlines that lie on the border of the picture."""
+        """Both of them."""
+        names = ("start", "end", "rows", "cols")
+        return OutlineEdges(*(np.concatenate([getattr(each, name) for each in self.borders]) for name in names))
+
+    def _on_border(self, edges: OutlineEdges) -> Mask:
         rows, cols = self.motif.shape.mask.shape
-        both = (self.motif_edges, self.plate_edges)
-        start, end, row, col = (
-            np.concatenate([getattr(each, name) for each in both]) for name in ("start", "end", "rows", "cols")
-        )
-        (r0, c0), (r1, c1) = (np.divmod(nodes, cols + 1) for nodes in (start, end))
-        on = ((r0 == r1) & ((r0 == 0) | (r0 == rows))) | ((c0 == c1) & ((c0 == 0) | (c0 == cols)))
-        return OutlineEdges(start[on], end[on], row[on], col[on])
+        (r0, c0), (r1, c1) = (np.divmod(nodes, cols + 1) for nodes in (edges.start, edges.end))
+        on: Mask = ((r0 == r1) & ((r0 == 0) | (r0 == rows))) | ((c0 == c1) & ((c0 == 0) | (c0 == cols)))
+        return on
 
     @property
     def whole(self) -> Sheet:
@@ -69,10 +80,8 @@ class RaisedFront:
         mask = np.ones_like(motif.shape.mask)
         shape = Shape(mask, find_splits(mask), motif.shape.moved, motif.shape.by_px, keeps_heights=True)
         inner = touching_vertices(motif.shape.mask) & ~touching_vertices(plate.shape.mask)
-        inner[[0, -1]] = False  # walls along the border of the picture go down to the plate first
-        inner[:, [0, -1]] = False
         z_mm = np.where(inner, motif.z_mm, np.minimum(motif.z_mm, 0.0))
-        return Sheet(z_mm, shape, motif.placing, 1, plate.first_node)
+        return Sheet(z_mm, shape, motif.placing, 1, plate.first_node, diagonals_of=motif)
 
     @property
     def bounds_mm(self) -> Float64:
@@ -86,7 +95,7 @@ class RaisedFront:
     def parts(self) -> Iterator[Part]:
         """The triangles."""
         yield from self.motif.parts()
-        edges = self.motif_edges
+        edges = self.walls
         yield from wall_parts(edges.start, edges.end, self.motif.xyz_of, self.plate.xyz_of, self.plate.first_node)
         yield from self.plate.parts()
 
@@ -148,6 +157,10 @@ def _check_walls(z_mm: Float64) -> None:
         )
 
 
+def _chosen(edges: OutlineEdges, which: Mask) -> OutlineEdges:
+    return OutlineEdges(edges.start[which], edges.end[which], edges.rows[which], edges.cols[which])
+
+
 @dataclass(frozen=True, eq=False)
 class RaisedPiece:
     """A closed body with a raised motif.
@@ -155,23 +168,19 @@ class RaisedPiece:
     Attributes
     ----------
     front : RaisedFront
-    border : OutlineEdges
-        Of the picture.
     back : Sheet or FlatBack
         Its nodes follow those of the plate.
     """
 
     front: RaisedFront
-    border: OutlineEdges
     back: Back
 
     @classmethod
     def of(cls, front: RaisedFront, back: Back) -> RaisedPiece:
         """Put a back behind a front."""
-        border = front.border()
         if isinstance(back, FlatBack):
-            back = dataclasses.replace(back, outline=border)
-        return cls(front, border, back)
+            back = dataclasses.replace(back, outline=front.border())
+        return cls(front, back)
 
     @property
     def bounds_mm(self) -> Float64:
@@ -188,7 +197,7 @@ class RaisedPiece:
     @property
     def face_count(self) -> int:
         """Number of triangles."""
-        return self.front.face_count + 2 * len(self.border.start) + self.back.face_count
+        return self.front.face_count + sum(len(part.faces) for part in self._border_walls) + self.back.face_count
 
     def body(self, name: str) -> Body:
         """Its triangles."""
@@ -196,12 +205,52 @@ class RaisedPiece:
 
     def _parts(self) -> Iterator[Part]:
         yield from self.front.parts()
-        plate, back, border = self.front.plate, self.back, self.border
-        between = back.first_node - plate.first_node
-        yield from wall_parts(
-            border.start, border.end, plate.xyz_of, back.xyz_of, between, front_offset=plate.first_node
+        yield from self._border_walls
+        yield from self.back.parts()
+
+    @cached_property
+    def _border_walls(self) -> tuple[Part, ...]:
+        """Walls below the motif's and below the plate's part of the border."""
+        front, borders = self.front, self.front.borders
+        nodes = [np.unique(np.concatenate([each.start, each.end])) for each in borders]
+        shared = np.intersect1d(nodes[0], nodes[1])
+        motif, plate = front.motif, front.plate
+        return tuple(
+            border_walls(edges, this, other, self.back, shared)
+            for edges, this, other in ((borders[0], motif, plate), (borders[1], plate, motif))
+            if len(edges.start)
         )
-        yield from back.parts()
+
+
+def border_walls(edges: OutlineEdges, front: Sheet, other: Sheet, back: Back, shared: Nodes) -> Part:
+    """Walls from a front down to a back, through the nodes that another front has on the way.
+
+    Parameters
+    ----------
+    edges : OutlineEdges
+        With the front to the left.
+    front, other : Sheet
+    back : Sheet or FlatBack
+    shared : (k,) int64
+        Nodes that both fronts have; the other's lies between front and back where it is lower.
+    """
+    nodes, local = np.unique(np.stack([edges.start, edges.end]), return_inverse=True)
+    count = np.int32(len(nodes))
+    a, b = local.reshape(2, -1).astype(np.int32)
+    lower = np.isin(nodes, shared) & (other.z_of(nodes) < front.z_of(nodes))
+    (has_a,), (has_b,) = (np.nonzero(lower[end]) for end in (a, b))
+    back_a, back_b = a + count, b + count
+    over_a, over_b = a[has_a], b[has_b]
+    # down at a: in one triangle, or in two through the node between
+    faces = [
+        np.stack([b, np.where(lower[a], a + 2 * count, a), back_a], 1),
+        np.stack([b[has_a], over_a, over_a + 2 * count], 1),
+    ]
+    faces += [np.stack([back_a, back_b, np.where(lower[b], b + 2 * count, b)], 1)]
+    faces += [np.stack([back_a[has_b], over_b + 2 * count, over_b], 1)]
+    xyz_mm = np.concatenate([front.xyz_of(nodes), back.xyz_of(nodes), other.xyz_of(nodes)])
+    numbers = np.concatenate([nodes + each.first_node for each in (front, back, other)])
+    return Part(xyz_mm, np.concatenate(faces).astype(np.int32), numbers)
 
 
 def raised_mask(height: Height) -> Mask | None:

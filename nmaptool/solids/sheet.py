@@ -60,6 +60,9 @@ class Sheet:
         What is added to the nodes of the shape.
     moved_z_mm : (n,) float64, optional
         Heights of the moved nodes. Default: continued from the surface inside.
+    diagonals_of : Sheet, optional
+        The sheet whose pixels are split the same way, so that a back that is lower at every vertex is lower everywhere.
+        Default: each pixel is split where this surface bends less.
     """
 
     z_mm: Float64
@@ -68,6 +71,7 @@ class Sheet:
     facing: int = 1
     first_node: int = 0
     moved_z_mm: Float64 | None = None
+    diagonals_of: Sheet | None = None
 
     @property
     def face_count(self) -> int:
@@ -179,6 +183,8 @@ class Sheet:
 
     def falls(self, top: int, end: int) -> Mask:
         """(end - top, W) bool: whether each pixel is split along its falling diagonal."""
+        if self.diagonals_of is not None:
+            return self.diagonals_of.falls(top, end)
         falls = falling_diagonals(self.z_mm, top, end)
         cols = self.shape.mask.shape[1]
         low, high = np.searchsorted(self.shape.forced, [top * cols, end * cols])
@@ -187,6 +193,8 @@ class Sheet:
 
     def falls_at(self, rows: Nodes, cols: Nodes) -> Mask:
         """(n,) bool: the same for some pixels."""
+        if self.diagonals_of is not None:
+            return self.diagonals_of.falls_at(rows, cols)
         height, width = self.z_mm.shape
         r = np.clip(rows[:, None] + np.arange(-1, 3), 0, height - 1).T
         c = np.clip(cols[:, None] + np.arange(-1, 3), 0, width - 1).T

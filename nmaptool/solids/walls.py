@@ -18,8 +18,6 @@ def wall_parts(
     front: Callable[[Nodes], Float64],
     back: Callable[[Nodes], Float64],
     back_offset: int,
-    *,
-    front_offset: int = 0,
 ) -> Iterator[Part]:
     """Two triangles for each edge of an outline, facing away from the body.
 
@@ -31,8 +29,6 @@ def wall_parts(
         (k, 3) float64 mm of nodes on the front, and of those below them on the back.
     back_offset : int
         Number of a node on the back less that on the front.
-    front_offset : int
-        Number of a node on the front less that given.
 
     Yields
     ------
@@ -45,4 +41,4 @@ def wall_parts(
         below_a, below_b = a + np.int32(len(nodes)), b + np.int32(len(nodes))
         faces = np.stack([b, a, below_a, b, below_a, below_b], axis=1).reshape(-1, 3)
         xyz_mm = np.concatenate([front(nodes), back(nodes)])
-        yield Part(xyz_mm, faces, np.concatenate([nodes, nodes + back_offset]) + front_offset)
+        yield Part(xyz_mm, faces, np.concatenate([nodes, nodes + back_offset]))
