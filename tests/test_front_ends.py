@@ -93,9 +93,32 @@ def test_python_names_the_keyword(options: type[Options], name: str, value: Any)
         options(**{name: value})
     text = str(told.value)
     assert told.value.options[0] == name
+    assert told.value.found == value
+    assert told.value.accepted
     found = text.removeprefix(f"`{name}=").partition("`")[0]
     assert found == repr(value) if isinstance(value, str) else float(found) == value
     assert "--" not in text
+
+
+@pytest.mark.parametrize(
+    ("text", "found", "accepted", "remedy"),
+    [
+        (
+            "`fov=4`: must be 0 (orthographic) or at least 5, such as 35",
+            4,
+            "must be 0 (orthographic) or at least 5",
+            "35",
+        ),
+        ("`mode='x'`: use one of over, rnm", "x", "use one of over, rnm", ""),
+        ("a.png: found 3 channels, expected 4; export it again", None, "expected 4", "export it again"),
+        ("`base` and `shell` are two kinds of back; give one of them", None, "", "give one of them"),
+        ("a.png: is empty", None, "", ""),
+        ("`fit='slope'`: needs `height`, such as `height='3mm'`", "slope", "needs `height`", "`height='3mm'`"),
+    ],
+)
+def test_an_error_gives_its_parts(text: str, found: Any, accepted: str, remedy: str) -> None:
+    error = UsageError(text)
+    assert (error.found, error.accepted, error.remedy) == (found, accepted, remedy)
 
 
 @pytest.mark.parametrize(("options", "name", "value"), REFUSED)

@@ -1,14 +1,24 @@
 """Errors that nmaptool raises on purpose, each with the exit code of the command line.
 
-A message is one line: the file or option, what was found, what is accepted, and the remedy. It names options as
-`nmaptool.core.mentions` describes.
+A message is one line: ``SUBJECT: FINDING; REMEDY``. The subject is a file or an option, and the finding says what was
+found and what is accepted. It names options as `nmaptool.core.mentions` describes; an error gives its parts one by one.
 """
 
 from __future__ import annotations
 
-from typing import ClassVar
+import re
+from typing import Any, ClassVar
 
-from nmaptool.core.mentions import Mention, options_in, rendered
+from nmaptool.core.mentions import Mention, mentions_in, options_in, rendered
+
+# how a message begins to say what is accepted
+_ACCEPTED = re.compile(r"\b(?:must|use one of|use|expected|accepted are|needs)\b.*")
+
+
+def _finding(text: str) -> str:
+    """A message without its subject, its remedy and its example."""
+    subject, colon, rest = text.partition(": ")
+    return (rest if colon else subject).partition("; ")[0].partition(", such as ")[0]
 
 
 def reason_of(error: OSError) -> str:
@@ -24,6 +34,27 @@ class NmaptoolError(Exception):
     def __init_subclass__(cls, exit_code: int | None = None) -> None:
         super().__init_subclass__()
         cls.exit_code = cls.exit_code if exit_code is None else exit_code
+
+    @property
+    def found(self) -> Any:
+        """The value of the first option in the message; None if the message gives none."""
+        return next((value for _, value in mentions_in(str(self)) if value is not None), None)
+
+    @property
+    def accepted(self) -> str:
+        """What the message says is accepted, such as "must lie between 0 and 1"; empty if it does not say."""
+        said = _ACCEPTED.search(_finding(str(self)))
+        return said[0] if said else ""
+
+    @property
+    def remedy(self) -> str:
+        """What to do, the part after the last semicolon or "such as"; empty if the message does not say."""
+        text = str(self)
+        for mark in ("; ", ", such as "):
+            before, _, after = text.rpartition(mark)
+            if before:
+                return after
+        return ""
 
     @property
     def options(self) -> tuple[str, ...]:

@@ -36,6 +36,15 @@ def options_in(text: str) -> tuple[str, ...]:
     return tuple(found[1] for found in _MENTION.finditer(text))
 
 
+def mentions_in(text: str) -> tuple[tuple[str, Any], ...]:
+    """The names of the options in a message with their values, None where the message gives no value.
+
+    >>> mentions_in("`fit='height'`: needs `height`")
+    (('fit', 'height'), ('height', None))
+    """
+    return tuple((found[1], found[2] and _value(found[2])) for found in _MENTION.finditer(text))
+
+
 def _value(text: str) -> Any:
     """The value after ``name=``: a Python literal, inf or nan; any other text is returned unchanged."""
     for read in (ast.literal_eval, float):
