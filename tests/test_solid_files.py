@@ -211,7 +211,20 @@ def test_a_slicer_slices_without_repairs(tmp_path, trials):
         solid = nm.solid(random_relief(100 + seed), random_options(100 + seed))
         path = tmp_path / f"{seed}.stl"
         write_solid(solid, path)
-        told = subprocess.run(["prusa-slicer", "--info", path], capture_output=True, text=True, check=True, timeout=120)
-        assert "manifold = yes" in told.stdout
+        told = slicer("--info", path)
+        assert "manifold = yes" in told
         for sign in ("facets_removed", "edges_fixed", "facets_reversed", "backwards_edges", "degenerate_facets"):
-            assert sign not in told.stdout
+            assert sign not in told
+        sliced = slicer(
+            "--export-gcode", "--scale", "10", "--center", "100,100", "--output", tmp_path / "a.gcode", path
+        )
+        assert "Slicing result exported" in sliced
+        for sign in ("repair", "open edge", "error", "warning"):
+            assert sign not in sliced.lower()
+
+
+def slicer(*words):
+    """What the slicer says."""
+    command = ["prusa-slicer", *map(str, words)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    return done.stdout + done.stderr
