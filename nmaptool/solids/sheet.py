@@ -98,12 +98,12 @@ class Sheet:
         inside = touching_vertices(self.shape.mask)
         inside.ravel()[self.shape.vertex_of(self.shape.moved)] = False
         moved = self.z_of(self.shape.moved)
-        low, high = moved.min(initial=np.inf), moved.max(initial=-np.inf)
+        low, high = float(moved.min(initial=np.inf)), float(moved.max(initial=-np.inf))
         for top in range(0, len(inside), _RANGE_ROWS):  # the heights are not copied as a whole
             rows, used = self.z_mm[top : top + _RANGE_ROWS], inside[top : top + _RANGE_ROWS]
             low = min(low, float(rows.min(initial=np.inf, where=used)))
             high = max(high, float(rows.max(initial=-np.inf, where=used)))
-        return float(low), float(high)
+        return low, high
 
     @property
     def node_count(self) -> int:
