@@ -228,3 +228,18 @@ def slicer(*words):
     command = ["prusa-slicer", *map(str, words)]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
     return done.stdout + done.stderr
+
+
+def test_corners_that_are_separated_are_told(tmp_path, run, codes, png):
+    normals = np.zeros((20, 20, 3))
+    normals[..., 2] = 1
+    mask = np.zeros((20, 20), np.uint8)
+    mask[4:10, 4:10] = mask[10:16, 10:16] = 255
+    png(tmp_path / "map.png", np.dstack([codes(normals), mask]))
+    words = ("relief", tmp_path / "map.png", "-o", tmp_path / "m.stl", "--background", "cut", "--base", "2mm")
+    told = run(*words)
+    assert "2 closed bodies" in told.err
+    assert "separated 1 corner where pixels of the mask only touch; fill a pixel there to join them" in told.err
+    refused_ = run(*words, "--one-piece", "--overwrite")
+    assert refused_.code == 3
+    assert "--one-piece: the relief has 2 separate pieces, the largest of 36 px" in refused_.err

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from nmaptool.types.shown import counted
+
 if TYPE_CHECKING:
     from nmaptool import Solid
     from nmaptool_cli.run import Run
@@ -25,6 +27,9 @@ def describe_solid(run: Run, solid: Solid, meshes: Sequence[Path]) -> None:
         run.say("  the mesh is an open surface; add --base 2mm for a solid")
     if facts["outline"] == "smooth":
         run.say(f"  outline smoothed, at most {facts['outline_deviation_mm']:.3g} mm from the pixels")
+    if facts.get("split_corners"):
+        corners = counted(facts["split_corners"], "corner")
+        run.say(f"  separated {corners} where pixels of the mask only touch; fill a pixel there to join them")
     error = f", at most {facts['max_error_mm']:.3g} mm from the full grid" if "max_error_mm" in facts else ""
     sizes = [
         f"{path.suffix.lower()} {'about ' * (path.suffix.lower() != '.stl')}{_size(path, solid)}" for path in meshes

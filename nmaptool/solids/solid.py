@@ -150,14 +150,16 @@ def _shape_of(
         options.outline == "auto" and coverage is not None and has_soft_edges(edge, coverage)
     )
     if not is_smooth or edge.all():
-        return pixel_shape(mask, find_splits(mask)), {"outline": "exact", "outline_deviation_mm": 0.0}
+        shape = pixel_shape(mask, find_splits(mask))
+        return shape, {"outline": "exact", "outline_deviation_mm": 0.0, "split_corners": len(shape.splits.vertices)}
     coverage = edge.astype(np.float32) if coverage is None else coverage
     if has_foot_line:
         shape, deviation_px = smooth_foot_line(edge, coverage)
     else:
         rounds = isinstance(relief, Relief) and relief.report.options.outline_round is not None
         shape, deviation_px = smooth_shape(edge, coverage, rounds_border=rounds)
-    return shape, {"outline": "smooth", "outline_deviation_mm": deviation_px * height.pitch_mm}
+    facts = {"outline": "smooth", "outline_deviation_mm": deviation_px * height.pitch_mm}
+    return shape, {**facts, "split_corners": len(shape.splits.vertices)}
 
 
 def _in_range(height: Height, shape: Shape) -> Height:
