@@ -34,6 +34,7 @@ _CALLED = {
     "mu_map": "the mu map",
     "beta_map": "the beta map",
     "delta_map": "the delta map",
+    "wall_mask": "the wall mask",
     "surface": "the curved background",
 }
 
@@ -56,6 +57,9 @@ class ReliefInputs(Options, group="Inputs"):
         Grey picture that multiplies beta per pixel.
     delta_map:
         Grey picture that multiplies delta per pixel.
+    wall_mask:
+        Grey picture, white where the motif stands with the walls of --edge wall; the rest runs down into the plate.
+        Default: all of it. nmap compose stack --walls writes one for layers with edge = "wall".
     """
 
     detail: str | None = option(None)
@@ -64,6 +68,7 @@ class ReliefInputs(Options, group="Inputs"):
     mu_map: str | None = option(None)
     beta_map: str | None = option(None)
     delta_map: str | None = option(None)
+    wall_mask: str | None = option(None)
 
 
 @dataclass(frozen=True)
@@ -160,7 +165,7 @@ def _solve(run: Run, files: Mapping[str, Any], progress: Progress | None) -> tup
         pitch_mm, _ = nm.pitch_of(original, run[ReliefOptions])
         reading = dataclasses.replace(run[ReadOptions], layer=None)
         surface = nm.read_surface(files["surface"], reading, like=original, pitch_mm=pitch_mm)
-    greys = {role: read_grey(run, files[role]) for role in ("mask", "mu_map", "beta_map", "delta_map")}
+    greys = {role: read_grey(run, files[role]) for role in ("mask", "mu_map", "beta_map", "delta_map", "wall_mask")}
     read_s = time.perf_counter() - started
     result = nm.relief(original, detail, surface=surface, **greys, options=run[ReliefOptions], progress=progress)
     report = dataclasses.replace(result.report, seconds={"reading": read_s, **result.report.seconds})

@@ -46,7 +46,7 @@ def build_domain(
     base_px: Float64 | None = None,
     pulled: Mask | None = None,
     ground: Mask | None = None,
-    stands: bool = False,
+    raised: Mask | None = None,
 ) -> Domain:
     """Return the domain of a background mode.
 
@@ -69,13 +69,15 @@ def build_domain(
         Where the height term acts. Default: the motif.
     ground : (H, W) bool, optional
         Where the curved background is, for ``surface``. Default: everywhere.
-    stands : bool
-        Whether the motif stands on its plate with walls, so that its outline is free.
+    raised : (H, W) bool, optional
+        Part of the motif that stands on its plate with walls, so that its outline is free.
     """
     rows, cols = foreground.shape
     pulled = foreground if pulled is None else pulled
-    if stands:
-        return Domain(np.ones(foreground.shape, bool), foreground, pulled, ~touching_vertices(foreground))
+    if raised is not None:
+        held = touching_vertices(~foreground) & ~touching_vertices(raised)
+        soft = None if share is None else np.where(raised, np.float32(1), share)
+        return Domain(np.ones(foreground.shape, bool), foreground, pulled, held, None, soft)
     if mode in ("plane", "surface"):
         everywhere = np.ones(foreground.shape, bool) if ground is None else ground | foreground
         # faces with only held vertices have no effect; leaving them out keeps separate motifs separate

@@ -57,6 +57,8 @@ class ReliefMaps:
     original : NormalMap
     detail : NormalMap or None
     mask : (H, W) float32 or None
+    walls : (H, W) float32 or None
+        Where the motif stands with walls.
     surface : NormalMap or Height or None
     mu, beta, delta : (H, W) float32 or None
         Factors on mu, beta and delta.
@@ -65,6 +67,7 @@ class ReliefMaps:
     original: NormalMap
     detail: NormalMap | None
     mask: Float32 | None
+    walls: Float32 | None
     surface: Any
     mu: Float32 | None
     beta: Float32 | None
@@ -78,7 +81,14 @@ class ReliefMaps:
 
 
 def check_maps(
-    original: Any, detail: Any, mask: Any, surface: Any, mu_map: Any, beta_map: Any, delta_map: Any
+    original: Any,
+    detail: Any,
+    mask: Any,
+    surface: Any,
+    mu_map: Any,
+    beta_map: Any,
+    delta_map: Any,
+    wall_mask: Any,
 ) -> ReliefMaps:
     """Check and convert the inputs of a relief.
 
@@ -99,6 +109,9 @@ def check_maps(
         raise UsageError("`mu_map`: has no effect without a detail map; give one with `detail`")
     if coverage is not None:
         others["the mask"] = coverage.shape
+    walls = None if wall_mask is None else as_mask(wall_mask)
+    if walls is not None:
+        others["the wall mask"] = walls.shape
     if is_array(surface):
         surface = as_normal_map(surface, "the curved background")
     if isinstance(surface, NormalMap | Height):
@@ -106,7 +119,7 @@ def check_maps(
     checked = check_weights({"mu": mu_map, "beta": beta_map, "delta": delta_map})
     others |= {f"the {name} map": values.shape for name, values in checked.items() if values is not None}
     check_sizes(original.name, original.frame.shape, others)
-    return ReliefMaps(original, detail, coverage, surface, **checked)
+    return ReliefMaps(original, detail, coverage, walls, surface, **checked)
 
 
 def pitch_of(original: NormalsLike, options: ReliefOptions | None = None) -> tuple[float, str]:
@@ -182,6 +195,20 @@ def motif_of(original: NormalMap, mask: Float32 | None, fading: bool) -> Mask:
             f"the mask selects only background ({kind}) of {original.name}; check whether it is inverted or upside down"
         )
     return both
+
+
+def walled(motif: Mask, walls: Float32 | None) -> Mask:
+    """(H, W) bool: the part of a motif that stands with walls: where a mask is 0.5 or more, or all of it.
+
+    Raises
+    ------
+    InputError
+        If the mask selects nothing of the motif.
+    """
+    chosen: Mask = motif if walls is None else motif & (walls >= 0.5)
+    if not chosen.any():
+        raise InputError("the wall mask selects nothing of the motif: paint what stands with walls white")
+    return chosen
 
 
 def rounded_motif(coverage: Float32, options: ReliefOptions) -> Mask:

@@ -20,6 +20,7 @@ def relief(
     mu_map: FloatsLike | None = None,
     beta_map: FloatsLike | None = None,
     delta_map: FloatsLike | None = None,
+    wall_mask: MaskLike | None = None,
     progress: Progress | None = None,
 ) -> Relief:
     """Solve for a bas-relief: detail-preserving from O and D (Eq. 6), or structure-preserving from B alone (Eq. 8).
@@ -41,6 +42,8 @@ def relief(
         The curved background for ``background="surface"``.
     mu_map, beta_map, delta_map : (H, W) float of any type, optional
         Factors on mu, beta and delta per pixel; finite, and not negative for mu and beta.
+    wall_mask : (H, W) bool or float in [0, 1], optional
+        Part of the motif that stands with walls, for ``edge="wall"``; the rest runs down into the plate. Default: all.
     progress : callable, optional
         Called with the stage, such as "setting up" or "solving", and the share done, 0 to 1.
 
@@ -78,6 +81,7 @@ def relief(
         mu_map=mu_map,
         beta_map=beta_map,
         delta_map=delta_map,
+        wall_mask=wall_mask,
         keep=0,
     )
     return session.solve(options, progress=progress)

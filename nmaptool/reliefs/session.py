@@ -8,6 +8,7 @@ import threading
 import numpy as np
 
 from nmaptool.core.errors import UsageError
+from nmaptool.core.grid import dilated
 from nmaptool.core.progress import Progress, Stages
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs import inputs as given
@@ -57,7 +58,7 @@ class ReliefSession:
 
     Parameters
     ----------
-    original, detail, mask, surface, mu_map, beta_map, delta_map
+    original, detail, mask, surface, mu_map, beta_map, delta_map, wall_mask
         As for `nmaptool.relief`.
     keep : int
         How many combinations of mu, beta, background and so on to keep with their solver and heights, the most recently
@@ -87,9 +88,10 @@ class ReliefSession:
         mu_map: FloatsLike | None = None,
         beta_map: FloatsLike | None = None,
         delta_map: FloatsLike | None = None,
+        wall_mask: MaskLike | None = None,
         keep: int = 2,
     ) -> None:
-        self._maps = given.check_maps(original, detail, mask, surface, mu_map, beta_map, delta_map)
+        self._maps = given.check_maps(original, detail, mask, surface, mu_map, beta_map, delta_map, wall_mask)
         if keep < 0:
             raise UsageError(f"`keep={keep}`: must be zero or more")
         self._keep = keep
@@ -266,9 +268,11 @@ class ReliefSession:
             coverage = rounded(np.where(motif, coverage, np.minimum(coverage, 0.49)), radius_px)
             motif = given.rounded_motif(coverage, options)
         standing = None
-        if stands(options, original.normals, motif):
-            motif = bridged(motif, coverage)
-            standing = Standing(motif)
+        if stands(options, original.normals, motif, maps.walls is not None):
+            raised = bridged(given.walled(motif, maps.walls), coverage)
+            # a pixel of plate lies between what stands and what does not
+            motif = raised if maps.walls is None else raised | (motif & ~dilated(raised, 1))
+            standing = Standing(raised)
         domain = build_domain(
             options.background,
             motif,
@@ -277,7 +281,7 @@ class ReliefSession:
             base_px,
             given.height_term_mask(original, motif, mask),
             ground,
-            standing is not None,
+            None if standing is None else standing.motif,
         )
         flat = flat_share(original.normals, motif)
         return Layout(domain, motif, options.tolerance, coverage, standing, flat)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64, Mask
-from nmaptool.core.errors import InputError
+from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.grid import places, touching_vertices
 from nmaptool.options import ReliefOptions
 from nmaptool.types.relief import MOSTLY_FLAT
@@ -25,8 +25,18 @@ def flat_share(normals: Float32, motif: Mask) -> float:
     return float((normals[..., 2][motif] > _FLAT_NZ).mean())
 
 
-def stands(options: ReliefOptions, normals: Float32, motif: Mask) -> bool:
-    """Whether the outline of a motif is a wall: as the options say, or because much of the motif is flat."""
+def stands(options: ReliefOptions, normals: Float32, motif: Mask, has_wall_mask: bool) -> bool:
+    """Whether the outline of a motif is a wall: as the options say, or because much of the motif is flat.
+
+    Raises
+    ------
+    UsageError
+        If a mask says where it is a wall, and the options say that there is none.
+    """
+    if has_wall_mask:
+        if options.edge == "blend":
+            raise UsageError("`wall_mask`: needs `edge='wall'`")
+        return True
     if options.edge != "auto":
         return options.edge == "wall"
     return options.background == "plane" and not motif.all() and flat_share(normals, motif) > MOSTLY_FLAT
@@ -115,12 +125,13 @@ class Standing:
         free: Float64 = z - means[islands]
         if edge_px is None:
             low = np.append(0.0, ndimage.minimum(free, np.where(outline, islands, -1), numbers[1:]))
-            wall = np.maximum(means, _LEAST_WALL * max(float(np.ptp(free)), _ROUNDING) - low)
+            wall = np.maximum(means, _LEAST_WALL * max(float(np.ptp(free[islands > 0])), _ROUNDING) - low)
             wall[0] = 0.0
             free += wall[islands]
             free *= side if wanted_px is None else side * wanted_px / float(free.max())
             return free
-        factor = _factor(options, float(free.max()), edge_px, wanted_px)
+        rest = float(free[islands == 0].max(initial=0.0))  # of a motif that runs down beside it
+        factor = _factor(options, float(free[islands > 0].max()), rest, edge_px, wanted_px)
         lowest = -factor * float(free[outline].min())
         if lowest >= edge_px:
             raise InputError(
@@ -137,7 +148,7 @@ class Standing:
         return float(z[self._islands[1]].mean())
 
 
-def _factor(options: ReliefOptions, rise_px: float, edge_px: float, wanted_px: float | None) -> float:
+def _factor(options: ReliefOptions, rise_px: float, rest_px: float, edge_px: float, wanted_px: float | None) -> float:
     """What the surface behind the wall is multiplied by to reach the exact height."""
     if wanted_px is None:
         return 1.0
@@ -146,9 +157,12 @@ def _factor(options: ReliefOptions, rise_px: float, edge_px: float, wanted_px: f
             f"`edge_height='{options.edge_height}'`: must be less than `height='{options.height}'`, "
             "which is measured from the plate"
         )
+    if rise_px <= _ROUNDING * edge_px and rest_px > 0:
+        return wanted_px / rest_px
     if rise_px <= _ROUNDING * edge_px:
         raise InputError(
             f"`height='{options.height}'`: the motif is flat, so its wall is as high as the relief; "
             "leave out `edge_height`"
         )
-    return (wanted_px - edge_px) / rise_px
+    factor = (wanted_px - edge_px) / rise_px
+    return factor if rest_px <= 0 else min(factor, wanted_px / rest_px)

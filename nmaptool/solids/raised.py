@@ -18,7 +18,7 @@ from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
 from nmaptool.solids.piece import Back, lowest_of, volume_below_back
 from nmaptool.solids.shape import Shape, pixel_shape
 from nmaptool.solids.sheet import Placing, Sheet
-from nmaptool.solids.smooth import smooth_shape
+from nmaptool.solids.smooth import joined, smooth_foot_line, smooth_shape
 from nmaptool.solids.walls import wall_parts
 from nmaptool.types.height import Height
 from nmaptool.types.solid import Body, Nodes, Part
@@ -78,9 +78,10 @@ class RaisedFront:
         """The lower of motif and plate at each vertex, over the whole picture: what a back must stay behind."""
         motif, plate = self.motif, self.plate
         mask = np.ones_like(motif.shape.mask)
-        shape = Shape(mask, find_splits(mask), motif.shape.moved, motif.shape.by_px, keeps_heights=True)
+        shape = Shape(mask, find_splits(mask), plate.shape.moved, plate.shape.by_px, keeps_heights=True)
         inner = touching_vertices(motif.shape.mask) & ~touching_vertices(plate.shape.mask)
-        z_mm = np.where(inner, motif.z_mm, np.minimum(motif.z_mm, 0.0))
+        outline = touching_vertices(motif.shape.mask) & ~inner
+        z_mm = np.where(inner, motif.z_mm, np.where(outline, np.minimum(motif.z_mm, 0.0), plate.z_mm))
         return Sheet(z_mm, shape, motif.placing, 1, plate.first_node, diagonals_of=motif)
 
     @property
@@ -88,8 +89,8 @@ class RaisedFront:
         """(2, 3) float64: the box around it."""
         rim = self.plate.xyz_of(self.border().start)
         low, high = rim.min(axis=0), rim.max(axis=0)
-        bottom, top = self.motif.z_range()
-        low[2], high[2] = min(bottom, 0.0), max(top, 0.0)
+        ranges = [self.motif.z_range(), self.plate.z_range()]
+        low[2], high[2] = min(each[0] for each in ranges), max(each[1] for each in ranges)
         return np.stack([low, high])
 
     def parts(self) -> Iterator[Part]:
@@ -100,7 +101,9 @@ class RaisedFront:
         yield from self.plate.parts()
 
 
-def raised_front(height: Height, coverage: Float32 | None, is_smooth: bool) -> tuple[RaisedFront, float]:
+def raised_front(
+    height: Height, coverage: Float32 | None, is_smooth: bool, beside: Mask | None = None
+) -> tuple[RaisedFront, float]:
     """The front of a height field with a raised motif.
 
     Parameters
@@ -111,6 +114,8 @@ def raised_front(height: Height, coverage: Float32 | None, is_smooth: bool) -> t
         Share of each pixel that is motif. Default: that of the mask.
     is_smooth : bool
         Whether the outline follows the coverage.
+    beside : (H, W) bool, optional
+        Rest of the motif, which runs down into the plate. It must not touch what is raised.
 
     Returns
     -------
@@ -127,16 +132,26 @@ def raised_front(height: Height, coverage: Float32 | None, is_smooth: bool) -> t
     if len(find_splits(mask).vertices):
         raise InputError("pixels of the raised motif touch only at a corner; join them in the mask")
     shape, deviation_px = pixel_shape(mask, find_splits(mask)), 0.0
+    around = shape
     if is_smooth:
-        shape, deviation_px = smooth_shape(mask, mask.astype(np.float32) if coverage is None else coverage)
+        coverage = mask.astype(np.float32) if coverage is None else coverage
+        around = shape = smooth_shape(mask, _only(mask, coverage))[0]
+        if beside is not None and beside.any():
+            shape, around = joined(shape, smooth_foot_line(beside, _only(beside, coverage))[0])
+        deviation_px = float(np.hypot(*around.by_px.T).max(initial=0.0))
     placing = Placing(height.pitch_mm, 0, 0)
     motif = Sheet(_in_range(height, shape, placing), shape, placing)
     other = ~mask
-    moved = Shape(other, find_splits(other), shape.moved, shape.by_px, shape.forced, shape.forced_falls, True)
-    plate = Sheet(np.zeros(height.z_mm.shape), moved, placing, 1, shape.node_count)
+    moved = dataclasses.replace(around, mask=other, splits=find_splits(other), keeps_heights=True)
+    plate = Sheet(height.plate_mm(), moved, placing, 1, shape.node_count)
     edges = outline_edges(mask, shape.splits)
     _check_walls(motif.z_of(edges.start))
     return RaisedFront(motif, plate, edges, outline_edges(other, moved.splits)), deviation_px
+
+
+def _only(mask: Mask, coverage: Float32) -> Float32:
+    """Coverage without that of other parts of the motif."""
+    return np.where(mask | (coverage < 0.5), coverage, np.float32(0))
 
 
 def _in_range(height: Height, shape: Shape, placing: Placing) -> Float64:
@@ -192,7 +207,7 @@ class RaisedPiece:
     @property
     def volume_mm3(self) -> float:
         """Between front and back, from the heights."""
-        return volume_below(self.front.motif) - volume_below_back(self.back)
+        return volume_below(self.front.motif) + volume_below(self.front.plate) - volume_below_back(self.back)
 
     @property
     def face_count(self) -> int:

@@ -9,7 +9,8 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.grid import corner_sum
-from nmaptool.solids.outline import CORNERS, OutlineEdges, corner_nodes, find_splits, outline_edges
+from nmaptool.solids.folds import without_folds
+from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
 from nmaptool.solids.shape import Shape, split_moves
 from nmaptool.types.solid import Nodes
 
@@ -17,9 +18,6 @@ from nmaptool.types.solid import Nodes
 _FURTHEST_PX = 0.45
 _STEPS = 3
 _RELAXATIONS = 6
-# triangles smaller than this are avoided, where a whole one has 0.5
-_SMALLEST_AREA_PX = 0.04
-_SMALL_AREA_PX = 0.2
 # a move is kept where it ends this near to the contour
 _NEAR = 0.1
 # soft pixels: partly covered
@@ -83,7 +81,7 @@ def smooth_shape(mask: Mask, coverage: Float32, *, rounds_border: bool = False) 
     fixed_nodes, fixed_by = split_moves(splits)
     by_px[np.searchsorted(ring.nodes, fixed_nodes)] = fixed_by
     shape = Shape(mask, splits, ring.nodes, by_px)
-    shape = _without_folds(shape, ring.is_split)
+    shape = without_folds(shape, ring.is_split)
     kept = np.abs(shape.by_px).max(axis=1) > 0
     deviation_px = float(np.hypot(*shape.by_px.T).max(initial=0.0))
     shape = dataclasses.replace(shape, moved=shape.moved[kept], by_px=shape.by_px[kept])
@@ -112,6 +110,31 @@ def smooth_foot_line(motif: Mask, coverage: Float32) -> tuple[Shape, float]:
         whole, find_splits(whole), shape.moved[kept], shape.by_px[kept], shape.forced, shape.forced_falls, True
     )
     return foot, deviation_px
+
+
+def joined(first: Shape, second: Shape) -> tuple[Shape, Shape]:
+    """Two foot lines that do not touch, moved together without folds between them.
+
+    Parameters
+    ----------
+    first, second : Shape
+        Without split vertices, of pictures of one size.
+
+    Returns
+    -------
+    first : Shape
+        With its moves that are kept.
+    both : Shape
+        Of the whole picture, with the moves of both.
+    """
+    whole = np.ones_like(first.mask)
+    moved = np.concatenate([first.moved, second.moved])
+    order = np.argsort(moved)
+    by_px = np.concatenate([first.by_px, second.by_px])[order]
+    both = without_folds(Shape(whole, find_splits(whole), moved[order], by_px), np.zeros(len(moved), bool))
+    own = both.by_px[np.searchsorted(both.moved, first.moved)]
+    first = dataclasses.replace(first, by_px=own, forced=both.forced, forced_falls=both.forced_falls)
+    return first, dataclasses.replace(both, keeps_heights=True)
 
 
 def _blurred(coverage: Float32, rounds_border: bool) -> Float32:
@@ -214,72 +237,3 @@ def _towards(contour: _Contour, ring: _Ring) -> Float64:
     values, _ = contour.at(ring.grid_px + by_px)
     by_px[np.abs(values - 0.5) > _NEAR] = 0.0
     return by_px
-
-
-def _without_folds(shape: Shape, is_fixed: Mask) -> Shape:
-    """Take back moves until every pixel around the outline can be split into two fair triangles."""
-    by_px = shape.by_px.copy()
-    pixels = _Quads.around(shape)
-    for attempt in range(8):
-        falling, rising = pixels.smallest_areas(by_px)
-        bad = np.maximum(falling, rising) < _SMALLEST_AREA_PX
-        if not bad.any():
-            break
-        touched = np.unique(pixels.moved_corners[bad])
-        touched = touched[touched >= 0]
-        touched = touched[~is_fixed[touched]]
-        by_px[touched] *= 0.5 if attempt < 6 else 0.0
-    falling, rising = pixels.smallest_areas(by_px)
-    forced = (np.minimum(falling, rising) < _SMALL_AREA_PX) & (falling != rising)
-    where, falls = pixels.numbers[forced], (falling > rising)[forced]
-    order = np.argsort(where)
-    return Shape(shape.mask, shape.splits, shape.moved, by_px, where[order], falls[order])
-
-
-@dataclass(frozen=True, eq=False)
-class _Quads:
-    """Pixels with a moved corner: their numbers, whether they are in the mask, corners on the grid and their moves.
-
-    Corners are in the order nw, sw, se, ne; ``moved_corners`` are rows of the moves, -1 where a corner is not moved.
-    """
-
-    numbers: Nodes
-    is_inside: Mask
-    grid_px: Float64
-    moved_corners: Nodes
-
-    @classmethod
-    def around(cls, shape: Shape) -> _Quads:
-        rows, cols = shape.mask.shape
-        row, col = np.divmod(shape.vertex_of(shape.moved), cols + 1)
-        around = []
-        for down, right in CORNERS.values():
-            r, c = row - down, col - right
-            inside = (r >= 0) & (r < rows) & (c >= 0) & (c < cols)
-            around.append((r * cols + c)[inside])
-        numbers = np.unique(np.concatenate(around))
-        r, c = np.divmod(numbers, cols)
-        inside = shape.mask[r, c]
-        grid = np.stack([np.column_stack([c + right, r + down]) for down, right in CORNERS.values()], axis=1)
-        moved = np.empty((len(numbers), 4), np.int64)
-        for number, corner in enumerate(CORNERS):
-            down, right = CORNERS[corner]
-            plain = (r + down) * (cols + 1) + c + right
-            nodes = np.where(inside, corner_nodes(r, c, cols, shape.splits, corner), plain)
-            at = np.minimum(np.searchsorted(shape.moved, nodes), len(shape.moved) - 1)
-            moved[:, number] = np.where(shape.moved[at] == nodes, at, -1)
-        return cls(numbers, inside, grid.astype(np.float64), moved)
-
-    def smallest_areas(self, by_px: Float64) -> tuple[Float64, Float64]:
-        """The smaller triangle's area along the falling and along the rising diagonal of each pixel."""
-        moves = np.concatenate([by_px, np.zeros((1, 2))])[self.moved_corners]
-        nw, sw, se, ne = np.moveaxis(self.grid_px + moves, 1, 0)
-        falling = np.minimum(_area(nw, sw, se), _area(nw, se, ne))
-        rising = np.minimum(_area(nw, sw, ne), _area(sw, se, ne))
-        return falling, rising
-
-
-def _area(a: Float64, b: Float64, c: Float64) -> Float64:
-    """Area of triangles that run counter-clockwise on the screen, y down."""
-    area: Float64 = ((c - a)[:, 0] * (b - a)[:, 1] - (c - a)[:, 1] * (b - a)[:, 0]) / 2
-    return area

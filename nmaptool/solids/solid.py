@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from nmaptool.core.arrays import Float32
+from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.grid import touching_vertices
 from nmaptool.options.solid import SolidOptions
@@ -61,8 +61,10 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     options = options or SolidOptions()
     height = as_height(relief)
     coverage = relief.coverage if isinstance(relief, Relief) else None
-    if raised_mask(height) is not None:
-        return _raised(height, coverage, options)
+    raised = raised_mask(height)
+    if raised is not None:
+        beside = relief.foreground & ~raised if isinstance(relief, Relief) else None
+        return _raised(height, coverage, beside, options)
     shape, facts = _shape_of(relief, height, coverage, options)
     height = _in_range(height, shape)
     if not options.is_closed:
@@ -107,13 +109,13 @@ def _check_count(pieces: Sequence[Piece], options: SolidOptions) -> None:
         )
 
 
-def _raised(height: Height, coverage: Float32 | None, options: SolidOptions) -> Solid:
+def _raised(height: Height, coverage: Float32 | None, beside: Mask | None, options: SolidOptions) -> Solid:
     """The solid or surface of a motif that stands on its plate with walls."""
     assert height.raised is not None
     smooth = options.outline == "smooth"
     if options.outline == "auto" and coverage is not None:
         smooth = has_soft_edges(height.raised, coverage)
-    front, deviation_px = raised_front(height, coverage, smooth)
+    front, deviation_px = raised_front(height, coverage, smooth, beside)
     facts: dict[str, Any] = {
         "outline": "smooth" if smooth else "exact",
         "outline_deviation_mm": deviation_px * height.pitch_mm,

@@ -29,7 +29,7 @@ class Height(Pictured):
         Size; the pitch must be known.
     raised : (H, W) bool, optional
         Pixels of a motif that stands on its plate with vertical walls. The vertices along its outline have the height
-        of the motif; all other pixels lie at height 0.
+        of the motif; the pixels around it lie at height 0 there.
     """
 
     z_mm: Float64
@@ -75,11 +75,15 @@ class Height(Pictured):
         inside = self.z_mm[self.vertex_mask]
         return float(inside.min()), float(inside.max())
 
+    def plate_mm(self) -> Float64:
+        """(H+1, W+1) float64 heights around a raised motif: 0 along its outline."""
+        return self.z_mm if self.raised is None else np.where(touching_vertices(self.raised), 0.0, self.z_mm)
+
     def at_pixels(self) -> Float64:
         """(H, W) float64 heights in mm at pixel centres (mean of the corners), NaN outside the domain."""
         centre = corner_mean(self.z_mm)
         if self.raised is not None:
-            centre[~self.raised] = 0.0
+            centre[~self.raised] = corner_mean(self.plate_mm())[~self.raised]
         centre[~self.domain] = np.nan
         return centre
 
