@@ -15,6 +15,7 @@ from nmaptool.options.kinds import Kind, Switch
 from nmaptool_cli.streams import STDOUT, STREAM, StandardOutput, refuse_stream
 
 if TYPE_CHECKING:
+    import nmaptool as nm
     from nmaptool.io.output.normal_map import WrittenMap
     from nmaptool.io.output.transaction import Outputs
 
@@ -98,9 +99,22 @@ class PlacedOutputs(MapOutputs):
     placed:
         Picture (.png) of the area that the layers above the lowest cover. Give it to nmap relief as --mask to let the
         background keep its own height.
+    walls:
+        Picture (.png) of the area of the layers with edge "wall". Give it to nmap relief --edge wall as --wall-mask.
     """
 
     placed: Path | None = option(None)
+    walls: Path | None = option(None)
+
+    def check_walls(self, composition: nm.Composition) -> None:
+        """Refuse a picture of walls where no layer has any.
+
+        Raises
+        ------
+        UsageError
+        """
+        if self.walls is not None and (composition.walls is None or not composition.walls.any()):
+            raise UsageError(f"{self.walls}: no layer has walls; give one `edge='wall'`")
 
 
 @dataclass(frozen=True)

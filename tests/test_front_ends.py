@@ -68,7 +68,7 @@ IN_RECIPES = [
     if case.values[0] in RECIPES and (case.values[0] is not nm.ReadOptions or case.values[1] in READ_KEYS)
 ]
 # parameters of public functions that messages name, besides the fields of options
-PARAMETERS = {"overwrite", "max_faces", "unit", "model", "mu_map", "surface", "state"}
+PARAMETERS = {"overwrite", "max_faces", "unit", "model", "mu_map", "surface", "state", "wall_mask"}
 PARAMETERS |= {"detail", "depth", "faces", "format"}
 
 

@@ -66,7 +66,7 @@ def paste(run: Run, background: str, /, *layers: str) -> None:
     options = run.per_input(len(layers))
     given = more.mask or (None,)
     masks = spread("mask", given, len(layers), "layer layers")
-    outputs = flags.plan(run[WriteOptions], run.options.json, placed=flags.placed)
+    outputs = flags.plan(run[WriteOptions], run.options.json, placed=flags.placed, walls=flags.walls)
     run.begin(outputs, background=background, layers=layers, masks=tuple(mask for mask in masks if mask is not None))
     import nmaptool as nm
 
@@ -78,5 +78,6 @@ def paste(run: Run, background: str, /, *layers: str) -> None:
         names = [mask or "" for mask in masks]
         stack = [nm.Layer(*parts) for parts in zip(maps, options, chosen, names, strict=True)]
         result = nm.paste(ground, stack, width=more.width, progress=progress)
+    flags.check_walls(result)
     placing = [plain_values(option) for option in options]
     finish_edit(run, outputs, result, [ground, *maps], placing=placing)

@@ -73,7 +73,7 @@ def stack(run: Run, recipe: str, /) -> None:
     read = _read(run, recipe)
     canvas = CanvasOptions(given.size or read.canvas.size, given.width or read.canvas.width, read.canvas.ground)
     read = dataclasses.replace(read, canvas=canvas)
-    outputs = flags.plan(run[WriteOptions], run.options.json, placed=flags.placed)
+    outputs = flags.plan(run[WriteOptions], run.options.json, placed=flags.placed, walls=flags.walls)
     place = Path(read.folder)
     # checked as inputs: none of them may be an output
     run.begin(outputs, recipe=recipe, files=tuple(str(place / name) for name in (*read.sources, *read.files)))
@@ -85,6 +85,7 @@ def stack(run: Run, recipe: str, /) -> None:
         with errors_of(layers):
             limit = reading.max_megapixels
             result = nm.compose(layers.layers, layers.canvas, max_megapixels=limit, progress=progress)
+    flags.check_walls(result)
     written = composed_map(result, nm.to_toml(layers.recipe))
     files = {"recipe": recipe, "recipes": list(read.sources), "layers": list(read.files)}
     facts = {"outside": list(layers.outside), "hidden": list(read.hidden), "notes": list(read.notes)}

@@ -170,7 +170,7 @@ def _composed(
         seconds={"compose": round(time.perf_counter() - start, 4)},
         warnings=tuple(_warnings(layers, canvas.frame)),
     )
-    return Composition(result, canvas.placed, report)
+    return Composition(result, canvas.placed, report, canvas.walls)
 
 
 def _count(layers: Sequence[Layer | LayerGroup]) -> int:

@@ -28,6 +28,8 @@ from nmaptool.types.layers import Layer, LayerGroup, check_mask, errors_about
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
 
+_SMALLEST_COVERAGE = np.float32(1e-6)
+
 
 @dataclass(eq=False)
 class Canvas:
@@ -42,6 +44,8 @@ class Canvas:
         As in `nmaptool.NormalMap`, for the map or plate below the layers.
     placed : (H, W) float32
         Coverage of the layers above the lowest one.
+    walls : (H, W) float32
+        Coverage of the layers that stand with walls.
     layer_reports : list of dict
         Report of each layer.
     """
@@ -52,6 +56,7 @@ class Canvas:
     foreground: Mask
     flat_background: bool
     placed: Float32
+    walls: Float32
     layer_reports: list[dict[str, Any]]
 
 
@@ -60,14 +65,15 @@ def clear_canvas(frame: Frame, ground: str) -> Canvas:
     normals = np.empty((*frame.shape, 3), np.float32)
     normals[...] = FLAT
     coverage = np.full(frame.shape, 1 if ground == "flat" else 0, np.float32)
-    foreground, placed = np.zeros(frame.shape, bool), np.zeros(frame.shape, np.float32)
-    return Canvas(frame, normals, coverage, foreground, ground == "flat", placed, [])
+    placed, walls = (np.zeros(frame.shape, np.float32) for _ in range(2))
+    return Canvas(frame, normals, coverage, np.zeros(frame.shape, bool), ground == "flat", placed, walls, [])
 
 
 def canvas_of(base: NormalMap, frame: Frame) -> Canvas:
     """Return a canvas with a copy of a map of the same size."""
     copies = (base.normals.copy(), base.coverage.copy(), base.foreground.copy())
-    return Canvas(frame, *copies, base.flat_background, np.zeros(frame.shape, np.float32), [])
+    placed, walls = (np.zeros(frame.shape, np.float32) for _ in range(2))
+    return Canvas(frame, *copies, base.flat_background, placed, walls, [])
 
 
 def compose_onto(
@@ -103,12 +109,14 @@ def compose_onto(
         if isinstance(layer, LayerGroup):
             inner = compose_onto(clear_canvas(canvas.frame, "clear"), layer.layers, in_group=True, progress=progress)
             piece, own, within = group_piece(inner, layer), inner.coverage, {"layers": inner.layer_reports}
+            walls: Float32 | np.float32 = (inner.walls / np.maximum(inner.coverage, _SMALLEST_COVERAGE)).clip(0, 1)
         else:
             (piece, own), within = place(layer, canvas.frame), {}
+            walls = np.float32(layer.options.edge == "wall")
         o = layer.options
         clip = o.clip == "yes" or (o.clip == "auto" and o.mode != "over" and not in_group)
         with errors_about(layer):
-            share = _lay(canvas, piece, own, layer, clip, counts=number > 0 or not lowest)
+            share = _lay(canvas, piece, own, layer, clip, walls, counts=number > 0 or not lowest)
         rows, cols = piece.coverage.shape
         box = [piece.left, piece.top, cols, rows]
         metadata = {"name": layer.name, "mode": o.mode, "strength": o.strength, "box_px": box, "share": share}
@@ -198,8 +206,20 @@ def _cut(piece: Piece, frame: Frame) -> Piece:
     return Piece(piece.normals[part], piece.coverage[part], piece.foreground[part], piece.left + x0, piece.top + y0)
 
 
-def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, clip: bool, *, counts: bool) -> float:
-    """Compose a piece onto the canvas, in place; return the share of the canvas that it covers."""
+def _lay(
+    canvas: Canvas,
+    piece: Piece,
+    own: Float32,
+    layer: Layer | LayerGroup,
+    clip: bool,
+    walls: Float32 | np.float32,
+    *,
+    counts: bool,
+) -> float:
+    """Compose a piece onto the canvas, in place; return the share of the canvas that it covers.
+
+    ``walls`` is the share of the piece that stands with walls.
+    """
     name, mode, strength = layer.name, layer.options.mode, layer.options.strength
     rows, cols = piece.coverage.shape
     window = np.s_[piece.top : piece.top + rows, piece.left : piece.left + cols]
@@ -236,6 +256,8 @@ def _lay(canvas: Canvas, piece: Piece, own: Float32, layer: Layer | LayerGroup, 
     gone = outcome <= 0
     if gone.any():
         canvas.normals[window][gone] = FLAT
+    hidden = shown if mode == "over" else shown * walls
+    canvas.walls[window] = canvas.walls[window] * (1 - hidden) + shown * walls
     if counts:
         placed = canvas.placed[window]
         canvas.placed[window] = placed + shown * (1 - placed)

@@ -16,6 +16,7 @@ from nmaptool.options.transform import HEIGHT_FACTOR, ROTATION
 Anchor = Literal[
     "center", "top-left", "top", "top-right", "left", "right", "bottom-left", "bottom", "bottom-right"
 ]  # fmt: skip
+LayerEdge = Literal["blend", "wall"]
 Clip = Literal["auto", "yes", "no"]
 Ground = Literal["clear", "flat"]
 
@@ -88,6 +89,9 @@ class LayerOptions(Options, group="Layers"):
     clip:
         Show the layer only where there is something below it: "yes", "no", or "auto", which clips every mode except
         "over", but nothing inside a group.
+    edge:
+        Outline of the layer in a relief: "blend" runs down into the plate, "wall" stands with vertical walls. --walls
+        writes the picture of the walls, for nmap relief --edge wall --wall-mask.
     """
 
     name: str = option("", Text("bunny"))
@@ -102,6 +106,7 @@ class LayerOptions(Options, group="Layers"):
     feather: Offset | None = option(None, OffsetText())
     height_factor: float | None = option(None, HEIGHT_FACTOR)
     clip: Clip = option("auto", choice_of(Clip, "no"))
+    edge: LayerEdge = option("blend", choice_of(LayerEdge, "wall"))
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -52,11 +52,14 @@ class Composition(Pictured):
     placed : (H, W) float32 in [0, 1]
         Coverage of the layers above the lowest one: the mask for a relief whose background keeps its height.
     report : ComposeReport
+    walls : (H, W) float32 in [0, 1] or None
+        Coverage of the layers with ``edge="wall"``: the wall mask for a relief. None where there are no layers.
     """
 
     normal_map: NormalMap
     placed: Float32
     report: ComposeReport
+    walls: Float32 | None = None
 
     def _line(self) -> str:
         return f"by {self.report.command}: {self.normal_map._line()}, mean curl {self.report.curl_after:.3g}"

@@ -6,6 +6,8 @@ import json
 from collections.abc import Mapping
 from functools import partial
 
+import numpy as np
+
 from nmaptool.io.output.map_pictures import mask_picture
 from nmaptool.io.output.normal_map import WrittenMap, map_outputs
 from nmaptool.io.output.targets import Destination
@@ -30,7 +32,8 @@ def composed_map(
     if recipe is None:
         values = composition.report.to_dict()
         recipe = json.dumps({key: values[key] for key in ("command", "options", "layers")})
-    pictures = {"placed": partial(mask_picture, composition.placed)}
+    walls = np.zeros_like(composition.placed) if composition.walls is None else composition.walls
+    pictures = {"placed": partial(mask_picture, composition.placed), "walls": partial(mask_picture, walls)}
     return WrittenMap(composition.normal_map, {"recipe": recipe}, kept or {}, pictures)
 
 
@@ -41,6 +44,7 @@ def write_composition(
     *,
     curl: Destination | None = None,
     placed: Destination | None = None,
+    walls: Destination | None = None,
     report: Destination | None = None,
     metadata: Metadata | None = None,
     recipe: str | None = None,
@@ -60,6 +64,8 @@ def write_composition(
         Picture of |curl|, .png: see `nmaptool.curl_picture`.
     placed : str, Path or OutputStream, optional
         Mask of the layers above the lowest, .png: use it as the mask of a relief.
+    walls : str, Path or OutputStream, optional
+        Mask of the layers with ``edge="wall"``, .png: use it as the wall mask of a relief.
     report : str, Path or OutputStream, optional
         JSON report of the run.
     metadata : mapping, optional
@@ -81,6 +87,6 @@ def write_composition(
     >>> base, detail = (nm.read_normal_map(f"samples/medal_{name}.png") for name in ("base", "detail"))
     >>> nm.write_composition(nm.blend(base, detail), "medal.png", report="medal.json")
     """
-    pictures = {"curl": curl, "placed": placed}
+    pictures = {"curl": curl, "placed": placed, "walls": walls}
     outputs = map_outputs(output, options, pictures=pictures, report=report, overwrite=overwrite)
     outputs.write(composed_map(composition, recipe), metadata or composition.report.to_dict())
