@@ -238,6 +238,8 @@ def test_a_wall_that_vanishes_is_refused():
 def test_raised_pixels_have_the_size_of_the_heights():
     with pytest.raises(nm.InputError, match=r"raised is bool \(2, 2\), expected bool \(4, 4\)"):
         nm.Height(np.zeros((5, 5)), np.ones((4, 4), bool), nm.Frame(4, 4, pitch_mm=1.0), np.ones((2, 2), bool))
+    with pytest.raises(nm.InputError, match="a raised motif stands on a plate: the domain must be the whole picture"):
+        nm.Height(np.zeros((5, 5)), np.eye(4, dtype=bool), nm.Frame(4, 4, pitch_mm=1.0), np.eye(4, dtype=bool))
 
 
 def test_the_command_line_says_how_the_edge_was_chosen(tmp_path, run, codes, png):

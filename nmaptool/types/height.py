@@ -49,6 +49,8 @@ class Height(Pictured):
             raise InputError(f"domain is {self.domain.dtype} {self.domain.shape}, expected bool {(rows, cols)}")
         if self.raised is not None and (self.raised.shape != (rows, cols) or self.raised.dtype != np.bool_):
             raise InputError(f"raised is {self.raised.dtype} {self.raised.shape}, expected bool {(rows, cols)}")
+        if self.raised is not None and not self.domain.all():
+            raise InputError("a raised motif stands on a plate: the domain must be the whole picture")
         if not np.all(np.isfinite(self.z_mm)):
             raise InputError("heights must be finite")
         if not self.domain.any():
