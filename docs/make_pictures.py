@@ -128,6 +128,34 @@ def refinement(side: int = 360) -> Picture:
     return rows(out)
 
 
+def seen(solid: nm.Solid, azimuth: float, elevation: float, side: int) -> Picture:
+    """A solid from a camera around it, its plate upright."""
+    size = f"{2 * side}x{2 * side}"
+    camera = nm.BakeOptions(view="front", azimuth=azimuth, elevation=elevation, fov=25.0, size=size)
+    picture = lit(nm.bake(solid.to_mesh(), camera, nm.FilterOptions(sigma_s=1.0)).original)
+    return cv2.resize(picture, (side, side), interpolation=cv2.INTER_AREA).astype(np.uint8)
+
+
+def solids(side: int = 360) -> Picture:
+    """A pendant, the hollow back of a plaque, the portrait on its plate, the gate with upright walls."""
+    width, height = nm.length("60mm"), nm.length("4mm")
+    cut = nm.ReliefOptions(mu=0.5, background="cut", height=nm.length("3mm"), width=width)
+    medal = nm.relief(sample("medal_original"), sample("medal_detail"), cut)
+    leaf_mask, roll = nm.read_grey(SAMPLES / "leaf_mask.png"), nm.read_normal_map(SAMPLES / "roll.png")
+    curved = nm.ReliefOptions(background="surface", height=height, width=width)
+    leaf = nm.relief(sample("leaf_on_roll"), options=curved, mask=leaf_mask, surface=roll)
+    thick, thin = (
+        nm.SolidOptions(base=nm.length("3mm")),
+        nm.SolidOptions(base=nm.length("4mm"), hollow=nm.length("1.2mm")),
+    )
+    made = [seen(nm.solid(medal, thick), 25, 25, side), seen(nm.solid(leaf, thin), 155, 25, side)]
+    for name, edge in (("portrait", "blend"), ("gate", "wall")):
+        layers = nm.bake(nm.read_mesh(SAMPLES / f"{name}.ply"), nm.BakeOptions(size="720x720", shading="smooth"))
+        options = nm.ReliefOptions(mu=0.5, height=height, width=width, edge=edge)
+        made.append(seen(nm.solid(nm.relief(layers.original, layers.detail, options), thick), 30, 25, side))
+    return row(made)
+
+
 if __name__ == "__main__":
     PICTURES.mkdir(exist_ok=True)
     save("gallery.jpg", gallery())
@@ -135,3 +163,4 @@ if __name__ == "__main__":
     save("capture.jpg", capture())
     save("refinement.jpg", refinement())
     save("smoothing.jpg", smoothing())
+    save("solids.jpg", solids())
