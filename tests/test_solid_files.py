@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import struct
 import subprocess
@@ -243,3 +244,9 @@ def test_corners_that_are_separated_are_told(tmp_path, run, codes, png):
     refused_ = run(*words, "--one-piece", "--overwrite")
     assert refused_.code == 3
     assert "--one-piece: the relief has 2 separate pieces, the largest of 36 px" in refused_.err
+
+
+def test_what_was_hollowed_is_told(tmp_path, run, clean_map):
+    words = ("relief", clean_map, "-o", tmp_path / "m.stl", "--base", "4mm", "--height", "3mm", "--overwrite")
+    assert re.search(r"hollowed by \d\d\.\d+ cm3", run(*words, "--hollow", "1.5mm").err)
+    assert "warning: nothing to hollow: no part is thicker than" in run(*words, "--hollow", "50mm").err

@@ -90,6 +90,15 @@ def volume_below_back(back: Back) -> float:
     return volume_below(back)
 
 
+def pocket_mm3(back: Back) -> float:
+    """The volume above the lowest point of a back, such as that of a pocket."""
+    if isinstance(back, FlatBack):
+        return 0.0
+    flat = np.broadcast_to(np.float64(lowest_of(back)), back.z_mm.shape)
+    level = np.full(len(back.shape.moved), flat[0, 0])
+    return volume_below(back) - volume_below(dataclasses.replace(back, z_mm=flat, moved_z_mm=level))
+
+
 def back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOptions, zero_mm: float) -> Back:
     """The back that the options ask for.
 

@@ -14,7 +14,7 @@ from nmaptool.core.grid import touching_vertices
 from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.flat_back import FlatBack, rectangle_corners
 from nmaptool.solids.outline import find_splits, outline_edges
-from nmaptool.solids.piece import Back, Piece, back_of, bounds_of, in_mm
+from nmaptool.solids.piece import Back, Piece, back_of, bounds_of, in_mm, pocket_mm3
 from nmaptool.solids.pieces import pieces_of
 from nmaptool.solids.raised import RaisedFront, RaisedPiece, raised_front, raised_mask
 from nmaptool.solids.shape import Shape, pixel_shape
@@ -72,6 +72,8 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     zero_mm = _zero_of(relief, height)
     pieces = [_piece_of(height, *placed, options, zero_mm) for placed in pieces_of(shape)]
     _check_count(pieces, options)
+    if options.hollow is not None:
+        facts["hollowed_mm3"] = sum(pocket_mm3(piece.back) for piece in pieces)
     thinned = _thinned([(piece.front, piece.edges, piece.back) for piece in pieces], height, options, facts)
     pieces = [Piece(front, edges, back) for front, edges, back in thinned if back is not None]
     return _solid_of(pieces, facts)
@@ -129,6 +131,8 @@ def _raised(height: Height, coverage: Float32 | None, beside: Mask | None, optio
         name = "max_error" if options.max_error is not None else "triangles"
         kind = "shell" if options.shell is not None else "hollow"
         raise UsageError(f"`{name}` and `{kind}` do not go together with a raised motif; leave one of them out")
+    if options.hollow is not None:
+        facts["hollowed_mm3"] = pocket_mm3(back)
     front = _thinned_front(front, height, options, facts, (back,))
     return _solid_of([RaisedPiece.of(front, back)], facts)
 
