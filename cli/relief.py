@@ -148,7 +148,11 @@ def relief(run: Run, map: str, /) -> None:
         run.finish(dataclasses.replace(outputs, targets=(), report=None), WrittenRelief(result), metadata)
         return
     written = [f"{path}{_png_range(path, result) if path in given.output else ''}" for path in outputs.paths]
-    run.finish(outputs, WrittenRelief(result, solid), metadata, written=written)
+
+    def watched(value: WrittenRelief, progress: Progress) -> WrittenRelief:
+        return dataclasses.replace(value, progress=progress)
+
+    run.finish(outputs, WrittenRelief(result, solid), metadata, written=written, watched=watched)
 
 
 def _solve(run: Run, files: Mapping[str, Any], progress: Progress | None) -> tuple[list[nm.NormalMap], nm.Relief]:

@@ -120,6 +120,7 @@ class Run:
         *,
         written: Iterable[str] | None = None,
         done: Callable[[], object] | None = None,
+        watched: Callable[[_Result, Progress], _Result] | None = None,
     ) -> None:
         """Write the results, print the messages, and print the report if it goes to standard output.
 
@@ -134,9 +135,14 @@ class Run:
             Names of the written files for the messages. Default: the outputs' names.
         done : callable, optional
             Called once the results are written.
+        watched : callable, optional
+            Gives the value the function that reports progress. Default: writing reports none.
         """
         report = {**metadata, "outputs": outputs.names}
-        outputs.write(value, report)
+        with self.progress() as progress:
+            if watched is not None and progress is not None:
+                value = watched(value, progress)
+            outputs.write(value, report)
         if done is not None:
             done()
         for name in outputs.names if written is None else written:

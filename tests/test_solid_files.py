@@ -163,7 +163,7 @@ def test_a_wrong_volume_fails_the_check(tmp_path):
 
 
 def test_a_failed_check_leaves_no_file(tmp_path, monkeypatch):
-    def fail(solid, path):
+    def fail(solid, path, progress):
         raise nm.OutputError(f"{path}: failed")
 
     monkeypatch.setattr("nmaptool.io.solids.writer.check_written", fail)
@@ -250,3 +250,14 @@ def test_what_was_hollowed_is_told(tmp_path, run, clean_map):
     words = ("relief", clean_map, "-o", tmp_path / "m.stl", "--base", "4mm", "--height", "3mm", "--overwrite")
     assert re.search(r"hollowed by \d\d\.\d+ cm3", run(*words, "--hollow", "1.5mm").err)
     assert "warning: nothing to hollow: no part is thicker than" in run(*words, "--hollow", "50mm").err
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_progress_of_writing_and_checking_ends_at_one(ending, tmp_path):
+    told = []
+    write_solid(medal(), tmp_path / f"a{ending}", progress=lambda word, share: told.append((word, share)))
+    for word in ("writing", "checking"):
+        shares = [share for each, share in told if each == word]
+        assert shares == sorted(shares)
+        assert shares[-1] == 1.0
+    assert [word for word, _ in told] == sorted((word for word, _ in told), reverse=True)

@@ -9,6 +9,7 @@ from functools import cached_property, partial
 from pathlib import Path
 
 from nmaptool._version import __version__
+from nmaptool.core.progress import Progress
 from nmaptool.figures.notebook import png_of
 from nmaptool.figures.preview import preview as preview_picture
 from nmaptool.io.output.targets import Destination, place_of
@@ -26,10 +27,11 @@ from nmaptool.types.solid import Solid
 
 @dataclass(frozen=True, eq=False)
 class WrittenRelief:
-    """A relief, and its triangles for files of meshes."""
+    """A relief, its triangles for files of meshes, and what is told the progress of writing them."""
 
     relief: Relief
     solid: Solid | None = None
+    progress: Progress | None = None
 
 
 class _Surface:
@@ -38,7 +40,7 @@ class _Surface:
     def __init__(self, at: HeightsAt, written: WrittenRelief, metadata: Metadata) -> None:
         recipe = {key: metadata[key] for key in ("options", "reading", "files") if key in metadata}
         self.relief, self.height, self.at = written.relief, written.relief.height, at
-        self._solid = written.solid
+        self._solid, self.progress = written.solid, written.progress
         self.attributes = {"version": __version__, **{key: json.dumps(value) for key, value in recipe.items()}}
 
     @cached_property
@@ -118,7 +120,9 @@ def write_relief(
 
 def _write_surface(surface: _Surface, path: Path, title: str) -> None:
     if path.suffix.lower() in MESH_FORMATS:
-        write_solid(surface.solid, path, title=title, thumbnail_png=partial(png_of, surface.height))
+        write_solid(
+            surface.solid, path, title=title, thumbnail_png=partial(png_of, surface.height), progress=surface.progress
+        )
     else:
         heights.write_height(surface.height, path, surface.attributes, at=surface.at)
 

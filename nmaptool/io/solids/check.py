@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import OutputError
+from nmaptool.core.progress import Progress
 from nmaptool.io.solids.triangles import triangles_of
 from nmaptool.types.solid import Solid
 
@@ -22,7 +23,7 @@ _MIX = tuple(np.uint64(number) for number in (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4
 _SECOND = np.uint64(0xD6E8FEB86659FD93)
 
 
-def check_written(solid: Solid, path: Path) -> None:
+def check_written(solid: Solid, path: Path, progress: Progress | None = None) -> None:
     """Read a file back and compare it with the solid.
 
     Checked are the number of triangles, the size to 1e-4 mm, that no triangle lost its area to rounding; for a closed
@@ -33,7 +34,11 @@ def check_written(solid: Solid, path: Path) -> None:
     OutputError
         If something differs.
     """
-    found = _measured(path, solid.bounds_mm.mean(axis=0), solid.is_closed)
+    found = _Measured()
+    for corners in triangles_of(path):
+        found.add(corners, solid.bounds_mm.mean(axis=0), solid.is_closed)
+        if progress is not None:
+            progress("checking", min(1.0, found.faces / max(1, solid.face_count)))
     if found.faces != solid.face_count:
         raise _failed(path, f"it holds {found.faces} triangles instead of {solid.face_count}")
     tolerance = max(_SIZE_MM, 4 * float(np.spacing(np.float32(np.abs(solid.bounds_mm).max()))))
@@ -67,6 +72,19 @@ class _Measured:
     edge_sum: int = 0
     edges: list[Hashes] = field(default_factory=list)
 
+    def add(self, corners: Float64, middle: Float64, is_closed: bool) -> None:
+        """Add some triangles; volumes are measured from ``middle``."""
+        self.faces += len(corners)
+        self.low = np.minimum(self.low, corners.min(axis=(0, 1)))
+        self.high = np.maximum(self.high, corners.max(axis=(0, 1)))
+        first, second = _hashes(corners)
+        self.collapsed += int(np.count_nonzero((first == np.roll(first, 1, axis=0)).any(axis=0)))
+        if is_closed:
+            self.volume_mm3 += _volume(corners - middle)
+            self.edge_sum = (self.edge_sum + _edge_sum(first, second)) % 2**64
+            if self.faces <= _COUNTED_FACES:
+                self.edges.append((first * np.roll(first, 1, axis=0)).ravel())
+
     @property
     def bounds_mm(self) -> Float64:
         return np.stack([self.low, self.high])
@@ -80,22 +98,6 @@ class _Measured:
             return True
         _, counts = np.unique(np.concatenate(self.edges), return_counts=True)
         return bool((counts == 2).all())
-
-
-def _measured(path: Path, middle: Float64, is_closed: bool) -> _Measured:
-    found = _Measured()
-    for corners in triangles_of(path):
-        found.faces += len(corners)
-        found.low = np.minimum(found.low, corners.min(axis=(0, 1)))
-        found.high = np.maximum(found.high, corners.max(axis=(0, 1)))
-        first, second = _hashes(corners)
-        found.collapsed += int(np.count_nonzero((first == np.roll(first, 1, axis=0)).any(axis=0)))
-        if is_closed:
-            found.volume_mm3 += _volume(corners - middle)
-            found.edge_sum = (found.edge_sum + _edge_sum(first, second)) % 2**64
-            if found.faces <= _COUNTED_FACES:
-                found.edges.append((first * np.roll(first, 1, axis=0)).ravel())
-    return found
 
 
 def _volume(corners: Float64) -> float:
