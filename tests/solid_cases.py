@@ -33,18 +33,24 @@ def mask_of(rows: list[str]) -> np.ndarray:
     return np.array([[char == "#" for char in row] for row in rows])
 
 
-def random_relief(seed: int) -> nm.Relief:
-    """A random mask from noise to blobs, random heights, and for every second seed a coverage."""
-    rng = np.random.default_rng(seed)
-    rows, cols = (int(side) for side in rng.integers(1, 40, 2))
+def random_blobs(rng: np.random.Generator, smallest: int, largest: int) -> tuple[np.ndarray, np.ndarray]:
+    """(H, W) bool a mask from noise to blobs, of random sides, and (H, W) float32 a coverage."""
+    rows, cols = (int(side) for side in rng.integers(smallest, largest, 2))
     blur = rng.choice([0.0, 0.7, 1.5, 3.0])
     noise = rng.standard_normal((rows, cols))
     field = ndimage.gaussian_filter(noise, blur) if blur else noise
     field /= field.std() + 1e-9
     mask = field > rng.choice([-0.5, 0.0, 0.5])
     mask.flat[int(np.argmax(field))] = True
+    return mask, np.clip(field * rng.choice([0.3, 1.0, 5.0]) + 0.5, 0, 1).astype(np.float32)
+
+
+def random_relief(seed: int) -> nm.Relief:
+    """A random mask from noise to blobs, random heights, and for every second seed a coverage."""
+    rng = np.random.default_rng(seed)
+    mask, coverage = random_blobs(rng, 1, 40)
+    rows, cols = mask.shape
     z_mm = ndimage.gaussian_filter(rng.standard_normal((rows + 1, cols + 1)), 1) * rng.choice([0.1, 1.0])
-    coverage = np.clip(field * rng.choice([0.3, 1.0, 5.0]) + 0.5, 0, 1).astype(np.float32)
     height = nm.Height(z_mm, mask, nm.Frame(rows, cols, pitch_mm=0.1))
     return nm.Relief(height, mask, PLATE, coverage if seed % 2 else None)  # type: ignore[arg-type]
 

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 from scipy import ndimage
-from solid_cases import PLATE, check_solid, crossings
+from solid_cases import PLATE, check_solid, crossings, random_blobs
 
 import nmaptool as nm
 from nmaptool.core.grid import touching_vertices
@@ -163,14 +163,8 @@ def test_pixels_that_touch_at_a_corner_are_bridged_by_the_one_with_more_coverage
 def raised_relief(seed):
     """A random raised motif, and heights all above or all below its plate."""
     rng = np.random.default_rng(seed)
-    rows, cols = (int(side) for side in rng.integers(2, 50, 2))
-    blur = rng.choice([0.0, 0.7, 1.5, 3.0])
-    noise = rng.standard_normal((rows, cols))
-    field = ndimage.gaussian_filter(noise, blur) if blur else noise
-    field /= field.std() + 1e-9
-    motif = field > rng.choice([-0.5, 0.0, 0.5])
-    motif.flat[int(np.argmax(field))] = True
-    coverage = np.clip(field * rng.choice([0.3, 1.0, 5.0]) + 0.5, 0, 1).astype(np.float32)
+    motif, coverage = random_blobs(rng, 2, 50)
+    rows, cols = motif.shape
     motif = bridged(motif, coverage)
     z_mm = 2 + ndimage.gaussian_filter(rng.standard_normal((rows + 1, cols + 1)), 1) * rng.choice([0.01, 0.3])
     z_mm = np.where(touching_vertices(motif), z_mm * rng.choice([1, 1, -1]), 0.0)

@@ -21,13 +21,13 @@ def describe_solid(run: Run, solid: Solid, meshes: Sequence[Path]) -> None:
     x, y, z = solid.size_mm
     facts = solid.facts
     if solid.is_closed:
-        bodies = "1 closed body" if len(solid.bodies) == 1 else f"{len(solid.bodies)} closed bodies"
+        bodies = counted(len(solid.bodies), "closed body")
         run.say(f"  {bodies}, {x:.4g} x {y:.4g} x {z:.4g} mm, {solid.volume_mm3 / 1000:.4g} cm3")
         hollowed = facts.get("hollowed_mm3")
         if hollowed:
             run.say(f"  hollowed by {hollowed / 1000:.4g} cm3")
         elif hollowed is not None:
-            run.warn("nothing to hollow: no part is thicker than twice the wall; use a smaller --hollow")
+            run.warn("nothing to hollow: no part is thicker than the wall inside its outline; use a smaller --hollow")
     else:
         run.say("  the mesh is an open surface; add --base 2mm for a solid")
     if facts["outline"] == "smooth":

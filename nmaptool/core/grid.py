@@ -50,6 +50,27 @@ def places(mask: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     return rows, cols
 
 
+def touching_corners(mask: Mask) -> tuple[Mask, Mask]:
+    """(H-1, W-1) bool twice: inner vertices where two pixels of a mask touch only at a corner.
+
+    In the first, the pixels lie at the upper left and lower right; in the second, at the upper right and lower left.
+    """
+    nw, ne, sw, se = mask[:-1, :-1], mask[:-1, 1:], mask[1:, :-1], mask[1:, 1:]
+    return nw & se & ~ne & ~sw, ne & sw & ~nw & ~se
+
+
+def found_in(ascending: NDArray[np.int64], values: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The place of each value in an ascending array; -1 for those that are not in it.
+
+    >>> found_in(np.array([2, 5, 9]), np.array([5, 6])).tolist()
+    [1, -1]
+    """
+    if not len(ascending):
+        return np.full(len(values), -1)
+    at = np.minimum(np.searchsorted(ascending, values), len(ascending) - 1)
+    return np.where(ascending[at] == values, at, -1)
+
+
 def touching_vertices(faces: Mask) -> Mask:
     """(H+1, W+1) bool: vertices that touch a face of the (H, W) mask."""
     rows, cols = faces.shape

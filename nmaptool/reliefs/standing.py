@@ -9,7 +9,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.core.grid import places, touching_vertices
+from nmaptool.core.grid import places, touching_corners, touching_vertices
 from nmaptool.options import ReliefOptions
 from nmaptool.types.relief import MOSTLY_FLAT
 
@@ -49,8 +49,7 @@ def bridged(motif: Mask, coverage: Float32) -> Mask:
     """
     out = motif.copy()
     while True:
-        nw, ne, sw, se = out[:-1, :-1], out[:-1, 1:], out[1:, :-1], out[1:, 1:]
-        falling, rising = nw & se & ~ne & ~sw, ne & sw & ~nw & ~se
+        falling, rising = touching_corners(out)
         row, col = places(falling | rising)
         if not len(row):
             return out

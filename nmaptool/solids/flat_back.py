@@ -159,17 +159,7 @@ class FlatBack:
         kept = ~self.beside[own.rows, own.cols]
         codes = _edge_codes(inner)
         outer = np.isin(codes, _edge_codes(outline_edges(self.shape.mask, self.shape.splits)))
-        return OutlineEdges(
-            *(
-                np.concatenate([ours[kept], theirs[~outer]])
-                for ours, theirs in (
-                    (own.start, inner.start),
-                    (own.end, inner.end),
-                    (own.rows, inner.rows),
-                    (own.cols, inner.cols),
-                )
-            )
-        )
+        return own.chosen(kept).joined(inner.chosen(~outer))
 
     def _fan_part(self, rectangle: Nodes, start: Nodes, end: Nodes) -> Part:
         found = self._rectangles

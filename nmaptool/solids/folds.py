@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.grid import found_in
 from nmaptool.solids.outline import CORNERS, corner_nodes
 from nmaptool.solids.shape import Shape
 from nmaptool.types.solid import Nodes
@@ -78,8 +79,7 @@ class _Quads:
             down, right = CORNERS[corner]
             plain = (r + down) * (cols + 1) + c + right
             nodes = np.where(inside, corner_nodes(r, c, cols, shape.splits, corner), plain)
-            at = np.minimum(np.searchsorted(shape.moved, nodes), len(shape.moved) - 1)
-            moved[:, number] = np.where(shape.moved[at] == nodes, at, -1)
+            moved[:, number] = found_in(shape.moved, nodes)
         return cls(numbers, inside, grid.astype(np.float64), moved)
 
     def smallest_areas(self, by_px: Float64) -> tuple[Float64, Float64]:

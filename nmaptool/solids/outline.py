@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nmaptool.core.arrays import Mask
-from nmaptool.core.grid import places
+from nmaptool.core.grid import found_in, places, touching_corners
 from nmaptool.types.solid import Nodes
 
 # corners of a pixel, counter-clockwise seen from the viewer: row and column offsets from its upper left corner
@@ -40,9 +40,9 @@ class Splits:
         """Node numbers of that corner of some pixels, with the second vertices where they have one."""
         if not len(self.vertices) or corner not in ("nw", "ne"):
             return nodes
-        at = np.minimum(np.searchsorted(self.vertices, nodes), len(self.vertices) - 1)
+        at = found_in(self.vertices, nodes)
         # the lower right pixel meets the vertex with its upper left corner
-        split = (self.vertices[at] == nodes) & (self.lower_is_right[at] == (corner == "nw"))
+        split = (at >= 0) & (self.lower_is_right[at] == (corner == "nw"))
         return np.where(split, self.first + at, nodes)
 
 
@@ -58,8 +58,7 @@ def find_splits(mask: Mask) -> Splits:
     Splits
     """
     rows, cols = mask.shape
-    nw, ne, sw, se = mask[:-1, :-1], mask[:-1, 1:], mask[1:, :-1], mask[1:, 1:]
-    falling, rising = nw & se & ~ne & ~sw, ne & sw & ~nw & ~se
+    falling, rising = touching_corners(mask)
     row, col = places(falling | rising)
     return Splits((row + 1) * (cols + 1) + col + 1, falling[row, col], (rows + 1) * (cols + 1))
 
@@ -80,6 +79,15 @@ class OutlineEdges:
     end: Nodes
     rows: Nodes
     cols: Nodes
+
+    def chosen(self, which: Mask) -> OutlineEdges:
+        """Some of the edges."""
+        return OutlineEdges(self.start[which], self.end[which], self.rows[which], self.cols[which])
+
+    def joined(self, other: OutlineEdges) -> OutlineEdges:
+        """These edges and others."""
+        names = ("start", "end", "rows", "cols")
+        return OutlineEdges(*(np.concatenate([getattr(self, name), getattr(other, name)]) for name in names))
 
 
 def outline_edges(mask: Mask, splits: Splits) -> OutlineEdges:
@@ -141,5 +149,4 @@ def merged_edges(edges: OutlineEdges, active: Mask) -> OutlineEdges:
         # each edge reaches as far as the edge at its end does
         end[open_ends] = end[order[np.searchsorted(starts, end[open_ends])]]
         open_ends = open_ends[is_left_out(end[open_ends])]
-    chosen = ~is_left_out(edges.start)
-    return OutlineEdges(edges.start[chosen], end[chosen], edges.rows[chosen], edges.cols[chosen])
+    return replace(edges, end=end).chosen(~is_left_out(edges.start))

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from nmaptool.core.arrays import Mask
+from nmaptool.core.grid import found_in
 from nmaptool.solids.outline import Splits, find_splits
 from nmaptool.solids.shape import Shape
 from nmaptool.types.solid import Nodes
@@ -48,7 +49,7 @@ def _local_nodes(whole: Splits, own: Splits, mask: Mask, nodes: Nodes, row: Node
     """Node numbers in a piece of nodes of the whole at a row and column of the piece, and whether they belong to it."""
     vertex = row * (mask.shape[1] + 1) + col
     is_second = nodes >= whole.first
-    at = np.where(is_second, nodes - whole.first, _found(whole.vertices, nodes))
+    at = np.where(is_second, nodes - whole.first, found_in(whole.vertices, nodes))
     touches = np.zeros(len(nodes), bool)
     for down, right in ((-1, -1), (-1, 0), (0, -1), (0, 0)):
         touches |= _at(mask, row + down, col + right)
@@ -59,16 +60,8 @@ def _local_nodes(whole: Splits, own: Splits, mask: Mask, nodes: Nodes, row: Node
     lower = _at(mask, row, np.where(leans_right, col, col - 1))
     upper = _at(mask, row - 1, np.where(leans_right, col - 1, col))
     kept = np.where(is_split, np.where(is_second, lower, upper), touches)
-    seconds = _found(own.vertices, vertex)
+    seconds = found_in(own.vertices, vertex)
     return np.where(is_second & upper & lower & (seconds >= 0), own.first + seconds, vertex), kept
-
-
-def _found(ascending: Nodes, values: Nodes) -> Nodes:
-    """Where each value is in the ascending array; -1 where it is not."""
-    if not len(ascending):
-        return np.full(len(values), -1)
-    at = np.minimum(np.searchsorted(ascending, values), len(ascending) - 1)
-    return np.where(ascending[at] == values, at, -1)
 
 
 def _at(mask: Mask, row: Nodes, col: Nodes) -> Mask:

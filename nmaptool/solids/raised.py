@@ -54,18 +54,18 @@ class RaisedFront:
     @cached_property
     def walls(self) -> OutlineEdges:
         """The edges between motif and plate, with the motif to the left."""
-        return _chosen(self.motif_edges, ~self._on_border(self.motif_edges))
+        return self.motif_edges.chosen(~self._on_border(self.motif_edges))
 
     @cached_property
     def borders(self) -> tuple[OutlineEdges, OutlineEdges]:
         """The edges of motif and plate on the border of the picture."""
-        motif, plate = (_chosen(each, self._on_border(each)) for each in (self.motif_edges, self.plate_edges))
+        motif, plate = (each.chosen(self._on_border(each)) for each in (self.motif_edges, self.plate_edges))
         return motif, plate
 
     def border(self) -> OutlineEdges:
         """Both of them."""
-        names = ("start", "end", "rows", "cols")
-        return OutlineEdges(*(np.concatenate([getattr(each, name) for each in self.borders]) for name in names))
+        motif, plate = self.borders
+        return motif.joined(plate)
 
     def _on_border(self, edges: OutlineEdges) -> Mask:
         rows, cols = self.motif.shape.mask.shape
@@ -170,10 +170,6 @@ def _check_walls(z_mm: Float64) -> None:
             f"the outline of the raised motif lies at {z_mm.min():.4g} to {z_mm.max():.4g} mm, so its wall vanishes "
             "in places; use a larger `edge_height`, or `edge='blend'`"
         )
-
-
-def _chosen(edges: OutlineEdges, which: Mask) -> OutlineEdges:
-    return OutlineEdges(edges.start[which], edges.end[which], edges.rows[which], edges.cols[which])
 
 
 @dataclass(frozen=True, eq=False)

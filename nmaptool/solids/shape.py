@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.grid import found_in
 from nmaptool.solids.outline import CORNERS, Splits
 from nmaptool.types.solid import Nodes
 
@@ -65,10 +66,8 @@ class Shape:
         """(n, 2) float64: x to the right and y down of nodes, in px from the upper left corner of the mask."""
         row, col = np.divmod(self.vertex_of(nodes), self.mask.shape[1] + 1)
         out = np.column_stack([col, row]).astype(np.float64)
-        if len(self.moved):
-            at = np.minimum(np.searchsorted(self.moved, nodes), len(self.moved) - 1)
-            hit = self.moved[at] == nodes
-            out[hit] += self.by_px[at[hit]]
+        at = found_in(self.moved, nodes)
+        out[at >= 0] += self.by_px[at[at >= 0]]
         return out
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
-from nmaptool.core.grid import places, touching_vertices
+from nmaptool.core.grid import found_in, places, touching_vertices
 from nmaptool.solids.outline import CORNERS, corner_nodes
 from nmaptool.solids.rim import rim_heights
 from nmaptool.solids.shape import Shape
@@ -82,10 +82,8 @@ class Sheet:
         """Heights of nodes of the shape."""
         row, col = np.divmod(self.shape.vertex_of(nodes), self.z_mm.shape[1])
         z: Float64 = self.z_mm[row, col]
-        moved = self.shape.moved
-        if len(moved):
-            at = np.minimum(np.searchsorted(moved, nodes), len(moved) - 1)
-            z = np.where(moved[at] == nodes, self.z_of_moved[at], z)
+        at = found_in(self.shape.moved, nodes)
+        z[at >= 0] = self.z_of_moved[at[at >= 0]]
         return z
 
     @cached_property
@@ -202,11 +200,8 @@ class Sheet:
         bend_falling = np.abs(z[r[0], c[0]] - z[r[1], c[1]] - z[r[2], c[2]] + z[r[3], c[3]])
         bend_rising = np.abs(z[r[3], c[0]] - z[r[2], c[1]] - z[r[1], c[2]] + z[r[0], c[3]])
         falls: Mask = bend_falling <= bend_rising
-        forced = self.shape.forced
-        if len(forced):
-            numbers = rows * (width - 1) + cols
-            at = np.minimum(np.searchsorted(forced, numbers), len(forced) - 1)
-            falls = np.where(forced[at] == numbers, self.shape.forced_falls[at], falls)
+        at = found_in(self.shape.forced, rows * (width - 1) + cols)
+        falls[at >= 0] = self.shape.forced_falls[at[at >= 0]]
         return falls
 
 

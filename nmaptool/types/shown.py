@@ -57,5 +57,5 @@ def counted(number: int, what: str) -> str:
     >>> counted(1, "face"), counted(1200, "face")
     ('1 face', '1200 faces')
     """
-    plural = "vertices" if what == "vertex" else f"{what}s"
+    plural = "vertices" if what == "vertex" else f"{what[:-1]}ies" if what.endswith("body") else f"{what}s"
     return f"{number} {what if number == 1 else plural}"

@@ -174,7 +174,7 @@ class Solid(OneLine):
 
     def _line(self) -> str:
         x, y, z = self.size_mm
-        kind = counted(len(self.bodies), "closed body" if len(self.bodies) == 1 else "closed bodie")
+        kind = counted(len(self.bodies), "closed body")
         return f"{x:.4g} x {y:.4g} x {z:.4g} mm, {kind if self.is_closed else 'open surface'}, " + counted(
             self.face_count, "face"
         )

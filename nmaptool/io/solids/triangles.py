@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from nmaptool.core.arrays import Float64
+from nmaptool.io.meshes.headers import STL_HEADER
 from nmaptool.io.meshes.reader import read_mesh
 from nmaptool.io.solids.stl import RECORD
 from nmaptool.io.solids.threemf import MODEL_PATH
 from nmaptool.types.solid import Nodes
 
 _BAND = 1 << 16
-_STL_HEADER = 84
 _PIECE_BYTES = 1 << 22
 # between the numbers of a line of our own 3MF files
 _NOT_NUMBERS = {
@@ -30,7 +30,7 @@ def triangles_of(path: Path) -> Iterator[Float64]:
     match path.suffix.lower():
         case ".stl":
             with path.open("rb") as file:
-                file.seek(_STL_HEADER)
+                file.seek(STL_HEADER)
                 while len(records := np.fromfile(file, RECORD, _BAND)):
                     yield records["corners"].astype(np.float64)
         case ".3mf":
