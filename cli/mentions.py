@@ -9,8 +9,8 @@ from nmaptool.core.mentions import rendered
 
 
 def flag_of(name: str) -> str:
-    """The flag of a field: ``--sigma-s`` of ``sigma_s``."""
-    return "--" + name.replace("_", "-")
+    """The flag of a field: ``--sigma-s`` of ``sigma_s``, ``--from`` of ``from_``."""
+    return "--" + name.removesuffix("_").replace("_", "-")
 
 
 def in_flags(text: str) -> str:

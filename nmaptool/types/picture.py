@@ -109,6 +109,12 @@ class RasterImage(OneLine):
         Colour-management data found in the file, such as sRGB, gAMA, iCCP.
     layer : str or None
         Name of the layer that was read.
+    nodata : float or None
+        Stored value that means "no data", as the file states it, such as the tag of an elevation model.
+    orientation : int
+        EXIF orientation that the file states, 1 to 8; the pixels are as stored, not turned.
+    notes : tuple of str
+        What is unusual about the file, each a clause for a message, such as "its colours are a palette".
     """
 
     pixels: NDArray[Any]
@@ -120,6 +126,9 @@ class RasterImage(OneLine):
     color_chunks: tuple[str, ...] = ()
     layer: str | None = None
     depth_facts: DepthFacts | None = None
+    nodata: float | None = None
+    orientation: int = 1
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.pixels.ndim != 3 or self.pixels.shape[2] != len(self.channels):
