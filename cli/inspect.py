@@ -5,8 +5,11 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+from nmaptool.core.errors import UsageError
 from nmaptool.options import ReadOptions
 from nmaptool.options.fields import Options, option
+from nmaptool.options.kinds import Switch
+from nmaptool.options.presets import DEPTH_PRESETS, NORMAL_PRESETS
 from nmaptool_cli.command import command
 from nmaptool_cli.inputs import read_grey
 from nmaptool_cli.mentions import in_flags
@@ -16,19 +19,22 @@ from nmaptool_cli.streams import display_name
 
 @dataclass(frozen=True)
 class Mask(Options, group="Inputs"):
-    """The area to inspect.
+    """The area to inspect, or the presets.
 
     Parameters
     ----------
     mask:
         Grey picture, white where the map is to be inspected.
+    presets:
+        List the programs that --from knows, and how each writes its files. Needs no map.
     """
 
     mask: str | None = option(None)
+    presets: bool = option(False, Switch())
 
 
 @command(Mask, ReadOptions)
-def inspect(run: Run, map: str, /) -> int:
+def inspect(run: Run, map: str | None = None, /) -> int:
     """Inspect a normal map: its conventions, background and precision, and every problem with its remedy.
 
     Exit code 0: no findings; 1: findings.
@@ -40,6 +46,12 @@ def inspect(run: Run, map: str, /) -> int:
     map:
         Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
+    if run[Mask].presets:
+        return _list_presets(run)
+    if map is None:
+        raise UsageError(
+            "no map given: name one, such as nmap inspect lion.png, or list the presets with `presets=True`"
+        )
     reading = run[ReadOptions]
     run.begin(map=map, mask=run[Mask].mask)
     import nmaptool as nm
@@ -55,3 +67,16 @@ def inspect(run: Run, map: str, /) -> int:
 
         print(in_flags("\n".join(describe_inspection(found))))
     return 1 if found.findings else 0
+
+
+def _list_presets(run: Run) -> int:
+    """Print the table of presets."""
+    if run.options.json:
+        normals = {name: dataclasses.asdict(preset) for name, preset in NORMAL_PRESETS.items()}
+        depths = {name: dataclasses.asdict(preset) for name, preset in DEPTH_PRESETS.items()}
+        run.data({"normals": normals, "depths": depths})
+        return 0
+    from nmaptool_cli.wording.maps import describe_presets
+
+    print("\n".join(describe_presets()))
+    return 0

@@ -5,12 +5,12 @@ from __future__ import annotations
 import shlex
 from typing import Any
 
-from nmaptool.core.mentions import rendered
+from nmaptool.core.mentions import rendered, written_name
 
 
 def flag_of(name: str) -> str:
     """The flag of a field: ``--sigma-s`` of ``sigma_s``, ``--from`` of ``from_``."""
-    return "--" + name.removesuffix("_").replace("_", "-")
+    return "--" + written_name(name).replace("_", "-")
 
 
 def in_flags(text: str) -> str:

@@ -54,11 +54,11 @@ from .io.recipes.reader import read_recipe as read_recipe
 from .io.recipes.stacks import Stack as Stack
 from .io.recipes.stacks import read_stack as read_stack
 from .io.workspaces.files import read_workspace as read_workspace
-from .maps.conventions import diagnose as diagnose
 from .maps.decoding import Decoded as Decoded
 from .maps.decoding import decode_image as decode_image
 from .maps.decoding import decode_normal_map as decode_normal_map
 from .maps.inspect import inspect_map as inspect_map
+from .maps.order_doubts import diagnose as diagnose
 from .meshes.clean import clean_mesh as clean_mesh
 from .options import BLEND_MODES as BLEND_MODES
 from .options import BakeOptions as BakeOptions

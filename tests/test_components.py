@@ -146,8 +146,12 @@ def test_a_constant_blue_that_cannot_be_z_is_ignored(tmp_path, dome, codes, png,
         assert (back.decoding.components, back.decoding.components_from) == ("xy", "found")
         assert back.decoding.green == "up"
         assert angle_deg(back.normals, d.normals)[d.inside].mean() < (0.4 if bits == 8 else 0.002)
-    stated = nm.read_normal_map(tmp_path / "map.png", nm.ReadOptions(components="xyz"))
+    stated = nm.read_normal_map(tmp_path / "map.png", nm.ReadOptions(components="xyz", force=True))
     assert stated.decoding.components == "xyz"
+    if blue == 255:  # z is 1 everywhere
+        return
+    with pytest.raises(nm.InputError, match=r"map.png: \d+% of the motif faces away .* or go on with `force`"):
+        nm.read_normal_map(tmp_path / "map.png", nm.ReadOptions(components="xyz"))
 
 
 def test_a_constant_blue_that_is_z_is_kept(tmp_path, codes, png):
@@ -159,7 +163,8 @@ def test_a_constant_blue_that_is_z_is_kept(tmp_path, codes, png):
         assert np.ptp(nm.read_raster(path).pixels[..., 2]) == 0
         assert nm.read_normal_map(path).decoding.components == "xyz"
     one = png(tmp_path / "one.png", np.dstack([codes(round_)[..., :1], np.zeros((64, 64, 2), np.uint8)]))
-    assert nm.read_normal_map(one).decoding.components == "xyz"  # red alone is not a map
+    # red alone is not a map
+    assert nm.read_normal_map(one, nm.ReadOptions(force=True)).decoding.components == "xyz"
 
 
 def test_an_unusable_blue_is_ignored_on_request(tmp_path, codes, png):

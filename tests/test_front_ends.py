@@ -16,7 +16,7 @@ import pytest
 
 import nmaptool as nm
 from nmaptool.core.errors import UsageError
-from nmaptool.core.mentions import options_in
+from nmaptool.core.mentions import options_in, written_name
 from nmaptool.options.fields import Options, kind_of
 from nmaptool.options.kinds import Choice, Count, Number, Positive, Switch, Weight
 from nmaptool.types.recipe import READ_KEYS
@@ -137,7 +137,8 @@ def test_a_recipe_names_the_line_and_the_key(
     options: type[Options], name: str, value: Any, written: str, tmp_path: pathlib.Path
 ) -> None:
     word = f'"{value}"' if isinstance(value, str) else f"{value:g}"
-    text = RECIPES[options].format(f"{name.replace('_', written)} = {word}")
+    key = written_name(name)
+    text = RECIPES[options].format(f"{key.replace('_', written)} = {word}")
     place = "canvas: " if options is nm.CanvasOptions else "layer "
     with pytest.raises(nm.InputError, match=rf"^scene\.toml: {place}") as told:
         nm.parse_recipe(tomllib.loads(text), name="scene.toml")
@@ -145,7 +146,7 @@ def test_a_recipe_names_the_line_and_the_key(
     with pytest.raises(nm.InputError, match=rf"^scene\.toml, line 5: {place}") as located:
         nm.read_recipe(tmp_path / "scene.toml", name="scene.toml")
     assert str(located.value).replace(", line 5", "") == str(told.value)
-    assert f": {name} = {word}: " in str(told.value)
+    assert f": {key} = {word}: " in str(told.value)
     assert "--" not in str(told.value)
     assert "`" not in str(told.value)
 

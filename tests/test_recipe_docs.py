@@ -10,6 +10,7 @@ from stack_cases import waves
 
 import nmaptool as nm
 from nmaptool.composition.recipe_parsing import GROUP_KEYS, LAYER_KEYS
+from nmaptool.core.mentions import written_name
 from nmaptool.core.units import Length, Offset
 from nmaptool.types.recipe import READ_KEYS
 
@@ -43,8 +44,9 @@ def written(key, value):
 )
 def test_every_key_is_documented_with_its_default(title, options, keys):
     rows = table(title)
-    assert sorted(rows) == sorted(keys)
-    defaults = {field.name: written(field.name, field.default) for field in dataclasses.fields(options)} | BESIDE
+    assert sorted(rows) == sorted(map(written_name, keys))
+    fields = dataclasses.fields(options)
+    defaults = {written_name(field.name): written(field.name, field.default) for field in fields} | BESIDE
     for key, (default, words) in rows.items():
         assert default == defaults.get(key, ""), key
         assert words.endswith("."), key

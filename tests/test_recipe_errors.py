@@ -66,7 +66,7 @@ def line_in(text, kind=nm.InputError):
         ('read.green = "left"', 'read: green = "left": use one of auto, up, down'),
         ("read.zero_code = 128", "read: zero_code: found the number 128, expected text in quotes"),
         ('read.background_color = "pink"', 'read: background_color = "pink": use one of auto, none'),
-        ("read.max_megapixels = 1000", "read: unknown key 'max_megapixels'; use one of layer, green"),
+        ("read.max_megapixels = 1000", "read: unknown key 'max_megapixels'; use one of layer, from, green"),
     ],
 )
 def test_wrong_keys_of_a_layer_are_named(line, message):

@@ -7,6 +7,7 @@ import pytest
 import nmaptool as nm
 from nmaptool.composition.recipe_parsing import GROUP_KEYS, LAYER_KEYS
 from nmaptool.core.errors import InputError
+from nmaptool.core.mentions import written_name
 from nmaptool.options.fields import kind_of
 from nmaptool.options.kinds import Choice
 from nmaptool.types.recipe import READ_KEYS
@@ -45,17 +46,17 @@ def options_in(recipe, options):
 @pytest.mark.parametrize(("options", "field"), FIELDS)
 def test_every_field_can_be_written_in_a_recipe(options, field):
     value = example_of(field)
-    recipe = nm.parse_recipe(HELD[options](field.name, value))
+    recipe = nm.parse_recipe(HELD[options](written_name(field.name), value))
     found = options_in(recipe, options)
     assert found == options(**{field.name: value})
-    assert nm.parse_recipe(HELD[options](field.name.replace("_", "-"), value)) == recipe
+    assert nm.parse_recipe(HELD[options](written_name(field.name).replace("_", "-"), value)) == recipe
 
 
 @pytest.mark.parametrize(("options", "field"), FIELDS)
 def test_every_field_refuses_a_value_of_another_type_in_one_line(options, field):
     wanted = {bool: "true or false", float: "a number such as", str: "text in quotes, such as"}[kind_of(field).toml]
-    with pytest.raises(InputError, match=rf"{field.name}: found a list, expected {wanted}"):
-        nm.parse_recipe(HELD[options](field.name, [1]))
+    with pytest.raises(InputError, match=rf"{written_name(field.name)}: found a list, expected {wanted}"):
+        nm.parse_recipe(HELD[options](written_name(field.name), [1]))
 
 
 @pytest.mark.parametrize("components", ["xy", "octahedral"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from nmaptool.options.presets import DEPTH_PRESETS, NORMAL_PRESETS
 from nmaptool.types.shown import counted
 
 if TYPE_CHECKING:
@@ -25,9 +26,10 @@ def say_map(run: Run, normal_map: NormalMap) -> None:
 
 def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
     """How a map was read, in one line."""
-    parts = [f"background {decoding.background} ({decoding.background_from})", f"motif {foreground_share:.0%}"]
+    parts = [] if decoding.preset is None else [f"as {decoding.preset} writes it ({decoding.preset_from})"]
+    parts += [f"background {decoding.background} ({decoding.background_from})", f"motif {foreground_share:.0%}"]
     if decoding.swizzle != "r,g,b":
-        parts.append(f"channels {decoding.swizzle}")
+        parts.append(f"channels {decoding.swizzle} ({decoding.swizzle_from})")
     if decoding.components != "xyz":
         parts.append(f"{COMPONENTS[decoding.components]} ({decoding.components_from})")
     parts.append(f"green {decoding.green} ({decoding.green_from})")
@@ -40,9 +42,13 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
     d = seen.decoding
     kind = f"{seen.bits} bit {'float' if seen.is_float else 'integer'}{', lossy compression' if seen.lossy else ''}"
     yield f"{seen.name}: {seen.cols} x {seen.rows}, {kind}, channels {' '.join(seen.channels)}"
+    if d.preset is not None:
+        yield f"  preset       {d.preset} ({d.preset_from}): {NORMAL_PRESETS[d.preset].description}"
     sure = "too little curl to tell" if d.curl_ratio is None else f"the other direction has {_ratio(d)} times the curl"
     yield f"  green        {d.green} ({d.green_from}; {sure})"
-    yield f"  channels     x,y,z = {d.swizzle}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
+    order = f"x,y,z = {d.swizzle} ({d.swizzle_from})"
+    yield f"  channels     {order}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
+    yield f"  order        {_order(d)}"
     if d.components != "xyz":
         yield f"  components   {COMPONENTS[d.components]} ({d.components_from})"
     yield f"  background   {d.background} ({d.background_from}); motif {seen.foreground_share:.1%} of the picture"
@@ -64,6 +70,31 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
         yield "  clean: no findings"
 
 
+def _order(decoding: Decoding) -> str:
+    """The orders that fit a map, and what tells them apart."""
+    fits = decoding.fits or ()
+    if not fits:
+        return "no order of the channels faces the viewer"
+    outline = "no outline" if decoding.outline_sign is None else f"outline {decoding.outline_sign:+.2f}"
+    if len(fits) == 1:
+        return f"x,y,z = {fits[0]} fits by its curl and its outline ({outline}, +1 is raised)"
+    if len(fits) == 2:
+        return f"x,y,z = {fits[0]} and its inside-out, {fits[1]}, fit: {outline} to tell them apart"
+    return f"{len(fits)} orders fit: too little curl, and {outline}"
+
+
 def _ratio(decoding: Decoding) -> str:
     ratio = decoding.curl_ratio or 1.0
     return f"{ratio if decoding.green == 'up' else 1 / ratio:.1f}"
+
+
+def describe_presets() -> Iterator[str]:
+    """The programs whose files can be read with --from, one line each."""
+    yield "Normal maps (--from NAME, in every command that reads one):"
+    for name, preset in NORMAL_PRESETS.items():
+        green = "" if preset.green == "up" else f", green {preset.green}"
+        zero = "" if preset.zero_code == "auto" else f", zero at {preset.zero_code}"
+        yield f"  {name:17}{preset.description} [{preset.swizzle}{green}{zero}]"
+    yield "Depth and height pictures (nmap compose depth --from NAME):"
+    for name, depth in DEPTH_PRESETS.items():
+        yield f"  {name:17}{depth.description} [{depth.values}]"

@@ -18,10 +18,14 @@ if TYPE_CHECKING:
 def describe_relief(run: Run, maps: Sequence[NormalMap], relief: Relief) -> None:
     """What was read and solved, with warnings."""
     import nmaptool as nm
+    from nmaptool.maps.order_doubts import order_notes
 
     for normal_map in maps:
         say_map(run, normal_map)
-    run.warn(*(f"{maps[0].name}: {finding}" for finding in nm.diagnose(maps[0])))
+    doubts = nm.diagnose(maps[0])
+    run.warn(*(f"{maps[0].name}: {doubt}" for doubt in doubts))
+    if not doubts:
+        run.say(*(f"  {note}" for note in order_notes(maps[0].decoding)))
     report = relief.report
     run.say(*describe_solve(report))
     run.warn(*report.warnings)

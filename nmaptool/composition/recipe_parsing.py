@@ -11,7 +11,7 @@ from typing import Any
 
 from nmaptool.composition.recipe_places import LineOf, Place
 from nmaptool.core.errors import InputError, LimitError, UsageError
-from nmaptool.core.mentions import rendered
+from nmaptool.core.mentions import rendered, written_name
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
 from nmaptool.options.fields import Options, kind_of
 from nmaptool.options.kinds import Kind, Switch, Text
@@ -115,12 +115,12 @@ def _entry(found: Any, place: Place, number: str, depth: int) -> Entry:
     for key in known:
         if key not in own:
             what = f"is for a layer with a file, not for a {'recipe' if kind == 'recipe' else 'group'}"
-            raise InputError(f"{place.named(key)}: {key}: {what}; give it to its layers")
+            raise InputError(f"{place.named(key)}: {written_name(key)}: {what}; give it to its layers")
     class_of_options = LayerOptions if kind == "file" else GroupOptions
     values = _typed(class_of_options, {k: v for k, v in known.items() if k not in ("read", "layer")}, place)
     for key, expected in _NAMES.items():
         if values.get(key) == "":
-            raise InputError(f"{place.named(key)}: {key}: found nothing, expected the name of {expected}")
+            raise InputError(f"{place.named(key)}: {written_name(key)}: found nothing, expected the name of {expected}")
     common = {"mask": values.pop("mask", None), "hidden": values.pop("hidden", False), "origin": place.named()}
     if kind == "file":
         file = values.pop("file")
@@ -157,17 +157,17 @@ def _table(found: Any, place: Place, example: str) -> Mapping[str, Any]:
 
 def _known(table: Mapping[str, Any], accepted: Iterable[str], place: Place) -> dict[str, Any]:
     """Return the table with _ in its keys; unknown keys are refused."""
-    accepted = tuple(accepted)
+    names = {written_name(name): name for name in accepted}
     known: dict[str, Any] = {}
     for written, value in table.items():
         key = written.replace("-", "_")
-        if key not in accepted:
-            near = difflib.get_close_matches(key.lower(), accepted, 1)
-            remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(accepted)}"
+        if key not in names:
+            near = difflib.get_close_matches(key.lower(), names, 1)
+            remedy = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(names)}"
             raise InputError(f"{place.named(written)}: unknown key {_cut(written)!r}; {remedy}")
-        if key in known:
+        if names[key] in known:
             raise InputError(f"{place.named(written)}: {key}: is given twice, with _ and with -; remove one")
-        known[key] = value
+        known[names[key]] = value
     return known
 
 
@@ -185,18 +185,20 @@ def _value(kind: Kind, value: Any, key: str, place: Place) -> Any:
     if isinstance(value, kind.toml):
         return value
     expected = "true or false" if kind.toml is bool else f'text in quotes, such as "{kind.such_as}"'
-    raise InputError(f"{place.named(key)}: {key}: found {_shown(value)}, expected {expected}")
+    raise InputError(f"{place.named(key)}: {written_name(key)}: found {_shown(value)}, expected {expected}")
 
 
 def _number(kind: Kind, value: Any, key: str, place: Place) -> Any:
     is_scale = isinstance(kind, ScaleText)
     if not isinstance(value, int | float) or isinstance(value, bool):
         expected = f"a number such as {kind.such_as}" + (', text such as "0.5,0.7" or "30mm"' if is_scale else "")
-        raise InputError(f"{place.named(key)}: {key}: found {_shown(value)}, expected {expected}")
+        raise InputError(f"{place.named(key)}: {written_name(key)}: found {_shown(value)}, expected {expected}")
     try:
         number = float(value)
     except OverflowError:
-        raise InputError(f"{place.named(key)}: {key}: found {_shown(value)}, which is too large") from None
+        raise InputError(
+            f"{place.named(key)}: {written_name(key)}: found {_shown(value)}, which is too large"
+        ) from None
     return number_text(number) if is_scale else number
 
 
@@ -225,9 +227,9 @@ def _key(name: str, value: Any) -> str:
     if name not in _KEYS:
         return f"`{name}`" if value is None else f"`{name}={value!r}`"
     if value is None:
-        return name
+        return written_name(name)
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return f"{name} = {number_text(value) if is_number else json.dumps(value, ensure_ascii=False)}"
+    return f"{written_name(name)} = {number_text(value) if is_number else json.dumps(value, ensure_ascii=False)}"
 
 
 def number_text(number: float) -> str:

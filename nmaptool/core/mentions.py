@@ -27,6 +27,15 @@ def rendered(text: str, mention: Mention) -> str:
     return _MENTION.sub(lambda found: mention(found[1], found[2] and _value(found[2])), text)
 
 
+def written_name(field: str) -> str:
+    """The name of an option as users write it: without the underscore that keeps it apart from a keyword of Python.
+
+    >>> written_name("from_"), written_name("max_error")
+    ('from', 'max_error')
+    """
+    return field.removesuffix("_")
+
+
 def options_in(text: str) -> tuple[str, ...]:
     """The names of the options in a message, in order of appearance.
 

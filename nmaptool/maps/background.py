@@ -214,9 +214,17 @@ def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Backgro
         return None
     name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - span.low) / span.step) for c in range(3)))
     if abs(np.linalg.norm(vector) - 1) >= _ODD_LENGTH:
-        return Background(name, mask, codes)
+        # where most vectors are not of unit length, an odd length proves nothing
+        return None if _mostly_off_length(xyz[~mask], span) else Background(name, mask, codes)
     warning = f"{mask.mean():.0%} of the picture is {name}; if that is the background, use `background_color={name!r}`"
     return Background("none", np.zeros(mask.shape, bool), warning=warning)
+
+
+def _mostly_off_length(codes: NDArray[Any], span: _Span) -> bool:
+    """Whether most of the (N, 3) stored vectors are not of unit length."""
+    sample = codes[:: max(1, len(codes) // _PIXELS_AT_ONCE)].astype(np.float64)
+    lengths = np.linalg.norm((sample - span.middle) / ((span.top - span.low) / 2), axis=1)
+    return len(lengths) > 0 and bool((np.abs(lengths - 1) >= _ODD_LENGTH).mean() > 0.5)
 
 
 def _find_alpha(image: RasterImage, wanted: str, shape: tuple[int, ...]) -> Background | None:

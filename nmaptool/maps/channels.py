@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.maps import codec
+from nmaptool.maps.layouts import arranged, straightened
 from nmaptool.maps.two_channel import as_three_channels, find_components, is_unsigned_pair, pair_of_channels
 from nmaptool.maps.zero_code import ZERO_CODES, detect_zero_code
 from nmaptool.options import ReadOptions
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.shown import counted
-
-# floats have no step: this is below the resolution of any float file
-_FLOAT_STEP = 1e-3 * 2**-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +29,9 @@ class Channels:
     xyz : (H, W, 3) uint8, uint16 or float32
         Its colour channels in the order x, y, z, all finite.
     swizzle : tuple of (channel, sign)
-        See `codec.parse_swizzle`.
+        See `codec.parse_swizzle`; channels of ``image``.
+    asked : tuple of (channel, sign)
+        The same in channels of the file, which may include alpha.
     coding : Coding
     components, components_from, zero_code_from : str
         As in `Decoding`.
@@ -40,6 +40,7 @@ class Channels:
     image: RasterImage
     xyz: NDArray[Any]
     swizzle: codec.Swizzle
+    asked: codec.Swizzle
     coding: codec.Coding
     components: str
     components_from: str
@@ -71,16 +72,17 @@ def find_channels(image: RasterImage, options: ReadOptions) -> Channels:
     InputError, UsageError
         As `nmaptool.decode_normal_map`.
     """
-    swizzle = codec.parse_swizzle("r,g,b" if options.swizzle is None else options.swizzle)
+    asked = codec.parse_swizzle("r,g,b" if options.swizzle is None else options.swizzle)
+    image, swizzle = arranged(straightened(image, options.curve), asked, options.components)
     order = _order(swizzle)
-    if options.encoding != "signed":
+    if options.encoding != "signed" and options.curve == "none":
         image = codec.narrowed(image)
     components, components_from = find_components(image, options.components, order)
     if components == "xy" and swizzle[2][1] < 0:
         raise UsageError(
             f"`swizzle={options.swizzle!r}`: z is computed from x and y and is never negative; remove its minus sign"
         )
-    encoding: str = options.encoding
+    encoding: str = options.encoding if options.curve == "none" else "unsigned"
     if components != "xyz":
         if image.is_float and encoding == "auto":
             encoding = "unsigned" if is_unsigned_pair(pair_of_channels(image, order)) else "signed"
@@ -91,10 +93,10 @@ def find_channels(image: RasterImage, options: ReadOptions) -> Channels:
     if image.is_float:
         unsigned = encoding == "unsigned" or (encoding == "auto" and is_unsigned_float(xyz))
         coding = codec.Coding(image.max_code, signed=not unsigned, is_float=True)
-        return Channels(image, xyz, swizzle, coding, components, components_from, "assumed")
+        return Channels(image, xyz, swizzle, asked, coding, components, components_from, "assumed")
     zero_code, zero_code_from = _find_zero_code(image, xyz, options)
     coding = codec.Coding(image.max_code, zero_code)
-    return Channels(image, xyz, swizzle, coding, components, components_from, zero_code_from)
+    return Channels(image, xyz, swizzle, asked, coding, components, components_from, zero_code_from)
 
 
 def _order(swizzle: codec.Swizzle) -> tuple[int, ...]:
@@ -169,13 +171,9 @@ def is_unsigned_float(rgb: NDArray[Any]) -> bool:
     return bool(np.median(as_unsigned) < np.median(as_signed))
 
 
-def code_step(image: RasterImage) -> float:
-    """Smallest step of a normal's component that the file can hold."""
-    return _FLOAT_STEP if image.is_float else 2 / image.max_code
-
-
 def as_read(image: RasterImage, channels: Channels) -> RasterImage:
     """The picture as stored in its file, with the missing blue of a two-component map added."""
+    image, _ = arranged(image, channels.asked, channels.components)
     if channels.components == "xyz":
         return image
     return as_three_channels(image, channels.components, channels.order, channels.encoding)

@@ -17,7 +17,9 @@ from nmaptool.core.vectors import FLAT
 from nmaptool.maps.zero_code import flat_codes, has_color, zero_and_scale
 from nmaptool.types.picture import RasterImage
 
-_SWIZZLE = re.compile(r"([+-]?)([rgb])")
+_SWIZZLE = re.compile(r"([+-]?)([rgba])")
+# the number of alpha in a swizzle
+ALPHA = 3
 _ROWS_AT_ONCE = 64
 _CODES_AT_ONCE = 1 << 17
 
@@ -253,7 +255,7 @@ def format_swizzle(swizzle: Swizzle) -> str:
     >>> format_swizzle(((1, -1), (0, 1), (2, 1)))
     '-g,r,b'
     """
-    return ",".join(("-" if sign < 0 else "") + "rgb"[channel] for channel, sign in swizzle)
+    return ",".join(("-" if sign < 0 else "") + "rgba"[channel] for channel, sign in swizzle)
 
 
 def parse_swizzle(text: str) -> Swizzle:
@@ -262,10 +264,10 @@ def parse_swizzle(text: str) -> Swizzle:
     Raises
     ------
     UsageError
-        If the text is not three different channels of r, g, b, each with an optional sign.
+        If the text is not three different channels of r, g, b, a, each with an optional sign.
     """
     parts = [_SWIZZLE.fullmatch(part.strip().lower()) for part in text.split(",")]
     found = [part for part in parts if part is not None]
-    if len(parts) != 3 or len(found) != 3 or {part.group(2) for part in found} != {"r", "g", "b"}:
+    if len(parts) != 3 or len(found) != 3 or len({part.group(2) for part in found}) != 3:
         raise UsageError(f"`swizzle={text!r}`: give the channels of x, y and z, such as r,g,b or -g,r,b")
-    return tuple(("rgb".index(part.group(2)), -1 if part.group(1) == "-" else 1) for part in found)
+    return tuple(("rgba".index(part.group(2)), -1 if part.group(1) == "-" else 1) for part in found)

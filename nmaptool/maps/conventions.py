@@ -1,108 +1,112 @@
-"""Detect how the channels of a map point, from its curl and from the normals along its outline."""
+"""Decide how the channels of a map point, and compare that with the orders that fit."""
 
 from __future__ import annotations
 
-import cv2
-import numpy as np
+from dataclasses import replace
+from typing import NamedTuple
 
-from nmaptool.core.arrays import Float32, Mask
-from nmaptool.core.grid import dilated
-from nmaptool.core.vectors import mean_abs_curl
-from nmaptool.maps.codec import apply_signs, format_swizzle, parse_swizzle, signs_of
-from nmaptool.types.inputs import NormalsLike, as_normal_map
+from nmaptool.maps.codec import Swizzle, format_swizzle, parse_swizzle
+from nmaptool.maps.orders import AS_READ, SURE_CURL_RATIO, SURE_OUTLINE, Order, OrderEvidence, find_evidence
+from nmaptool.options import ReadOptions
 from nmaptool.types.normal_map import Decoding, NormalMap
+from nmaptool.types.picture import RasterImage
 
-# an order or sign counts as wrong only if its curl is this many times that of another
-SURE_CURL_RATIO = 1.5
-# in a large map, a window in the middle is enough
-_WINDOW_PX = 800
-_OUTLINE_PIXELS = 50
-_INVERTED = -0.15
-# channels for x and y, up to a common sign: every way in which a map can be rotated or mirrored
-_TURNS = (("r", "g", 1), ("r", "g", -1), ("g", "r", 1), ("g", "r", -1))
-
-
-def _window(shape: tuple[int, int]) -> tuple[slice, slice]:
-    starts = [max(0, (n - _WINDOW_PX) // 2) for n in shape]
-    return slice(starts[0], starts[0] + _WINDOW_PX), slice(starts[1], starts[1] + _WINDOW_PX)
+GREEN_DOWN: Order = ((0, 1), (1, -1), (2, 1))
+_RED_LEFT: Order = ((0, -1), (1, 1), (2, 1))
+# where curl is silent, only an outline as clear as this decides the sign of green
+_CLEAR_OUTLINE = 0.5
+# with more orders than this, nothing is known
+MOST_FITS = 2
 
 
-def green_evidence(normals: Float32, mask: Mask, code_step: float) -> float | None:
-    """Mean |curl| with green down over that with green up (below 1: green down fits better).
+class Directions(NamedTuple):
+    """Where red and green point, and the sources of these decisions.
 
-    None if both are close to the curl of quantisation alone, which proves nothing.
+    Attributes
+    ----------
+    green, green_from : str
+        As in `Decoding`.
+    red_left : bool
+        Whether red was found to point left, although no swizzle says so.
+    """
+
+    green: str
+    green_from: str
+    red_left: bool = False
+
+
+def find_directions(image: RasterImage, given: ReadOptions, options: ReadOptions, seen: OrderEvidence) -> Directions:
+    """Decide where red and green point.
 
     Parameters
     ----------
-    normals : (H, W, 3) float32
-        Decoded as green up.
-    mask : (H, W) bool
-        Pixels to use.
-    code_step : float
-        Smallest step of a component in the file.
+    image : RasterImage
+    given, options : ReadOptions
+        As given, and with the values of a preset.
+    seen : OrderEvidence
+        Of the map read with the swizzle and green up.
     """
-    window = _window(mask.shape)
-    normals, mask = normals[window], mask[window]
-    up = mean_abs_curl(normals, mask)
-    down = mean_abs_curl(apply_signs(normals, signs_of(green="down")), mask)
-    if max(up, down) < max(2 * code_step, 1e-6):
-        return None
-    return down / max(up, 1e-9)
+    stated = image.attributes.get("green")
+    if given.green != "auto":
+        return Directions(given.green, "given")
+    if stated in ("up", "down"):
+        return Directions(stated, "file")
+    if options.green != "auto":
+        return Directions(options.green, "preset")
+    if given.swizzle is not None:  # a swizzle already sets the sign of y
+        return Directions("up", "given")
+    fits = seen.fitting()
+    if fits and fits[0][2] != AS_READ[2]:  # the axes are others, so green is not y
+        return Directions("up", "assumed")
+    ratio = seen.curl_ratio(GREEN_DOWN, AS_READ)
+    if ratio is not None and ratio < 1 / SURE_CURL_RATIO:
+        # the curl of red left is that of green down; only an outline tells them apart
+        red_left = fits == (_RED_LEFT,)
+        return Directions("up" if red_left else "down", "found", red_left)
+    if ratio is not None and ratio > SURE_CURL_RATIO:
+        return Directions("up", "found")
+    down, up = (seen.outline_sign(order) or 0.0 for order in (GREEN_DOWN, AS_READ))
+    if fits == (GREEN_DOWN,) and down >= _CLEAR_OUTLINE and up < down - _CLEAR_OUTLINE:
+        return Directions("down", "found")
+    return Directions("up", "assumed")
 
 
-def outline_sign(normals: Float32, foreground: Mask) -> float | None:
-    """Mean of n . outward along the outline: near +1 for a raised motif, negative for an inverted one.
-
-    None if there is no outline, or too little of it.
+def fitting_swizzles(seen: OrderEvidence, swizzle: Swizzle, *, z_known: bool) -> tuple[str, ...]:
+    """The orders that fit, as swizzles of the file with green up.
 
     Parameters
     ----------
-    normals : (H, W, 3) float32
-    foreground : (H, W) bool
+    seen : OrderEvidence
+        Of the map read with the swizzle and green up.
+    swizzle : tuple of (channel, sign)
+    z_known : bool
+        Whether z was computed from x and y.
     """
-    if min(foreground.shape) < 2 or foreground.all() or not foreground.any():
-        return None
-    smooth = cv2.GaussianBlur(foreground.astype(np.float32), (25, 25), 3.0, borderType=cv2.BORDER_REPLICATE)
-    down, across = np.gradient(smooth)
-    size = np.hypot(down, across)
-    at = foreground & dilated(~foreground, 3) & (size > 0.02)
-    if at.sum() < _OUTLINE_PIXELS:
-        return None
-    outward = (normals[..., 1] * down - normals[..., 0] * across)[at] / size[at]
-    return float(outward.mean())
+    found = seen.fitting(z_known=z_known)
+    return tuple(
+        format_swizzle(tuple((swizzle[axis][0], sign * swizzle[axis][1]) for axis, sign in order)) for order in found
+    )
 
 
-def better_swizzle(normal_map: NormalMap, code_step: float) -> str | None:
-    """Channel order with clearly the least curl, as --swizzle takes it, if it takes x from green and y from red.
+def with_signs(swizzle: Swizzle, x: int = 1, y: int = 1) -> Swizzle:
+    """The swizzle with x and y multiplied by these signs."""
+    (red, red_sign), (green, green_sign), z = swizzle
+    return (red, x * red_sign), (green, y * green_sign), z
 
-    Parameters
-    ----------
-    normal_map : NormalMap
-        Read with the order r,g,b.
-    code_step : float
-        Smallest step of a component in the file.
+
+def swizzle_in_use(decoding: Decoding) -> Swizzle:
+    """The swizzle of a map with its green folded in: green down negates y.
+
+    >>> format_swizzle(swizzle_in_use(Decoding(swizzle="-r,g,b", green="down")))
+    '-r,-g,b'
     """
-    if normal_map.decoding.swizzle != "r,g,b":
-        return None
-    window = _window(normal_map.frame.shape)
-    signs = signs_of(green=normal_map.decoding.green)
-    part, mask = apply_signs(normal_map.normals[window], signs), normal_map.foreground[window]
-    curls = {turn: mean_abs_curl(_turned(part, turn), mask) for turn in _TURNS}
-    turn, runner_up = sorted(curls, key=lambda turn: curls[turn])[:2]
-    least, second = curls[turn], curls[runner_up]
-    x, y, sign = turn
-    # for x from red and y from green only the sign of green is open, and `green_evidence` decides that
-    if x == "r" or second < max(2 * code_step, 1e-6) or second < SURE_CURL_RATIO * least:
-        return None
-    outline = outline_sign(_turned(apply_signs(normal_map.normals, signs), turn), normal_map.foreground)
-    flip = -1 if outline is not None and outline < 0 else 1
-    return format_swizzle((("rgb".index(x), flip), ("rgb".index(y), flip * sign), (2, 1)))
+    return with_signs(parse_swizzle(decoding.swizzle), y=-1 if decoding.green == "down" else 1)
 
 
-def _turned(normals: Float32, turn: tuple[str, str, int]) -> Float32:
-    """Stored normals with x and y taken from the channels of ``turn``, y times its sign."""
-    x, y, sign = turn
-    return apply_signs(normals[..., ["rgb".index(x), "rgb".index(y), 2]], (1, sign, 1))
+def to_type(decoding: Decoding, swizzle: str) -> str:
+    """The swizzle that reads the file in this order if green stays as the user gave it."""
+    keeps_down = decoding.green == "down" and decoding.green_from == "given"
+    return format_swizzle(with_signs(parse_swizzle(swizzle), y=-1 if keeps_down else 1))
 
 
 def upright_swizzle(decoding: Decoding) -> str:
@@ -113,53 +117,51 @@ def upright_swizzle(decoding: Decoding) -> str:
     >>> upright_swizzle(Decoding(swizzle="-g,r,b"))
     'g,-r,b'
     """
-    (x, x_sign), (y, y_sign), z = parse_swizzle(decoding.swizzle)
-    found_down = decoding.green == "down" and decoding.green_from == "found"
-    return format_swizzle(((x, -x_sign), (y, y_sign if found_down else -y_sign), z))
+    return to_type(decoding, format_swizzle(with_signs(swizzle_in_use(decoding), -1, -1)))
 
 
 def is_inverted(sign: float | None) -> bool:
-    """Whether an `outline_sign` means that the motif is sunken instead of raised."""
-    return sign is not None and sign < _INVERTED
+    """Whether an outline sign means that the motif is sunken instead of raised."""
+    return sign is not None and sign <= -SURE_OUTLINE
 
 
-def diagnose(normal_map: NormalsLike, *, code_step: float = 2 / 255) -> tuple[str, ...]:
-    """Warn if a map looks inverted, rotated or mirrored.
+def better_swizzle(decoding: Decoding) -> str | None:
+    """The order that fits the map if that in use does not, as the swizzle to give; None if there is none."""
+    fits = decoding.fits or ()
+    if not fits or format_swizzle(swizzle_in_use(decoding)) in fits:
+        return None
+    return to_type(decoding, fits[0])
 
-    Parameters
-    ----------
-    normal_map : NormalMap or (H, W, 3) float of any type
-    code_step : float
-        Smallest step of a component in the file, such as 2/255 for 8 bits. Smaller curl is rounding.
 
-    Returns
-    -------
-    tuple of str
-        Warnings, each with a remedy; empty if nothing looks wrong.
+def better_remedy(decoding: Decoding, better: str) -> str:
+    """How to read a map with an order that fits better, and with its inside-out if that fits as well."""
+    opposite = format_swizzle(with_signs(parse_swizzle(better), -1, -1))
+    if len(decoding.fits or ()) < MOST_FITS:
+        return f"read it with `swizzle={better!r}`"
+    return f"read it with `swizzle={better!r}` or, if it then comes out inside out, `swizzle={opposite!r}`"
 
-    Raises
-    ------
-    InputError
-        If a normal of an array has no direction.
-    UsageError
-        If the map is neither a NormalMap nor an array.
 
-    Examples
-    --------
-    The normals of a dome that was turned into a hollow:
+def inside_out_swizzle(decoding: Decoding) -> str | None:
+    """The order that fits as well as that in use and gives its inside-out; None if the outline tells them apart."""
+    fits, own = decoding.fits or (), swizzle_in_use(decoding)
+    other = format_swizzle(with_signs(own, -1, -1))
+    if len(fits) != MOST_FITS or format_swizzle(own) not in fits or other not in fits:
+        return None
+    return to_type(decoding, other)
 
-    >>> y, x = np.mgrid[1:-1:64j, -1:1:64j]
-    >>> normals = np.dstack([-x, -y, np.ones_like(x)])
-    >>> nm.diagnose(nm.NormalMap.from_array(normals, mask=np.hypot(x, y) < 0.8))
-    ("it looks inverted; for a raised motif try `swizzle='-r,-g,b'`, for an engraving `delta=-30`",)
-    """
-    normal_map = as_normal_map(normal_map)
-    if normal_map.decoding.green_from == "file":  # the file states how to read it
-        return ()
-    better = better_swizzle(normal_map, code_step)
-    if better is not None:
-        return (f"its channels look rotated or mirrored; try `swizzle={better!r}`",)
-    if is_inverted(outline_sign(normal_map.normals, normal_map.foreground)):
-        swizzle = upright_swizzle(normal_map.decoding)
-        return (f"it looks inverted; for a raised motif try `swizzle={swizzle!r}`, for an engraving `delta=-30`",)
-    return ()
+
+def green_is_wrong(decoding: Decoding) -> bool:
+    """Whether green is given, but only the other direction fits."""
+    fits = decoding.fits or ()
+    other = format_swizzle(with_signs(swizzle_in_use(decoding), y=-1))
+    return decoding.green_from in ("given", "file", "preset") and better_swizzle(decoding) is not None and other in fits
+
+
+def with_evidence(normal_map: NormalMap) -> Decoding:
+    """The decoding of a map with the orders that fit it, measured if they are not known."""
+    decoding = normal_map.decoding
+    if decoding.fits is not None:
+        return decoding
+    seen = find_evidence(normal_map.normals, normal_map.foreground, normal_map.coverage >= 0.5)
+    fits = fitting_swizzles(seen, swizzle_in_use(decoding), z_known=decoding.components != "xyz")
+    return replace(decoding, fits=fits, outline_sign=seen.outline_sign(AS_READ))

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.vectors import FLAT, unit
-from nmaptool.maps.background import Background, alpha_is_data, find_background
-from nmaptool.maps.channels import Channels, code_step, find_channels
-from nmaptool.maps.codec import apply_signs, decode_map, format_swizzle, signs_of
-from nmaptool.maps.conventions import SURE_CURL_RATIO, green_evidence
+from nmaptool.maps.background import Background, find_background
+from nmaptool.maps.channels import Channels, find_channels
+from nmaptool.maps.codec import apply_signs, decode_map, format_swizzle, parse_swizzle, signs_of
+from nmaptool.maps.conventions import GREEN_DOWN, find_directions, fitting_swizzles, with_signs
 from nmaptool.maps.coverage import Covered, cover
+from nmaptool.maps.doubts import as_warning, check_facing, find_doubts
+from nmaptool.maps.layouts import Layout, settle_layout
+from nmaptool.maps.orders import AS_READ, find_evidence
 from nmaptool.maps.two_channel import completed
 from nmaptool.options import ReadOptions
 from nmaptool.types.inputs import RasterLike, as_raster
+from nmaptool.types.inspection import Finding
 from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.shown import OneLine
-
-LENGTH_OFF = 0.1
-# if this share of the vectors is not of unit length, the picture is not a normal map
-NOT_NORMALS_SHARE = 0.5
-_SAMPLE = 100_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,12 +39,15 @@ class Decoded(OneLine):
     normal_map : NormalMap
     channels : Channels
         The stored values, and how they encode vectors.
+    findings : tuple of Finding
+        Doubts about the map; its decoding has the same as warnings.
     """
 
     stored: Float32
     background: Background
     normal_map: NormalMap
     channels: Channels
+    findings: tuple[Finding, ...] = ()
 
     def _line(self) -> str:
         return f"{self.normal_map.name}: {self.normal_map.frame.with_pitch}, background {self.background.kind}"
@@ -80,7 +82,8 @@ def decode_image(image: RasterLike, options: ReadOptions | None = None) -> Decod
     '0.57 1.00'
     """
     decoded = _decode(as_raster(image), options or ReadOptions())
-    signs = signs_of(decoded.channels.swizzle, decoded.normal_map.decoding.green)
+    decoding = decoded.normal_map.decoding
+    signs = signs_of(parse_swizzle(decoding.swizzle), decoding.green)
     apply_signs(decoded.stored, signs, out=decoded.stored)
     return decoded
 
@@ -103,7 +106,8 @@ def decode_normal_map(image: RasterLike, options: ReadOptions | None = None) -> 
     Raises
     ------
     InputError
-        If the picture has too few channels, or NaN or infinity where it is defined.
+        If the picture has too few channels, or NaN or infinity where it is defined, or most of it faces away from the
+        viewer and ``force`` is not set.
     UsageError
         If the swizzle is not possible, or the picture is neither a RasterImage nor an array.
 
@@ -113,23 +117,25 @@ def decode_normal_map(image: RasterLike, options: ReadOptions | None = None) -> 
     >>> nm.decode_normal_map(codes, nm.ReadOptions(background_color="none")).normals[0, 0].tolist()
     [0.0, 0.0, 1.0]
     """
-    return _decode(as_raster(image), options or ReadOptions()).normal_map
+    options = options or ReadOptions()
+    normal_map = _decode(as_raster(image), options).normal_map
+    check_facing(normal_map, options)
+    return normal_map
 
 
-def _decode(image: RasterImage, options: ReadOptions) -> Decoded:
+def _decode(image: RasterImage, given: ReadOptions) -> Decoded:
     """Decode a picture; its stored vectors still have the signs of the file."""
+    layout = settle_layout(image, given)
+    options = layout.options
     channels = find_channels(image, options)
     vectors, mixed = _vectors_of(channels)
     wanted = options.background_color
     background = find_background(channels.image, channels.xyz, wanted, channels.order, mixed.shape[2])
     covered = cover(vectors, mixed, channels, background)
-    warnings = (
-        *_background_warnings(channels, background, wanted),
-        *_length_warnings(covered.vectors, covered.background),
-    )
-    return Decoded(
-        vectors, background, _normal_map(image, options, channels, covered, background.kind, warnings), channels
-    )
+    normal_map = _normal_map(image, given, layout, channels, covered, background.kind)
+    findings = find_doubts(image, channels, background, covered, normal_map.decoding, options)
+    decoding = replace(normal_map.decoding, warnings=tuple(as_warning(found) for found in findings))
+    return Decoded(vectors, background, replace(normal_map, decoding=decoding), channels, findings)
 
 
 def _vectors_of(channels: Channels) -> tuple[Float32, Float32]:
@@ -142,80 +148,57 @@ def _vectors_of(channels: Channels) -> tuple[Float32, Float32]:
 
 
 def _normal_map(
-    image: RasterImage,
-    options: ReadOptions,
-    channels: Channels,
-    covered: Covered,
-    background: str,
-    warnings: tuple[str, ...],
+    image: RasterImage, given: ReadOptions, layout: Layout, channels: Channels, covered: Covered, background: str
 ) -> NormalMap:
     """Normalise the vectors, convert them to eye space, and record all decisions."""
     normals = unit(covered.vectors)
-    swizzle_signs = signs_of(channels.swizzle)
+    swizzle_signs = signs_of(channels.asked)
     if -1 in swizzle_signs:
         apply_signs(normals, swizzle_signs, out=normals)
     normals[covered.coverage <= 0] = FLAT
     foreground = (covered.coverage >= 0.5) & ~covered.background
-    curl_ratio = green_evidence(normals, foreground, code_step(channels.image))
-    green, green_from = _find_green(image, options, curl_ratio)
-    if green == "down":
-        apply_signs(normals, signs_of(green=green), out=normals)
+    seen = find_evidence(normals, foreground, covered.coverage >= 0.5, channels.coding.step)
+    towards = find_directions(image, given, layout.options, seen)
+    signs = (-1 if towards.red_left else 1, -1 if towards.green == "down" else 1, 1)
+    if -1 in signs:
+        apply_signs(normals, signs, out=normals)
+    in_use = tuple((axis, sign) for axis, sign in enumerate(signs))
     decoding = Decoding(
-        green=green,
-        green_from=green_from,
-        curl_ratio=curl_ratio,
-        swizzle=format_swizzle(channels.swizzle),
+        green=towards.green,
+        green_from=towards.green_from,
+        curl_ratio=seen.curl_ratio(GREEN_DOWN, AS_READ),
+        swizzle=format_swizzle(with_signs(channels.asked, signs[0])),
+        swizzle_from=_swizzle_from(given, layout, red_left=towards.red_left),
+        preset=layout.preset,
+        preset_from=layout.source,
+        fits=fitting_swizzles(seen, channels.asked, z_known=channels.components != "xyz"),
+        outline_sign=seen.outline_sign(in_use),
+        away_share=_away_share(normals, foreground, channels.components),
+        curve=layout.options.curve,
         zero_code=channels.zero_code,
         zero_code_from=channels.zero_code_from,
         encoding=channels.encoding,
         components=channels.components,
         components_from=channels.components_from,
         background=background,
-        background_from="found" if options.background_color == "auto" else "given",
+        background_from="found" if given.background_color == "auto" else "given",
         rim_pixels=covered.rim_pixels,
-        warnings=warnings,
     )
     flat_background = background == "flat"
     return NormalMap(normals, covered.coverage, image.frame, foreground, image.name, decoding, flat_background)
 
 
-def _background_warnings(channels: Channels, background: Background, wanted: str) -> tuple[str, ...]:
-    """Doubts about the background that was found."""
-    warnings: list[str] = []
-    if wanted not in ("auto", "none") and not background.mask.any():
-        warnings.append(f"no background found that is {wanted}: every pixel is treated as surface")
-    if background.warning is not None:
-        warnings.append(background.warning)
-    if wanted == "auto" and alpha_is_data(channels.image):
-        warnings.append("alpha looks like data (a height or gloss channel), not coverage; it is ignored")
-    return tuple(warnings)
+def _swizzle_from(given: ReadOptions, layout: Layout, *, red_left: bool) -> str:
+    if given.swizzle is not None:
+        return "given"
+    if layout.preset is not None:
+        return "preset"
+    return "found" if red_left else "assumed"
 
 
-def _length_warnings(vectors: Float32, background: Mask) -> tuple[str, ...]:
-    share = off_length_share(vectors, background)
-    if share < NOT_NORMALS_SHARE:
-        return ()
-    return (f"does not look like a normal map: {share:.0%} of its vectors are not of unit length",)
-
-
-def _find_green(image: RasterImage, options: ReadOptions, curl_ratio: float | None) -> tuple[str, str]:
-    """The direction of green, and its source."""
-    stated = image.attributes.get("green")
-    if options.green != "auto":
-        return options.green, "given"
-    if stated in ("up", "down"):
-        return stated, "file"
-    if options.swizzle is not None:  # a swizzle already sets the sign of y
-        return "up", "given"
-    if curl_ratio is not None and curl_ratio < 1 / SURE_CURL_RATIO:
-        return "down", "found"
-    if curl_ratio is not None and curl_ratio > SURE_CURL_RATIO:
-        return "up", "found"
-    return "up", "assumed"
-
-
-def off_length_share(vectors: Float32, outside: Mask) -> float:
-    """Share of (H, W, 3) stored vectors not ``outside`` whose length is more than 0.1 off 1, found from a sample."""
-    inside = np.flatnonzero(~outside)
-    sample = vectors.reshape(-1, 3)[inside[:: max(1, len(inside) // _SAMPLE)]].astype(np.float64)
-    return float((np.abs(np.linalg.norm(sample, axis=1) - 1) > LENGTH_OFF).mean()) if len(sample) else 0.0
+def _away_share(normals: Float32, foreground: Mask, components: str) -> float:
+    """Share of the foreground with nz <= 0; never where z was computed from x and y."""
+    if components == "xy":
+        return 0.0
+    away = np.count_nonzero((normals[..., 2] <= 0) & foreground)
+    return away / max(1, int(np.count_nonzero(foreground)))

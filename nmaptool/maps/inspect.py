@@ -12,10 +12,11 @@ from nmaptool.core.arrays import Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.vectors import mean_abs_curl
 from nmaptool.maps import codec
-from nmaptool.maps.background import alpha_is_data
-from nmaptool.maps.channels import Channels, as_read, code_step, color_channels
-from nmaptool.maps.conventions import better_swizzle, outline_sign
-from nmaptool.maps.decoding import LENGTH_OFF, decode_image
+from nmaptool.maps.blocks import shows_blocks
+from nmaptool.maps.channels import Channels, as_read, color_channels
+from nmaptool.maps.conventions import better_swizzle
+from nmaptool.maps.decoding import decode_image
+from nmaptool.maps.doubts import LENGTH_OFF, facing_doubts
 from nmaptool.maps.inspection_rules import RULES
 from nmaptool.maps.zero_code import detect_zero_code, zero_and_scale
 from nmaptool.options import ReadOptions
@@ -25,7 +26,8 @@ from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.plain_arrays import as_mask, check_sizes
 
-_PARTIAL_ALPHA_PIXELS = 50
+# an inspection tells of fewer vectors that face away than a warning does
+_LEAST_AWAY = 0.002
 
 
 def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: MaskLike | None = None) -> Inspection:
@@ -83,15 +85,18 @@ def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: 
         away_share=_mean(normal_map.normals[..., 2][core] <= 0),
         neutral_bias_px=_neutral_bias_px(image, decoded.channels),
         mean_abs_curl=mean_abs_curl(normal_map.normals, core),
-        outline_sign=outline_sign(normal_map.normals, foreground),
-        better_swizzle=better_swizzle(normal_map, code_step(image)),
-        premultiplied=_is_premultiplied(image, decoded.channels),
+        outline_sign=normal_map.decoding.outline_sign,
+        better_swizzle=better_swizzle(normal_map.decoding),
+        premultiplied=any(found.code == "premultiplied" for found in decoded.findings),
         eight_bit_data=_is_eight_bit_data(image),
         lossy=image.lossy,
+        has_blocks=image.pixels.dtype == np.uint8 and shows_blocks(color_channels(as_read(image, decoded.channels))),
         is_float=image.is_float,
         color_chunks=image.color_chunks,
     )
-    return dataclasses.replace(facts, findings=tuple(_findings(facts)))
+    doubts = [found for found in decoded.findings if found.code != "facing-away"]
+    doubts += facing_doubts(facts.away_share, normal_map.decoding, _LEAST_AWAY)
+    return dataclasses.replace(facts, findings=(*doubts, *_findings(facts)))
 
 
 def _foreground(normal_map: NormalMap, mask: MaskLike | None) -> Mask:
@@ -118,23 +123,6 @@ def _neutral_bias_px(image: RasterImage, channels: Channels) -> float | None:
     code, _ = zero_and_scale(zero_code, image.max_code)
     middle, scale = zero_and_scale("127.5", image.max_code)
     return (code - middle) / scale * image.frame.longer_side
-
-
-def _is_premultiplied(image: RasterImage, channels: Channels) -> bool:
-    """Whether colours were multiplied by alpha, so that dividing by alpha restores unit vectors."""
-    alpha = image.alpha
-    if alpha is None or alpha_is_data(image) or channels.coding.signed or channels.components != "xyz":
-        return False
-    partial = (alpha > 0.1) & (alpha < 0.9)
-    if partial.sum() < _PARTIAL_ALPHA_PIXELS:
-        return False
-    colors = color_channels(image)[partial].astype(np.float64) / image.max_code
-    a = alpha[partial].astype(np.float64)[:, None]
-    if np.mean(colors <= a + 2 / 255) < 0.98:
-        return False
-    straight = np.abs(np.linalg.norm(codec.decode_shares(colors), axis=1) - 1)
-    divided = np.abs(np.linalg.norm(codec.decode_shares(colors / a), axis=1) - 1)
-    return bool(np.median(divided) < 0.5 * np.median(straight))
 
 
 def _is_eight_bit_data(image: RasterImage) -> bool:

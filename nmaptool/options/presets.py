@@ -13,22 +13,21 @@ DepthValues = Literal["height", "distance", "disparity"]
 
 @dataclass(frozen=True)
 class NormalPreset:
-    """How a program writes normal maps. Its values replace those defaults of `nmaptool.ReadOptions` that are not given.
+    """How a program writes normal maps: the values of those `nmaptool.ReadOptions` that are not given.
 
     Parameters
     ----------
     description : str
         The program and its files, in a few words.
-    swizzle, zero_code, encoding, components, background_color : str
+    swizzle, green, zero_code, components : str
         As in `nmaptool.ReadOptions`.
     """
 
     description: str
     swizzle: str = "r,g,b"
+    green: str = "up"
     zero_code: str = "auto"
-    encoding: str = "auto"
     components: str = "auto"
-    background_color: str = "auto"
 
 
 @dataclass(frozen=True)
@@ -55,8 +54,33 @@ class DepthPreset:
 
 
 NORMAL_PRESETS: dict[str, NormalPreset] = {
+    "opengl": NormalPreset("green up: Blender's baker, Unity, Godot, Marmoset, Maya"),
+    "directx": NormalPreset("green down: Unreal, 3ds Max, CryEngine, Source", green="down"),
+    "blender": NormalPreset("Blender's Normal pass (EXR) of a model seen from the front: world axes", "r,b,-g"),
+    "unity": NormalPreset("Unity, as PNG or TGA: green up"),
+    "unreal": NormalPreset("Unreal: green down", green="down"),
+    "substance": NormalPreset("Substance Painter and Designer with their default, DirectX: green down", green="down"),
+    "dxt5nm": NormalPreset("Unity, Unreal and Source textures with x in alpha, y in green", "a,g,b", components="xy"),
+    "world": NormalPreset("world-space maps with z up, seen from the front", "r,b,-g"),
     "marigold": NormalPreset("Marigold normals, PNG or .npy", zero_code="127"),
     "dsine": NormalPreset("DSINE, PNG", "-r,g,b", zero_code="127"),
+    "normalbae": NormalPreset("NormalBae, PNG", "-r,g,b", zero_code="127"),
+    "controlnet": NormalPreset("ControlNet 1.1 NormalBae, PNG", "-r,g,b", zero_code="127"),
+    "controlnet-midas": NormalPreset(
+        "ControlNet 1.0 MiDaS normals, PNG; steepness arbitrary", "-b,g,r", zero_code="127"
+    ),
+    "stablenormal": NormalPreset("StableNormal, PNG; masked parts are white", "-r,g,b", zero_code="127"),
+    "lotus": NormalPreset("Lotus normals, PNG or .npy", "-r,g,b", zero_code="127"),
+    "geowizard": NormalPreset("GeoWizard normals, PNG or .npy", "-r,g,b", zero_code="127"),
+    "omnidata": NormalPreset("Omnidata, PNG", "r,g,-b", green="down", zero_code="127"),
+    "metric3d": NormalPreset(
+        "Metric3D figures, cut from the three stacked pictures", "r,g,-b", green="down", zero_code="128"
+    ),
+    "metric3d-hub": NormalPreset("Metric3D hub demo: red and blue swapped", "b,g,-r", green="down", zero_code="127"),
+    "metric3d-comfyui": NormalPreset("Metric3D in ComfyUI", "-r,g,b", zero_code="127"),
+    "moge": NormalPreset("MoGe normal.png or normal.exr, ComfyUI normal_opengl", zero_code="127"),
+    "moge-array": NormalPreset("MoGe normals as an array (.npy): OpenCV axes", "r,g,-b", green="down"),
+    "opencv": NormalPreset("OpenCV camera axes: x right, y down, z away", "r,g,-b", green="down"),
 }
 DEPTH_PRESETS: dict[str, DepthPreset] = {
     "depth-anything": DepthPreset("Depth Anything V2, grey PNG: disparity, near is bright", "disparity"),

@@ -47,6 +47,8 @@ class Inspection(Report):
     better_swizzle : str or None
         Channel order with clearly less curl; None if there is none.
     premultiplied, eight_bit_data, lossy, is_float : bool
+    has_blocks : bool
+        Whether the 8 x 8 blocks of lossy compression show, whatever the format.
     color_chunks : tuple of str
     findings : tuple of Finding
     """
@@ -71,6 +73,7 @@ class Inspection(Report):
     premultiplied: bool
     eight_bit_data: bool
     lossy: bool
+    has_blocks: bool
     is_float: bool
     color_chunks: tuple[str, ...]
     findings: tuple[Finding, ...] = ()

@@ -26,14 +26,37 @@ class Decoding:
 
     Reliefs, compositions and depth maps never depend on it.
 
-    Attributes hold a value and, with the suffix ``_from``, its source: ``given`` (an option), ``file`` (its metadata),
-    ``found`` (detected in the picture) or ``assumed`` (the default).
+    Attributes hold a value and, with the suffix ``_from``, its source: ``given`` (an option), ``preset`` (of the
+    program that wrote the file), ``file`` (its metadata), ``found`` (detected in the picture) or ``assumed`` (the
+    default).
+
+    Attributes
+    ----------
+    curl_ratio : float or None
+        Root mean square curl with green down over that with green up; None if nothing tells.
+    preset, preset_from : str or None, str
+        The program whose conventions were used.
+    fits : tuple of str or None
+        The orders that fit the map, as swizzles with green up, the most likely first; several if nothing tells them
+        apart; None if this was not measured.
+    outline_sign : float or None
+        Mean of n . outward over the outline: near +1 for a raised motif, negative for an inverted one; None without an
+        outline.
+    away_share : float
+        Share of the motif that faces away from the viewer (nz <= 0).
     """
 
     green: str = "up"
     green_from: str = "assumed"
     curl_ratio: float | None = None
     swizzle: str = "r,g,b"
+    swizzle_from: str = "assumed"
+    preset: str | None = None
+    preset_from: str = "assumed"
+    fits: tuple[str, ...] | None = None
+    outline_sign: float | None = None
+    away_share: float = 0.0
+    curve: str = "none"
     zero_code: str = "127.5"
     zero_code_from: str = "assumed"
     encoding: str = "unsigned"

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from nmaptool.composition.recipe_places import Keys
+from nmaptool.core.mentions import written_name
 
 # a string of any kind, a line end, a bracket or sign, or part of a bare key, number or date
 _TOKEN = re.compile(
@@ -45,7 +46,8 @@ class _Node:
         """Return the node of a key, as given or with - for _; None if there is none."""
         found = self.inner.get(key)
         if found is None and isinstance(key, str):
-            same = (n for k, n in self.inner.items() if isinstance(k, str) and k.replace("-", "_") == key)
+            name = written_name(key)
+            same = (n for k, n in self.inner.items() if isinstance(k, str) and k.replace("-", "_") == name)
             return next(same, None)
         return found
 
