@@ -49,9 +49,7 @@ def inspect(run: Run, map: str | None = None, /) -> int:
     if run[Mask].presets:
         return _list_presets(run)
     if map is None:
-        raise UsageError(
-            "no map given: name one, such as nmap inspect lion.png, or list the presets with `presets=True`"
-        )
+        raise UsageError("MAP is missing; name one, such as nmap inspect lion.png, or list the `presets`")
     reading = run[ReadOptions]
     run.begin(map=map, mask=run[Mask].mask)
     import nmaptool as nm

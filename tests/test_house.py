@@ -15,6 +15,7 @@ import nmaptool as nm
 from nmaptool.core.errors import UsageError
 from nmaptool_cli.compose.paste import PLACING
 from nmaptool_cli.main import main
+from nmaptool_cli.mentions import flag_of
 
 ROOT = Path(__file__).parents[1]
 SOURCES = [p for d in ("nmaptool", "cli", "bench", "samples", "tests") for p in sorted((ROOT / d).rglob("*.py"))]
@@ -145,7 +146,7 @@ def test_every_option_is_a_documented_flag_with_the_librarys_default(command, op
     main([*command.split(), "--help"])
     shown = capsys.readouterr().out
     for field in dataclasses.fields(options):
-        flag = "--" + field.name.replace("_", "-")
+        flag = flag_of(field.name)
         line = next(line for line in shown.splitlines() if line.startswith(f"│ {flag} "))
         assert f"\n{field.name}:" in inspect.getdoc(options)  # Python 3.13 strips the indent itself
         if field.default is not None and field.type != "bool":

@@ -8,89 +8,26 @@ import re
 import subprocess
 import sys
 
-import cv2
 import numpy as np
 import pytest
+from faulty_maps import FAULTY, on_flat
 
 import nmaptool as nm
 from nmaptool.maps.inspection_rules import CODES
 from nmaptool_cli.mentions import in_flags
-
-SRGB = [(b"sRGB", b"\0"), (b"gAMA", b"\0\0\xb1\x8f")]
 
 
 def found(path, **options):
     return {finding.code for finding in nm.inspect_map(nm.read_raster(path), nm.ReadOptions(**options)).findings}
 
 
-def on_flat(d):
-    return np.where(d.inside[..., None], d.normals, (0, 0, 1))
-
-
 @pytest.fixture
 def faulty(tmp_path, dome, codes, png):
-    """``faulty(code)``: a map made to give that finding, and the options for reading it."""
-
-    def opaque_alpha(d, value=65535):
-        return np.where(d.inside, value, 0).astype(np.uint16)
-
-    def with_alpha(vectors, d):
-        return np.dstack([codes(vectors, 16), opaque_alpha(d)])
+    """``faulty(code)``: the file of a map made to give that finding, and the options for reading it."""
 
     def make(code):
-        d, options, chunks = dome(), {}, ()
-        vectors, rng = d.normals.copy(), np.random.default_rng(31)
-        if code == "no-foreground":
-            pixels = codes(np.broadcast_to((0.0, 0.0, 1.0), (96, 96, 3)))
-        elif code == "not-normals":
-            pixels = rng.integers(0, 256, (96, 96, 3), np.uint8)
-        elif code == "off-length":
-            vectors[rng.uniform(size=(96, 96)) < 0.1] *= 0.7
-            pixels = with_alpha(vectors, d)
-        elif code == "facing-away":
-            vectors[rng.uniform(size=(96, 96)) < 0.02] *= (1, 1, -1)
-            pixels = with_alpha(vectors, d)
-        elif code == "turned":
-            pixels = with_alpha(np.dstack([vectors[..., 1], -vectors[..., 0], vectors[..., 2]]), d)
-        elif code == "inverted":
-            pixels = with_alpha(vectors * (-1, -1, 1), d)
-        elif code == "green-down":
-            pixels = with_alpha(vectors * (1, -1, 1), d)
-        elif code == "red-left":
-            pixels = with_alpha(vectors * (-1, 1, 1), d)
-        elif code == "green-wrong":
-            pixels, options = with_alpha(vectors, d), {"green": "down"}
-        elif code == "wrong-curve":
-            shares = (on_flat(d) + 1) / 2
-            gamma = np.where(shares <= 0.0031308, 12.92 * shares, 1.055 * shares.clip(0.0031308) ** (1 / 2.4) - 0.055)
-            pixels = np.floor(gamma * 65535 + 0.5).astype(np.uint16)
-        elif code == "scaled":
-            pixels = with_alpha(vectors * 0.5, d)
-        elif code == "lossy-blocks":
-            jpeg = cv2.imencode(".jpg", codes(vectors)[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 60])[1]
-            pixels = np.dstack([cv2.imdecode(jpeg, cv2.IMREAD_COLOR)[..., ::-1], opaque_alpha(d, 255).astype(np.uint8)])
-        elif code == "two-components":
-            pixels = with_alpha(vectors, d)
-            pixels[..., 2] = 0
-        elif code == "truncated-codes":
-            pixels = np.floor((on_flat(d) + 1) / 2 * 255).astype(np.uint8)
-        elif code == "premultiplied":
-            y, x = np.mgrid[0:96, 0:96] - 47.5
-            soft = ((0.8 * 48 + 3 - np.hypot(x, y)) / 6).clip(0, 1)
-            straight = codes(vectors, 16) / 65535 * soft[..., None]
-            pixels = np.round(np.dstack([straight, soft]) * 65535).astype(np.uint16)
-        elif code == "eight-bit-data":
-            pixels = np.dstack([codes(vectors).astype(np.uint16) * 257, opaque_alpha(d)])
-        elif code == "color-managed":
-            pixels, chunks = with_alpha(vectors, d), SRGB
-        elif code == "alpha-ignored":
-            height = np.broadcast_to(np.linspace(8000, 60000, 96), (96, 96)).astype(np.uint16)
-            pixels = np.dstack([codes(vectors, 16), height])
-        elif code == "background-missing":
-            pixels, options = with_alpha(vectors, d)[..., :3], {"background_color": "white"}
-        else:
-            raise AssertionError(f"no map for the finding {code}")
-        return png(tmp_path / f"{code}.png", pixels, chunks), options
+        made = FAULTY[code](dome(), codes)
+        return png(tmp_path / f"{code}.png", made.pixels, made.chunks), made.options
 
     return make
 

@@ -25,8 +25,8 @@ _LEAST_PARTIAL = 0.3
 # a curve explains the lengths if this share of vectors at most is then off, and this many times fewer than before
 _STILL_OFF, _TIMES_FEWER = 0.1, 5
 _LENGTH_OFF = 0.1
-# alpha between these is partial; this many such pixels show whether colours were multiplied: at least this share of their
-# colours is then no larger than alpha
+# alpha between these is partial; this many such pixels show whether colours were multiplied: then at least this share
+# of their colours is no larger than alpha
 _LEAST_ALPHA, _MOST_ALPHA, _PARTIAL_PIXELS, _BELOW_ALPHA = 0.1, 0.9, 50, 0.98
 
 
