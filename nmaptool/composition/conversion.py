@@ -12,6 +12,7 @@ from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.vectors import mean_abs_curl, unit
 from nmaptool.maps import codec
 from nmaptool.maps.decoding import Decoded, decode_image
+from nmaptool.maps.doubts import check_facing
 from nmaptool.maps.two_channel import completed
 from nmaptool.maps.zero_code import ZERO_CODES
 from nmaptool.options import Bits, ReadOptions, WriteOptions
@@ -102,6 +103,7 @@ def _read(image: RasterImage, reading: ReadOptions) -> Decoded:
     Writers that round store flat as 128 although their zero code is the middle, 127.5.
     """
     decoded = decode_image(image, reading)
+    check_facing(decoded.normal_map, reading)
     if decoded.normal_map.decoding.zero_code_from != "found" or not _middle_fits_better(decoded):
         return decoded
     decoded = decode_image(image, replace(reading, zero_code="127.5"))

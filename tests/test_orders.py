@@ -1,0 +1,157 @@
+"""Which camera: maps in every order and sign of their axes are read right, or the right order is named."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import nmaptool as nm
+from bench.order_maps import analytic, from_heights, storages, textures
+from bench.orders import DOUBTED, NAMED, OUTCOMES, RIGHT, SAID, SILENT, outcomes
+from nmaptool.maps.order_doubts import order_notes
+from nmaptool.maps.orders import AS_READ, find_evidence
+
+MAPS = {true.name: true for true in (*analytic(), *textures())}
+WITH_OUTLINE = [true.name for true in analytic()]
+EVERYWHERE = np.ones((160, 160), bool)
+
+
+@pytest.mark.parametrize("name", WITH_OUTLINE)
+def test_a_raised_motif_is_read_right_or_its_order_is_named(name):
+    found = outcomes(MAPS[name])
+    # as it should be, with green down, and with red left
+    assert dict(found) == {RIGHT: 3, NAMED: 45}
+
+
+@pytest.mark.parametrize("name", ["stones", "waves", "rough"])
+def test_a_full_frame_is_never_wrong_in_silence(name):
+    found = outcomes(MAPS[name])
+    assert (found[SILENT], found[DOUBTED]) == (0, 0)
+    assert found[RIGHT] + found[SAID] >= 2  # as it should be, and with green down
+    assert sum(found[one] for one in OUTCOMES) == 48
+
+
+def test_the_48_storages_are_read_right_by_their_swizzles():
+    true = MAPS["bust"]
+    for stored in storages(true):
+        read = nm.decode_normal_map(stored.pixels, nm.ReadOptions(swizzle=stored.swizzle))
+        assert np.abs(read.normals - true.normals)[true.motif].max() < 0.02
+        assert read.decoding.fits == (stored.swizzle,)
+        assert nm.diagnose(read) == ()
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_the_curl_of_the_other_sign_is_larger(name):
+    true = MAPS[name]
+    evidence = find_evidence(true.normals, true.motif, EVERYWHERE)
+    down = ((0, 1), (1, -1), (2, 1))
+    assert evidence.curl_ratio(down, AS_READ) > 1.5
+    assert evidence.curl_ratio(AS_READ, down) == pytest.approx(1 / evidence.curl_ratio(down, AS_READ))
+    assert evidence.faces_away(AS_READ) == 0
+    assert evidence.faces_away(((0, 1), (1, 1), (2, -1))) == 1
+
+
+def test_the_outline_of_a_hemisphere_points_outwards():
+    true = MAPS["sphere"]
+    evidence = find_evidence(true.normals, true.motif, EVERYWHERE)
+    assert evidence.outline_sign(AS_READ) > 0.9
+    assert evidence.outline_sign(((0, -1), (1, -1), (2, 1))) == pytest.approx(-evidence.outline_sign(AS_READ))
+    # a quarter turn of the vectors makes them run along the outline
+    assert abs(evidence.outline_sign(((1, -1), (0, 1), (2, 1)))) < 0.01
+    assert find_evidence(true.normals, EVERYWHERE, EVERYWHERE).outline is None
+
+
+def test_a_quarter_turn_of_picture_and_vectors_turns_the_evidence():
+    true = MAPS["bust"]
+    turned = np.rot90(true.normals)[..., [1, 0, 2]] * np.float32((-1, 1, 1))
+    one = find_evidence(true.normals, true.motif, EVERYWHERE)
+    other = find_evidence(np.ascontiguousarray(turned), np.rot90(true.motif).copy(), EVERYWHERE)
+    assert other.outline_sign(AS_READ) == pytest.approx(one.outline_sign(AS_READ), rel=1e-6)
+    down = ((0, 1), (1, -1), (2, 1))
+    assert other.curl_ratio(down, AS_READ) == pytest.approx(one.curl_ratio(down, AS_READ), rel=1e-4)
+
+
+@pytest.mark.parametrize("name", ["letters", "stones"])
+def test_a_full_frame_with_green_down_names_both_readings(name):
+    (stored,) = (one for one in storages(MAPS[name]) if one.swizzle == "r,-g,b")
+    read = nm.decode_normal_map(stored.pixels)
+    (doubt,) = nm.diagnose(read)
+    assert "green points down or red points left: both have the same curl, and no outline tells them apart" in doubt
+    assert "it is read with green down; if it comes out inside out, use `swizzle='-r,g,b'`" in doubt
+    assert (read.decoding.green, read.decoding.green_from) == ("down", "found")
+    for confirmed in (nm.ReadOptions(green="down"), nm.ReadOptions(swizzle="r,-g,b"), nm.ReadOptions(from_="directx")):
+        read = nm.decode_normal_map(stored.pixels, confirmed)
+        assert (nm.diagnose(read), order_notes(read.decoding)) == ((), ())
+
+
+def test_a_full_frame_says_that_raised_is_assumed():
+    (stored,) = (one for one in storages(MAPS["stones"]) if one.swizzle == "r,g,b")
+    read = nm.decode_normal_map(stored.pixels)
+    assert nm.diagnose(read) == ()
+    assert order_notes(read.decoding) == (
+        "raised is assumed: no outline tells; if it comes out inside out, use `swizzle='-r,-g,b'`",
+    )
+
+
+def test_red_left_is_found_by_the_outline():
+    (stored,) = (one for one in storages(MAPS["bust"]) if one.swizzle == "-r,g,b")
+    decoding = nm.decode_normal_map(stored.pixels).decoding
+    assert (decoding.swizzle, decoding.swizzle_from) == ("-r,g,b", "found")
+    assert (decoding.green, decoding.green_from) == ("up", "found")
+    engraved = nm.decode_normal_map(stored.pixels, nm.ReadOptions(green="down")).decoding
+    assert (engraved.swizzle, engraved.green) == ("r,g,b", "down")
+
+
+def test_a_surface_without_curl_does_not_tell():
+    across = np.broadcast_to(np.arange(160.0), (160, 160))
+    ridges = from_heights("ridges", 4 * np.sin(across / 9))
+    (stored,) = (one for one in storages(ridges) if one.swizzle == "r,g,b")
+    read = nm.decode_normal_map(stored.pixels)
+    assert (read.decoding.green, read.decoding.green_from, read.decoding.curl_ratio) == ("up", "assumed", None)
+    assert order_notes(read.decoding) == (
+        "green up is assumed: too little curl tells; if its forms look twisted, use `green='down'`",
+    )
+
+
+def test_more_than_a_tenth_facing_away_is_a_warning_and_more_than_half_is_refused(run, tmp_path, png):
+    true = MAPS["sphere"]
+    for share, code in ((0.05, 0), (0.3, 0), (0.7, 3)):
+        vectors = true.normals.copy()
+        vectors[np.random.default_rng(3).random((160, 160)) < share] *= (1, 1, -1)
+        codes = np.floor((vectors + 1) / 2 * 255 + 0.5).astype(np.uint8)
+        path = png(tmp_path / f"{share}.png", np.dstack([codes, np.where(true.motif, 255, 0).astype(np.uint8)]))
+        for words in (("relief", path), ("compose", "convert", path), ("compose", "transform", path, "--flip-h")):
+            done = run(*words, "-o", tmp_path / "out.exr", "--overwrite")
+            assert done.code == code, done.err
+            assert ("of the motif faces away from the viewer (nz <= 0)" in done.err) == (share > 0.1)
+            assert ("or go on with --force" in done.err) == (share > 0.5)
+            if share > 0.5:
+                assert run(*words, "-o", tmp_path / "out.exr", "--overwrite", "--force").code == 0
+
+
+@pytest.mark.parametrize(("order", "flag"), [("b,g,r", "b,g,r"), ("r,-g,-b", "r,-g,-b"), ("r,b,-g", "r,b,-g")])
+def test_inspect_and_relief_name_the_flag_of_another_camera(run, tmp_path, png, order, flag):
+    (stored,) = (one for one in storages(MAPS["bust"]) if one.swizzle == order)
+    path = png(tmp_path / "map.png", stored.pixels)
+    seen = run("inspect", path)
+    assert seen.code == 1
+    assert f"--swizzle {flag}" in seen.out
+    done = run("relief", path, "-o", tmp_path / "map.exr")
+    assert f"--swizzle {flag}" in done.err
+    # the flag restores the map
+    assert run("relief", path, "-o", tmp_path / "map.exr", "--overwrite", f"--swizzle={flag}").code == 0
+    assert run("inspect", path, f"--swizzle={flag}").code == 0
+
+
+def test_a_map_that_no_order_explains_is_called_object_space():
+    rng = np.random.default_rng(5)
+    vectors = rng.normal(size=(96, 96, 3)) - (0, 0, 0.3)
+    vectors /= np.linalg.norm(vectors, axis=2, keepdims=True)
+    pixels = np.floor((vectors + 1) / 2 * 65535 + 0.5).astype(np.uint16)
+    with pytest.raises(
+        nm.InputError, match=r"no order of its channels faces the viewer, as in an object-space"
+    ) as told:
+        nm.decode_normal_map(pixels)
+    assert re.search(r"\d\d% of the motif faces away from the viewer \(nz <= 0\); no order", str(told.value))

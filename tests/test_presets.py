@@ -1,0 +1,108 @@
+"""Presets: the pictures of every program are read right with its preset, and never wrong in silence without."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from writer_cases import WRITERS, dxt5nm, picture_of
+
+import nmaptool as nm
+from bench.order_maps import analytic
+from nmaptool.maps.order_doubts import order_notes
+from nmaptool.options.presets import DEPTH_PRESETS, NORMAL_PRESETS
+
+MOTIFS = {true.name: true for true in analytic() if true.name in ("sphere", "bust")}
+# the correlation of x and of y with the truth
+LEAST = 0.999
+
+
+def correlation(found: np.ndarray, true: np.ndarray, inside: np.ndarray) -> float:
+    pairs = [np.corrcoef(found[inside][:, axis], true[inside][:, axis])[0, 1] for axis in (0, 1)]
+    return float(min(pairs))
+
+
+@pytest.mark.parametrize("motif", MOTIFS)
+@pytest.mark.parametrize("name", WRITERS)
+def test_a_preset_reads_what_its_program_writes(name, motif):
+    writer, true = WRITERS[name], MOTIFS[motif]
+    picture = picture_of(writer, true.normals, true.motif)
+    read = nm.decode_normal_map(picture, nm.ReadOptions(from_=writer.preset))
+    assert correlation(read.normals, true.normals, true.motif) > LEAST
+    assert (read.decoding.preset, read.decoding.preset_from) == (writer.preset, "given")
+    # no tilt from a wrong zero code: the wall of a full frame is flat
+    if writer.outside == "wall":
+        assert np.abs(read.normals[~true.motif][:, :2]).max() < 1e-3
+    assert (read.coverage[~true.motif] == 0).all() == (writer.outside != "wall")
+
+
+@pytest.mark.parametrize("motif", MOTIFS)
+@pytest.mark.parametrize("name", WRITERS)
+def test_without_a_preset_it_is_right_or_something_is_said(name, motif):
+    writer, true = WRITERS[name], MOTIFS[motif]
+    picture = picture_of(writer, true.normals, true.motif)
+    try:
+        read = nm.decode_normal_map(picture)
+    except nm.InputError as error:
+        assert "faces away from the viewer" in str(error)
+        return
+    said = (*nm.diagnose(read), *read.decoding.warnings, *order_notes(read.decoding))
+    assert correlation(read.normals, true.normals, true.motif) > LEAST or said
+
+
+@pytest.mark.parametrize("motif", MOTIFS)
+@pytest.mark.parametrize("given", [{}, {"from_": "dxt5nm"}, {"swizzle": "a,g,b", "components": "xy"}])
+def test_x_in_alpha_is_recognised_and_can_be_given(motif, given):
+    true = MOTIFS[motif]
+    read = nm.decode_normal_map(dxt5nm(true.normals), nm.ReadOptions(**given))
+    assert correlation(read.normals, true.normals, true.motif) > LEAST
+    assert (read.decoding.swizzle, read.decoding.components) == ("a,g,b", "xy")
+    assert read.decoding.preset_from == {0: "found", 1: "given", 2: "assumed"}[len(given)]
+    assert (read.coverage == 1).all()
+
+
+def test_the_presets_of_all_programs_are_tested():
+    tested = {writer.preset for writer in WRITERS.values()} | {"dxt5nm"}
+    # these name an order, not a program; they are the orders of programs above
+    assert set(NORMAL_PRESETS) - tested == {"opengl", "directx", "world", "opencv"}
+    for alias, like in {"opengl": "unity", "directx": "unreal", "world": "blender", "opencv": "moge-array"}.items():
+        own, other = NORMAL_PRESETS[alias], NORMAL_PRESETS[like]
+        assert (own.swizzle, own.green) == (other.swizzle, other.green)
+
+
+def test_options_that_are_given_override_a_preset():
+    given = nm.ReadOptions(from_="omnidata", zero_code="128", green="up").as_written_by("omnidata")
+    assert (given.swizzle, given.green, given.zero_code) == ("r,g,-b", "up", "128")
+    ordered = nm.ReadOptions(from_="omnidata", swizzle="r,g,b").as_written_by("omnidata")
+    assert (ordered.swizzle, ordered.green, ordered.zero_code) == ("r,g,b", "auto", "127")
+
+
+def test_alpha_cannot_be_used_if_there_is_none():
+    with pytest.raises(
+        nm.UsageError, match=r"picture: `swizzle='a,g,b'` uses alpha, but its channels are R, G, B; take"
+    ):
+        nm.decode_normal_map(np.zeros((4, 4, 3), np.uint8), nm.ReadOptions(swizzle="a,g,b"))
+
+
+def test_presets_are_listed(run):
+    listed = run("inspect", "--presets")
+    assert (listed.code, listed.err) == (0, "")
+    for name, preset in {**NORMAL_PRESETS, **DEPTH_PRESETS}.items():
+        assert f"  {name} " in listed.out
+        assert preset.description in listed.out
+    tables = json.loads(run("inspect", "--presets", "--json").out)
+    assert list(tables["normals"]) == list(NORMAL_PRESETS)
+    assert list(tables["depths"]) == list(DEPTH_PRESETS)
+
+
+def test_a_preset_is_a_flag_and_a_key(run, tmp_path, png):
+    true = MOTIFS["bust"]
+    path = png(tmp_path / "dsine.png", picture_of(WRITERS["DSINE PNG"], true.normals, true.motif))
+    done = run("relief", path, "--from", "dsine", "-o", tmp_path / "bust.exr")
+    assert "as dsine writes it (given)" in done.err
+    assert "warning" not in done.err.replace("the map has no background", "")
+    recipe = nm.parse_recipe({"layer": [{"file": "dsine.png", "read": {"from": "dsine"}}]})
+    assert recipe.layers[0].read == {"from_": "dsine"}
+    with pytest.raises(nm.UsageError, match=r"`from_='dsin'`: use one of auto, opengl, directx"):
+        nm.ReadOptions(from_="dsin")
