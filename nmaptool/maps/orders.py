@@ -27,8 +27,10 @@ MOST_AWAY, _LEAST_MEAN_Z = 0.1, 0.3
 # an outline decides if its sign is at least this, or this if curl leaves more than two orders, and this much more than
 # that of any other order
 SURE_OUTLINE, _SURE_ALONE, _OUTLINE_MARGIN = 0.3, 0.4, 0.15
-# in a large map, a window in the middle is enough
-_WINDOW_PX = 800
+# in a large map, one window is enough
+_WINDOW_PX = 512
+# outlines of larger pictures are measured on every second, third ... pixel
+_OUTLINE_SIDE_PX = 1000
 # curl leaves two orders at best: a surface and its inside-out
 _INSIDE_OUT = 2
 _OUTLINE_PIXELS, _LEAST_VERTICES = 50, 50
@@ -160,21 +162,34 @@ def find_evidence(normals: Float32, foreground: Mask, defined: Mask, step: float
     step : float
         Smallest step of a component that the file can hold, such as 2/255; 0 for floats.
     """
-    window = _window(foreground.shape)
-    part = normals[window]
-    seen = part[foreground[window]] if foreground[window].any() else np.zeros((1, 3), np.float32)
+    window = _window(foreground)
+    part, motif, inside = normals[window], foreground[window], np.ascontiguousarray(defined[window])
+    seen = part[motif] if motif.any() else np.zeros((1, 3), np.float32)
+    planes = np.ascontiguousarray(part.transpose(2, 0, 1))
     away = np.stack([(seen <= 0).mean(axis=0), (seen >= 0).mean(axis=0)], axis=1)
     scales = [
-        _curls(part, defined[window], scale, _TIMES_ROUNDING * rounding * step)
+        _curls(planes, inside, scale, _TIMES_ROUNDING * rounding * step)
         for scale, rounding in zip(_SCALES_PX, _ROUNDING_CURL, strict=True)
     ]
     curl2 = max((found for found in scales if found), key=_telling, default={})
     return OrderEvidence(curl2, outline_matrix(normals, foreground), away, seen.mean(axis=0, dtype=np.float64))
 
 
-def _window(shape: tuple[int, int]) -> tuple[slice, slice]:
-    starts = [max(0, (n - _WINDOW_PX) // 2) for n in shape]
-    return slice(starts[0], starts[0] + _WINDOW_PX), slice(starts[1], starts[1] + _WINDOW_PX)
+def _window(mask: Mask) -> tuple[slice, slice]:
+    """The window of the picture that holds most of a mask; of several such windows, one near the middle."""
+    sides = [min(n, _WINDOW_PX) for n in mask.shape]
+    if sides == list(mask.shape):
+        return slice(None), slice(None)
+    step = max(1, min(sides) // 8)
+    coarse = mask[::step, ::step].astype(np.float32)
+    size = (max(1, sides[1] // step), max(1, sides[0] // step))
+    held = cv2.boxFilter(coarse, -1, size, borderType=cv2.BORDER_CONSTANT)
+    rows, cols = np.nonzero(held >= 0.999 * held.max())
+    middle = [n / 2 for n in mask.shape]
+    best = np.argmin((rows * step - middle[0]) ** 2 + (cols * step - middle[1]) ** 2)
+    centres = (int(rows[best]) * step, int(cols[best]) * step)
+    starts = [min(max(0, at - side // 2), n - side) for at, side, n in zip(centres, sides, mask.shape, strict=True)]
+    return slice(starts[0], starts[0] + sides[0]), slice(starts[1], starts[1] + sides[1])
 
 
 def _telling(curl2: dict[_Axes, float]) -> float:
@@ -183,31 +198,33 @@ def _telling(curl2: dict[_Axes, float]) -> float:
     return max(up, down) / max(min(up, down), 1e-12 * max(up, down), 1e-30)
 
 
-def _curls(normals: Float32, mask: Mask, scale_px: float, least: float) -> dict[_Axes, float]:
+def _curls(planes: Float32, mask: Mask, scale_px: float, least: float) -> dict[_Axes, float]:
     """Mean squared curl for every choice of axes, in units of the mean squared change per px; empty if nothing tells.
 
     Nothing tells if the root mean square curl is below ``least`` with y up and with y down.
 
     With y up, n . curl(n) = (nx dnz/dy - nz dnx/dy) + (nz dny/dx - ny dnz/dx): one wedge product along each direction,
-    so all choices follow from the products of the six wedges.
+    so all choices follow from the products of the six wedges. ``planes`` is (3, H, W) float32.
     """
-    if scale_px:
-        normals, mask = _smoothed(normals, mask, scale_px)
-    nw, ne, sw, se = normals[:-1, :-1], normals[:-1, 1:], normals[1:, :-1], normals[1:, 1:]
     inside = inner_vertices(mask)
+    if scale_px:
+        planes, inside = _smoothed(planes, mask, scale_px)
     if np.count_nonzero(inside) < _LEAST_VERTICES:
         return {}
-    nw, ne, sw, se = nw[inside], ne[inside], sw[inside], se[inside]
-    mean, across, up = (nw + ne + sw + se) / 4, (ne - nw + se - sw) / 2, (nw - sw + ne - se) / 2
-    change2 = np.einsum("ij,ij->i", across, across) + np.einsum("ij,ij->i", up, up)
-    smooth = change2 < _LARGEST_TURN**2
-    total = float(change2[smooth].sum(dtype=np.float64))
-    if np.count_nonzero(smooth) < _LEAST_VERTICES or not total > 0:
+    down_sum, up = planes[:, :-1] + planes[:, 1:], planes[:, :-1] - planes[:, 1:]
+    mean, across = (down_sum[..., :-1] + down_sum[..., 1:]) / 4, (down_sum[..., 1:] - down_sum[..., :-1]) / 2
+    up = (up[..., :-1] + up[..., 1:]) / 2
+    change2 = np.square(across).sum(axis=0) + np.square(up).sum(axis=0)
+    smooth = inside & (change2 < _LARGEST_TURN**2)
+    vertices = np.count_nonzero(smooth)
+    total = float(change2.sum(where=smooth, dtype=np.float64))
+    if vertices < _LEAST_VERTICES or not total > 0:
         return {}
-    mean, across, up = mean[smooth], across[smooth], up[smooth]
     pairs = ((0, 1), (0, 2), (1, 2))
-    wedges = [mean[:, i] * step[:, j] - mean[:, j] * step[:, i] for step in (up, across) for i, j in pairs]
-    products = np.array([[np.dot(one, other) for other in wedges] for one in wedges], np.float64)
+    wedges = np.stack([mean[i] * step[j] - mean[j] * step[i] for step in (up, across) for i, j in pairs])
+    wedges *= smooth
+    rows = wedges.reshape(len(wedges), -1)
+    products = (rows @ rows.T).astype(np.float64)
     place = {pair: (n, 1) for n, pair in enumerate(pairs)} | {pair[::-1]: (n, -1) for n, pair in enumerate(pairs)}
     curl2 = {}
     for x, y, z in permutations(range(3)):
@@ -217,19 +234,18 @@ def _curls(normals: Float32, mask: Mask, scale_px: float, least: float) -> dict[
         mixed = 2 * first_sign * second_sign * products[first, 3 + second]
         for sign in (1, -1):
             curl2[_Axes(x, y, z, sign)] = max(0.0, float(own + sign * mixed)) / total
-    telling = max(curl2[_Axes(0, 1, 2, 1)], curl2[_Axes(0, 1, 2, -1)]) * total / len(mean)
+    telling = max(curl2[_Axes(0, 1, 2, 1)], curl2[_Axes(0, 1, 2, -1)]) * total / vertices
     return curl2 if telling > least**2 else {}
 
 
-def _smoothed(normals: Float32, mask: Mask, scale_px: float) -> tuple[Float32, Mask]:
-    """Vectors averaged with their neighbours in the mask, and the mask without the pixels near its edge."""
+def _smoothed(planes: Float32, mask: Mask, scale_px: float) -> tuple[Float32, Mask]:
+    """Vectors averaged with their neighbours in the mask, and the inner vertices away from the edge of the mask."""
     weight = mask.astype(np.float32)
-    total = cv2.GaussianBlur(normals * weight[..., None], (0, 0), scale_px)
-    share = cv2.GaussianBlur(weight, (0, 0), scale_px)
-    mean = np.asarray(total / np.maximum(share, np.float32(1e-6))[..., None], np.float32)
+    share = np.maximum(cv2.GaussianBlur(weight, (0, 0), scale_px), np.float32(1e-6))
+    mean = np.stack([cv2.GaussianBlur(plane * weight, (0, 0), scale_px) / share for plane in planes])
     rounds = int(np.ceil(2 * scale_px))
     kept = cv2.erode(mask.view(np.uint8), np.ones((3, 3), np.uint8), iterations=rounds)  # the edge of the picture stays
-    return mean, kept.astype(bool)
+    return mean, inner_vertices(kept.astype(bool))
 
 
 def outline_matrix(normals: Float32, foreground: Mask) -> Float64 | None:
@@ -242,6 +258,9 @@ def outline_matrix(normals: Float32, foreground: Mask) -> Float64 | None:
     normals : (H, W, 3) float32
     foreground : (H, W) bool
     """
+    every = max(1, max(foreground.shape) // _OUTLINE_SIDE_PX)
+    if every > 1:
+        normals, foreground = normals[::every, ::every], np.ascontiguousarray(foreground[::every, ::every])
     if min(foreground.shape) < 2 or foreground.all() or not foreground.any():
         return None
     smooth = cv2.GaussianBlur(foreground.astype(np.float32), (25, 25), 3.0, borderType=cv2.BORDER_REPLICATE)
