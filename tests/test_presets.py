@@ -62,6 +62,47 @@ def test_x_in_alpha_is_recognised_and_can_be_given(motif, given):
     assert (read.coverage == 1).all()
 
 
+def test_an_inspection_says_that_x_is_in_alpha(run, tmp_path, png):
+    path = png(tmp_path / "unity.png", dxt5nm(MOTIFS["bust"].normals))
+    seen = run("inspect", path)
+    assert (seen.code, "! x is in alpha and y in green (DXT5nm)" in seen.out) == (1, True)
+    assert "components   x and y, z computed from them (found)" in seen.out
+    assert "as dxt5nm writes it (found)" in run("relief", path, "-o", tmp_path / "unity.exr").err
+    assert "(preset)" in run("inspect", path, "--from", "dxt5nm").out
+
+
+CURVES = {
+    "srgb": lambda v: np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.maximum(v, 1e-9) ** (1 / 2.4) - 0.055),
+    "linear": lambda v: np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4),
+    "video": lambda v: (16 + 219 * v) / 255,
+}
+
+
+@pytest.mark.parametrize("kind", ["8", "16", "float"])
+@pytest.mark.parametrize("curve", CURVES)
+def test_a_curve_is_named_and_undone(curve, kind):
+    true = MOTIFS["bust"]
+    stored = CURVES[curve]((true.normals.astype(np.float64) + 1) / 2)
+    if kind == "float":
+        picture = stored.astype(np.float32)
+    else:
+        top = 255 if kind == "8" else 65535
+        picture = np.floor(stored * top + 0.5).astype(np.uint8 if kind == "8" else np.uint16)
+    read = nm.decode_normal_map(picture)
+    assert any(f"read it with `curve={curve!r}`, or export it again as raw" in text for text in read.decoding.warnings)
+    straight = nm.decode_normal_map(picture, nm.ReadOptions(curve=curve))
+    assert correlation(straight.normals, true.normals, true.motif) > LEAST
+    assert (straight.decoding.curve, straight.decoding.warnings) == (curve, ())
+    error = np.abs(straight.normals - true.normals).max()
+    assert error < (0.04 if kind == "8" else 2e-4)
+
+
+def test_a_grey_picture_is_told_to_be_heights():
+    grey = np.dstack([np.linspace(20, 230, 64).astype(np.uint8) + np.zeros((64, 1), np.uint8)] * 3)
+    (warning,) = nm.decode_normal_map(grey, nm.ReadOptions(force=True, background_color="none")).decoding.warnings[:1]
+    assert warning == "is a grey picture: heights or depths, not normals; turn it into normals: nmap compose depth"
+
+
 def test_the_presets_of_all_programs_are_tested():
     tested = {writer.preset for writer in WRITERS.values()} | {"dxt5nm"}
     # these name an order, not a program; they are the orders of programs above

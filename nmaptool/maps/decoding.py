@@ -176,10 +176,10 @@ def _normal_map(
         away_share=_away_share(normals, foreground, channels.components),
         curve=layout.options.curve,
         zero_code=channels.zero_code,
-        zero_code_from=channels.zero_code_from,
+        zero_code_from=_preset_or(channels.zero_code_from, given.zero_code, layout),
         encoding=channels.encoding,
         components=channels.components,
-        components_from=channels.components_from,
+        components_from=_preset_or(channels.components_from, given.components, layout),
         background=background,
         background_from="found" if given.background_color == "auto" else "given",
         rim_pixels=covered.rim_pixels,
@@ -194,6 +194,13 @@ def _swizzle_from(given: ReadOptions, layout: Layout, *, red_left: bool) -> str:
     if layout.preset is not None:
         return "preset"
     return "found" if red_left else "assumed"
+
+
+def _preset_or(source: str, given: str, layout: Layout) -> str:
+    """The source of a value: that of a preset if only the preset gave it."""
+    if source != "given" or given != "auto":
+        return source
+    return "found" if layout.source == "found" else "preset"
 
 
 def _away_share(normals: Float32, foreground: Mask, components: str) -> float:

@@ -54,11 +54,14 @@ def _about_order(code: str) -> Rule:
 def _two_components(f: Inspection) -> Told:
     if f.decoding.components_from != "found":
         return None
-    what = "its blue is constant and cannot be z" if "B" in f.channels else "it has no blue"
-    return (
-        f"holds x and y only: {what}",
-        "z is computed on reading; nmap compose convert writes all three components for programs that need them",
-    )
+    if f.decoding.preset == "dxt5nm":
+        what = "x is in alpha and y in green (DXT5nm)"
+    else:
+        what = (
+            f"holds x and y only: {'its blue is constant and cannot be z' if 'B' in f.channels else 'it has no blue'}"
+        )
+    remedy = "z is computed on reading; nmap compose convert writes all three components for programs that need them"
+    return what, remedy
 
 
 def _truncated_codes(f: Inspection) -> Told:

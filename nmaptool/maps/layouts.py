@@ -110,7 +110,11 @@ def straightened(image: RasterImage, curve: str) -> RasterImage:
         return image
     shares = image.pixels.astype(np.float32) / np.float32(image.max_code)
     colors = [i for i, name in enumerate(image.channels) if name != "A"]
-    shares[..., colors] = _undone(shares[..., colors], curve)
+    straight = _undone(shares[..., colors], curve)
+    if not image.is_float:  # the code that 0 was rounded to is 0, so flat areas stay flat
+        middle = np.floor(_applied(0.5, curve) * image.max_code + 0.5)
+        straight[image.pixels[..., colors] == middle] = 0.5
+    shares[..., colors] = straight
     return replace(image, pixels=shares, bits=32)
 
 
@@ -121,6 +125,15 @@ def _undone(shares: NDArray[Any], curve: str) -> NDArray[Any]:
     if curve == "srgb":  # the values were encoded, so decode them
         return np.where(shares <= 0.04045, shares / 12.92, ((shares.clip(0) + 0.055) / 1.055) ** 2.4)
     return np.where(shares <= 0.0031308, shares * 12.92, 1.055 * shares.clip(0) ** (1 / 2.4) - 0.055)
+
+
+def _applied(share: float, curve: str) -> float:
+    """The share of the largest code that a curve makes of one above its linear part: the inverse of `_undone`."""
+    if curve == "video":
+        return (16 + 219 * share) / 255
+    if curve == "srgb":
+        return float(1.055 * share ** (1 / 2.4) - 0.055)
+    return float(((share + 0.055) / 1.055) ** 2.4)
 
 
 def find_curve(image: RasterImage, background: Mask) -> str | None:
