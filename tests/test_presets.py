@@ -93,8 +93,9 @@ def test_a_curve_is_named_and_undone(curve, kind):
     straight = nm.decode_normal_map(picture, nm.ReadOptions(curve=curve))
     assert correlation(straight.normals, true.normals, true.motif) > LEAST
     assert (straight.decoding.curve, straight.decoding.warnings) == (curve, ())
-    error = np.abs(straight.normals - true.normals).max()
-    assert error < (0.04 if kind == "8" else 2e-4)
+    error = np.abs(straight.normals - true.normals)[true.motif]
+    # a linearised picture has few dark codes in 8 bits
+    assert error.mean() < (0.01 if kind == "8" else 2e-5)
 
 
 def test_a_grey_picture_is_told_to_be_heights():
