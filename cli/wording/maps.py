@@ -24,6 +24,17 @@ def say_map(run: Run, normal_map: NormalMap) -> None:
         run.warn(f"{normal_map.name}: {warning}")
 
 
+def say_doubts(run: Run, normal_map: NormalMap) -> None:
+    """What is doubted, or was assumed, about the order of a map's channels."""
+    import nmaptool as nm
+    from nmaptool.maps.order_doubts import order_notes
+
+    doubts = nm.diagnose(normal_map)
+    run.warn(*(f"{normal_map.name}: {doubt}" for doubt in doubts))
+    if not doubts:
+        run.say(*(f"  {note}" for note in order_notes(normal_map.decoding)))
+
+
 def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
     """How a map was read, in one line."""
     parts = [] if decoding.preset is None else [f"as {decoding.preset} writes it ({decoding.preset_from})"]
@@ -77,10 +88,10 @@ def _order(decoding: Decoding) -> str:
         return "no order of the channels faces the viewer"
     outline = "no outline" if decoding.outline_sign is None else f"outline {decoding.outline_sign:+.2f}"
     if len(fits) == 1:
-        return f"x,y,z = {fits[0]} fits by its curl and its outline ({outline}, +1 is raised)"
+        return f"x,y,z = {fits[0]} fits ({outline}; +1 is a raised motif)"
     if len(fits) == 2:
-        return f"x,y,z = {fits[0]} and its inside-out, {fits[1]}, fit: {outline} to tell them apart"
-    return f"{len(fits)} orders fit: too little curl, and {outline}"
+        return f"x,y,z = {fits[0]} fits, and its inside-out, {fits[1]} ({outline} to tell them apart)"
+    return f"{len(fits)} orders fit (too little curl to tell, {outline})"
 
 
 def _ratio(decoding: Decoding) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from nmaptool.core.units import memory_text
 from nmaptool.types.relief import MOSTLY_FLAT
 from nmaptool.types.shown import counted
-from nmaptool_cli.wording.maps import say_map
+from nmaptool_cli.wording.maps import say_doubts, say_map
 
 if TYPE_CHECKING:
     from nmaptool import NormalMap, Relief, ReliefReport
@@ -17,15 +17,9 @@ if TYPE_CHECKING:
 
 def describe_relief(run: Run, maps: Sequence[NormalMap], relief: Relief) -> None:
     """What was read and solved, with warnings."""
-    import nmaptool as nm
-    from nmaptool.maps.order_doubts import order_notes
-
     for normal_map in maps:
         say_map(run, normal_map)
-    doubts = nm.diagnose(maps[0])
-    run.warn(*(f"{maps[0].name}: {doubt}" for doubt in doubts))
-    if not doubts:
-        run.say(*(f"  {note}" for note in order_notes(maps[0].decoding)))
+    say_doubts(run, maps[0])
     report = relief.report
     run.say(*describe_solve(report))
     run.warn(*report.warnings)
