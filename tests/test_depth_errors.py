@@ -27,7 +27,7 @@ def colored(apart: float) -> nm.RasterImage:
         ({"fov": 170}, r"`fov=170`: must lie between 0\.1 and 150"),
         ({"fov": -5}, r"`fov=-5`: must lie between"),
         ({"fov": float("nan")}, r"`fov=nan`: must lie between 0\.1 and 150, such as 35 \(0 is orthographic\)"),
-        ({"width": "300px"}, r"`width='300px'`: .* give it in mm, cm or in"),
+        ({"width": "300px"}, r"`width='300px'`: .* give it in mm, cm, m or in"),
         ({"depth_scale": "5"}, r"`depth_scale='5'`: expected a number with a unit"),
         ({"depth_scale": "0px"}, r"`depth_scale='0px'`: must be greater than zero"),
     ],
