@@ -50,6 +50,8 @@ def describe_depth_report(report: DepthReport) -> Iterator[str]:
 
 def _describe_values(report: DepthReport) -> Iterator[str]:
     """What the values mean, if anything but plain heights."""
+    for note in report.notes:
+        yield f"  {note}"
     if report.orientation != 1:
         yield f"  turned upright by its EXIF orientation {report.orientation}"
     if report.preset and report.preset_from == "found":
@@ -60,7 +62,8 @@ def _describe_values(report: DepthReport) -> Iterator[str]:
         if report.absolute:
             yield "  disparities are read as 1 over distance and converted to distances"
         else:
-            yield "  disparities up to an unknown offset are read as heights, so far things are flatter than in reality"
+            known = "" if report.preset else "; --unit, the distance where the value is 1, converts them to distances"
+            yield f"  disparities up to an unknown scale and offset are read as heights{known}"
 
 
 def _describe_empty(report: DepthReport) -> Iterator[str]:

@@ -162,10 +162,12 @@ def _is_absolute(
         return False
     if unit is not None or (preset is not None and _text_of(image, preset) is not None):
         return True
-    if not image.is_float or (preset is not None and not preset.absolute):
+    stored = image.pixels[..., 0]
+    if not image.is_float:  # codes that do not reach white were not scaled per picture
+        return stored.dtype == np.uint16 and options.values == "distance" and int(stored.max()) < image.max_code
+    if preset is not None and not preset.absolute:
         return False
     if values == "disparity":
-        stored = image.pixels[..., 0]
         finite = stored[np.isfinite(stored)]
         return finite.size > 0 and not (finite.min() == 0 and finite.max() == 1)  # those are normalised per picture
     return True

@@ -197,7 +197,8 @@ def _ends_of(image: RasterImage, grey: GreyValues, meaning: Meaning, options: De
             options.depth_scale is None and share > 0 and (share < _SMALL_SHARE or bool(grey.empty))
         )
         return _Ends(low, high, True, mm) if in_use else _Ends(0.0, grey.top)
-    normalised = low >= 0 and high <= 1 and not (meaning.absolute and (options.values != "auto" or meaning.preset))
+    has_white = meaning.values_from == "assumed" or options.invert or not meaning.absolute
+    normalised = has_white and low >= 0 and high <= 1
     if facts is None and mm is None and normalised:
         in_use = options.depth_scale is None and 0 < high - low < _SMALL_SHARE
         return _Ends(low, high, True) if in_use else _Ends(0.0, 1.0)

@@ -9,6 +9,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError
+from nmaptool.core.units import Length
 from nmaptool.depth.empty import depths_of
 from nmaptool.depth.fill import fill_holes
 from nmaptool.depth.meaning import Meaning, kind_of, meaning_of
@@ -24,7 +25,7 @@ _LOSSY_NOISE = 1.25
 FINE_SLOPE = 0.012
 # largest hole that is filled by itself: a share of the longer side, and in px
 _HOLE_SHARE, _HOLE_PX = 0.015, 3.0
-# least height of a jump beside a hole: in px, in steps, and in standard deviations of the noise
+# smallest jump: in px, in steps of the codes, and in standard deviations of the noise
 _JUMP_PX, _JUMP_STEPS, _JUMP_NOISE = 1.0, 4.0, 7.0
 
 
@@ -46,6 +47,11 @@ class DepthSource:
     fill_px: float = 0.0
     filled: Mask | None = None
     holes: int = 0
+
+    @property
+    def least_jump_px(self) -> float:
+        """Smallest step that counts as a jump."""
+        return max(_JUMP_PX, _JUMP_STEPS * self.step_px, _JUMP_NOISE * self.unsure)
 
     @property
     def unsure(self) -> float:
@@ -73,6 +79,7 @@ class DepthSource:
             "filled_pixels": 0 if self.filled is None else int(self.filled.sum()),
             "filled_holes": self.holes,
             "orientation": self.orientation,
+            "notes": self.image.notes,
         }
 
 
@@ -80,7 +87,7 @@ def read_source(image: RasterImage, options: DepthOptions, mask: Float32 | None)
     """Return the heights of a picture, scaled by the options, the file, the preset or the default."""
     orientation, image = image.orientation, image.upright()
     meaning = meaning_of(image, options)
-    grey, cover = _surface(image, meaning, options, mask)
+    grey, cover = _surface(image, meaning, options, mask, orientation)
     scale = settle_scale(image, grey, meaning, options)
     step = step_of(grey)
     size = abs(scale.px_per_value)
@@ -97,11 +104,12 @@ def read_source(image: RasterImage, options: DepthOptions, mask: Float32 | None)
 
 
 def _surface(
-    image: RasterImage, meaning: Meaning, options: DepthOptions, given: Float32 | None
+    image: RasterImage, meaning: Meaning, options: DepthOptions, given: Float32 | None, orientation: int
 ) -> tuple[GreyValues, Float32 | None]:
     """Return the grey values of the surface and its coverage (None: 1 where values are known)."""
     if given is not None:
-        check_sizes(image.name, image.frame.shape, {"the mask": given.shape})
+        turned = f", turned upright by its EXIF orientation {orientation}," if orientation != 1 else ""
+        check_sizes(f"{image.name}{turned}", image.frame.shape, {"the mask": given.shape})
     named = meaning.empty if options.empty == "auto" else options.empty_values
     grey = depths_of(image, grey_values(image, named), meaning, options)
     cover = image.alpha
@@ -117,19 +125,18 @@ def _surface(
 
 def _without_holes(source: DepthSource, options: DepthOptions) -> DepthSource:
     """Return the source with small holes filled."""
-    grey, image = source.grey, source.image
-    if options.fill == "none" or grey.dropouts is None:
-        return source
-    frame = image.frame
-    if options.fill != "auto":
-        most = in_px(options.fill, frame.cols, source.scale.pitch_mm, "fill", image.name)
-        dropouts = grey.dropouts
-    elif kind_of(image) != "grey":  # such files have no holes by accident
+    grey, image, cover = source.grey, source.image, source.cover
+    dropouts = grey.dropouts
+    if isinstance(options.fill, Length):
+        most = in_px(options.fill, image.frame.cols, source.scale.pitch_mm, "fill", image.name)
+        dropouts = ~grey.known if cover is None else ~grey.known & (cover > 0)
+    elif options.fill == "none" or dropouts is None or kind_of(image) != "grey":  # such files have no holes by accident
         return source
     else:
-        most, dropouts = max(_HOLE_PX, _HOLE_SHARE * frame.longer_side), grey.dropouts
-    jump = max(_JUMP_PX, _JUMP_STEPS * source.step_px, _JUMP_NOISE * source.unsure)
-    found = fill_holes(source.heights, grey.known, dropouts, most, jump)
+        most = max(_HOLE_PX, _HOLE_SHARE * image.frame.longer_side)
+    if not dropouts.any():
+        return source
+    found = fill_holes(source.heights, grey.known, dropouts, most, source.least_jump_px)
     if found.pixels is None:
         return replace(source, fill_px=most)
     grey = replace(grey, known=grey.known | found.pixels, nothing=grey.nothing - int(found.pixels.sum()))

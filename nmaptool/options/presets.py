@@ -71,36 +71,58 @@ _CAMERA = "the data sheet of the camera"
 # read from the programs' own code and documents; the tests encode known surfaces in the same way
 DEPTH_PRESETS: dict[str, DepthPreset] = {
     "depth-anything": DepthPreset(
-        "Depth Anything 1 and 2, MiDaS-like relative models: near is bright; grey PNG or floats",
+        "Depth Anything 1 and 2, grey PNG or floats: near is bright",
         "disparity",
         absolute=False,
     ),
     "depth-anything-metric": DepthPreset(
-        "its metric models: .npy in metres; in the PNG near is dark", "distance", "1m", lens="the photograph's metadata"
+        "metric Depth Anything: .npy in metres; in its PNG near is dark",
+        "distance",
+        "1m",
+        lens="the photograph's metadata",
     ),
     "depth-anything-3": DepthPreset(
-        "depth.npy or .npz: distance, in an unknown unit", "distance", lens="its intrinsics"
+        "Depth Anything 3, .npy or .npz: distance in an unknown unit", "distance", lens="its intrinsics"
     ),
-    "depth-pro": DepthPreset(".npz: distance in metres", "distance", "1m", lens="its output, as a focal length in px"),
-    "metric3d": DepthPreset("floats: distance in metres", "distance", "1m", lens="the photograph's metadata"),
+    "depth-pro": DepthPreset(
+        "Depth Pro, .npz: distance in metres", "distance", "1m", lens="its output, as a focal length in px"
+    ),
+    "metric3d": DepthPreset("Metric3D, floats: distance in metres", "distance", "1m", lens="the photograph's metadata"),
     "moge": DepthPreset(
-        "depth.exr: distance in metres, infinite is empty", "distance", "1m", lens="fov.json beside it"
+        "MoGe, depth.exr: distance in metres, infinite is empty", "distance", "1m", lens="fov.json beside it"
     ),
     "zoedepth": DepthPreset(
-        "16-bit PNG in 1/256 m, or floats in metres", "distance", "1m", "3.90625mm", lens="the photograph's metadata"
+        "ZoeDepth, 16-bit PNG in 1/256 m, or floats in metres",
+        "distance",
+        "1m",
+        "3.90625mm",
+        lens="the photograph's metadata",
     ),
-    "marigold": DepthPreset("16-bit PNG or .npy: 0 is near, 1 is far", "distance", absolute=False),
-    "geowizard": DepthPreset(".npy: 0 is near, 1 is far", "distance", absolute=False),
-    "lotus": DepthPreset(".npy of its disparity models: near is bright", "disparity", absolute=False),
-    "midas": DepthPreset("PNG or .pfm: near is bright", "disparity", absolute=False),
-    "comfyui": DepthPreset("ControlNet depth nodes: near is bright, whatever the model", "disparity", absolute=False),
+    "marigold": DepthPreset("Marigold, 16-bit PNG or .npy: 0 is near, 1 is far", "distance", absolute=False),
+    "geowizard": DepthPreset("GeoWizard, .npy: 0 is near, 1 is far", "distance", absolute=False),
+    "lotus": DepthPreset("Lotus, .npy of its disparity models: near is bright", "disparity", absolute=False),
+    "midas": DepthPreset("MiDaS, PNG or .pfm: near is bright", "disparity", absolute=False),
+    "comfyui": DepthPreset(
+        "depth nodes of ComfyUI for ControlNet: near is bright, whatever the model", "disparity", absolute=False
+    ),
     "blender": DepthPreset(
-        "Z or Depth pass, EXR: distance in metres, 1e10 is empty", "distance", "1m", empty=(1e10,), lens="its camera"
+        "Blender, Z or Depth pass, EXR: distance in metres, 1e10 is empty",
+        "distance",
+        "1m",
+        empty=(1e10,),
+        lens="its camera",
     ),
-    "realsense": DepthPreset("16-bit PNG in mm, 0 is no reading", "distance", "1m", "1mm", empty=(0.0,), lens=_CAMERA),
-    "kinect": DepthPreset("16-bit PNG in mm, 0 is no reading", "distance", "1m", "1mm", empty=(0.0,), lens=_CAMERA),
+    "realsense": DepthPreset(
+        "RealSense, 16-bit PNG in mm, 0 is no reading", "distance", "1m", "1mm", empty=(0.0,), lens=_CAMERA
+    ),
+    "kinect": DepthPreset(
+        "Kinect, 16-bit PNG in mm, 0 is no reading", "distance", "1m", "1mm", empty=(0.0,), lens=_CAMERA
+    ),
     "iphone": DepthPreset(
-        "portrait photograph: disparity, in floats 1 over metres", "disparity", "1m", lens="the photograph's metadata"
+        "portrait photograph of an iPhone: disparity; in floats, 1 over metres",
+        "disparity",
+        "1m",
+        lens="the photograph's metadata",
     ),
     "dem": DepthPreset("elevation model: heights in metres, with a value for no data", "height", "1m", "1m"),
 }

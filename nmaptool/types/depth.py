@@ -47,6 +47,8 @@ class DepthReport(Report):
         Largest width of the holes that are filled (0 if none are), the number of holes and of their pixels.
     orientation : int
         EXIF orientation by which the picture was turned or mirrored; 1 if it was not.
+    notes : tuple of str
+        What is unusual about the file.
     scale_px, scale_from : float, str
         Height of white above black, or of the highest value in use above the lowest, and its source: ``given``,
         ``file``, ``unit``, ``range`` (assumed, for the values in use) or ``assumed``.
@@ -102,6 +104,7 @@ class DepthReport(Report):
     filled_holes: int
     filled_pixels: int
     orientation: int
+    notes: tuple[str, ...]
     scale_px: float
     scale_from: str
     range_px: float
