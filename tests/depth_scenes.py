@@ -98,15 +98,12 @@ class Writer:
         Whether it states real distances.
     empties : bool
         Whether pixels outside the motif are empty.
-    least : float
-        Least correlation of slopes.
     """
 
     preset: str
     write: Callable[[Scene], nm.RasterImage]
     metric: bool = False
     empties: bool = False
-    least: float = 0.999
 
 
 def _nothing(scene: Scene, values: Any, nothing: float) -> Any:
@@ -114,32 +111,26 @@ def _nothing(scene: Scene, values: Any, nothing: float) -> Any:
 
 
 WRITERS = {
-    "Depth Anything, grey PNG": Writer("depth-anything", lambda s: codes(stretched(1 / s.mm, 255), 8), least=0.996),
+    "Depth Anything, grey PNG": Writer("depth-anything", lambda s: codes(stretched(1 / s.mm, 255), 8)),
     "Depth Anything, floats": Writer("depth-anything", lambda s: floats(9e4 / s.mm - 3)),
     "Depth Anything metric, .npy": Writer("depth-anything-metric", lambda s: floats(s.mm / 1000), metric=True),
-    "Depth Anything metric, PNG": Writer(
-        "depth-anything-metric", lambda s: codes(stretched(s.mm, 255), 8), least=0.996
-    ),
+    "Depth Anything metric, PNG": Writer("depth-anything-metric", lambda s: codes(stretched(s.mm, 255), 8)),
     "Depth Anything 3": Writer("depth-anything-3", lambda s: floats(s.mm / 1234)),
     "Depth Pro": Writer("depth-pro", lambda s: floats(s.mm / 1000), metric=True),
     "Metric3D": Writer("metric3d", lambda s: floats(s.mm / 1000), metric=True),
     "MoGe": Writer("moge", lambda s: floats(_nothing(s, s.mm / 1000, np.inf)), metric=True, empties=True),
-    "ZoeDepth, 16-bit PNG": Writer("zoedepth", lambda s: codes(s.mm / 1000 * 256, 16), metric=True, least=0.99),
+    "ZoeDepth, 16-bit PNG": Writer("zoedepth", lambda s: codes(s.mm / 1000 * 256, 16), metric=True),
     "ZoeDepth, floats": Writer("zoedepth", lambda s: floats(s.mm / 1000), metric=True),
     "Marigold, 16-bit PNG": Writer("marigold", lambda s: codes(stretched(s.mm, 65535), 16)),
     "Marigold, .npy": Writer("marigold", lambda s: floats(stretched(s.mm))),
     "GeoWizard": Writer("geowizard", lambda s: floats(0.1 + 0.8 * stretched(s.mm))),
     "Lotus": Writer("lotus", lambda s: floats(0.2 + 0.6 * stretched(1 / s.mm))),
     "MiDaS, .pfm": Writer("midas", lambda s: floats(4e6 / s.mm)),
-    "MiDaS, PNG": Writer("midas", lambda s: codes(stretched(1 / s.mm, 255), 8), least=0.996),
-    "ComfyUI": Writer("comfyui", lambda s: codes(255 - np.floor(stretched(s.mm, 255)), 8), least=0.996),
+    "MiDaS, PNG": Writer("midas", lambda s: codes(stretched(1 / s.mm, 255), 8)),
+    "ComfyUI": Writer("comfyui", lambda s: codes(255 - np.floor(stretched(s.mm, 255)), 8)),
     "Blender": Writer("blender", lambda s: floats(_nothing(s, s.mm / 1000, 1e10)), metric=True, empties=True),
-    "RealSense": Writer(
-        "realsense", lambda s: codes(_nothing(s, np.round(s.mm), 0), 16), metric=True, empties=True, least=0.998
-    ),
-    "Kinect": Writer(
-        "kinect", lambda s: codes(_nothing(s, np.round(s.mm), 0), 16), metric=True, empties=True, least=0.998
-    ),
+    "RealSense": Writer("realsense", lambda s: codes(_nothing(s, np.round(s.mm), 0), 16), metric=True, empties=True),
+    "Kinect": Writer("kinect", lambda s: codes(_nothing(s, np.round(s.mm), 0), 16), metric=True, empties=True),
     "iPhone, floats": Writer("iphone", lambda s: floats(1000 / s.mm), metric=True),
-    "iPhone, 8 bit": Writer("iphone", lambda s: codes(stretched(1 / s.mm, 255), 8), least=0.996),
+    "iPhone, 8 bit": Writer("iphone", lambda s: codes(stretched(1 / s.mm, 255), 8)),
 }

@@ -201,3 +201,9 @@ def test_only_dropouts_are_filled() -> None:
     assert nm.depth_to_normals(floats(edge), options).report.filled_holes == 0
     own = floats(np.where(spot, np.nan, heights), depth_facts=nm.DepthFacts("height"), attributes={"pitch_mm": "1"})
     assert nm.depth_to_normals(own).report.filled_holes == 0
+
+
+def test_a_named_value_beyond_floats_is_infinite() -> None:
+    image = floats(holed(SCENE.mm, -np.inf), nodata=-1.7976931348623157e308)
+    assert nm.depth_to_normals(image).report.empty == {"infinite": np.count_nonzero(HOLE)}
+    assert nm.depth_to_normals(codes(SCENE.mm, 16, nodata=-9999.0)).report.empty == {}

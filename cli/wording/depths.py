@@ -6,18 +6,20 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from nmaptool.types.shown import counted
+from nmaptool_cli.mentions import in_flags
 
 if TYPE_CHECKING:
     from nmaptool import DepthReport, DepthResult
     from nmaptool_cli.run import Run
 
 # how the scale of a picture was settled
-_SCALES = {"range": "for the values in use"}
+_SCALES = {"range": "assumed for the values in use", "fov": "from the distances and the field of view"}
 
 
 def describe_depth(run: Run, name: str, result: DepthResult) -> None:
     """How a depth picture was read, with warnings."""
     run.say(f"{name}: {result.normal_map.frame}")
+    run.say(*(f"{name}: {in_flags(note)}" for note in result.report.notes))
     run.warn(*(f"{name}: {warning}" for warning in result.report.warnings))
     run.say(*describe_depth_report(result.report))
     run.seconds(result.report.seconds)
@@ -50,8 +52,6 @@ def describe_depth_report(report: DepthReport) -> Iterator[str]:
 
 def _describe_values(report: DepthReport) -> Iterator[str]:
     """What the values mean, if anything but plain heights."""
-    for note in report.notes:
-        yield f"  {note}"
     if report.orientation != 1:
         yield f"  turned upright by its EXIF orientation {report.orientation}"
     if report.preset and report.preset_from == "found":
@@ -87,7 +87,13 @@ def _describe_scale(report: DepthReport) -> Iterator[str]:
         where = f" (see {report.lens})" if report.lens else ""
         needed = f"--fov 60, or --fov 525px for a focal length{where}" if is_camera else "--width 80mm"
         yield f"  the unit of {report.unit} is not used, because the size of a pixel is not known: add {needed}"
-    elif is_camera and report.kind == "grey" and report.fov_from == "assumed" and not report.options.invert:
+    elif (
+        is_camera
+        and report.absolute
+        and report.kind == "grey"
+        and report.fov_from == "assumed"
+        and not report.options.invert
+    ):
         where = f" (see {report.lens})" if report.lens else ""
         yield f"  no field of view given: read as orthographic; set it with --fov 60, or --fov 525px{where}"
     if report.scale_from == "assumed":

@@ -126,7 +126,7 @@ def _recognised(image: RasterImage) -> tuple[str, str]:
 def is_distance_layer(image: RasterImage) -> bool:
     """Whether the name of the layer or of its only channel says that it holds distances, such as ViewLayer.Depth.Z."""
     names = [name for name in image.channels if name != "A"] if len(image.channels) < 3 else []
-    names.append(image.layer or "")
+    names.append(image.layer or (image.name.rpartition(":")[2] if ":" in image.name else ""))
     return image.is_float and any(re.split(r"[.:/]", name)[-1].lower() in _DISTANCE_LAYERS for name in names)
 
 

@@ -32,7 +32,8 @@ class Scale:
     scale_px : float
         Height of white above black, or of the highest above the lowest value in use, in px.
     scale_from : str
-        ``given``, ``file``, ``unit``, ``range`` (assumed for the codes in use) or ``assumed``.
+        ``given``, ``file``, ``unit``, ``fov`` (from the distances themselves), ``range`` (assumed for the values in
+        use) or ``assumed``.
     inverted : bool
     inverted_from : str
         ``given``, ``file``, ``preset``, ``found`` or ``assumed``.
@@ -124,7 +125,8 @@ def settle_scale(image: RasterImage, grey: GreyValues, meaning: Meaning, options
         scale_px, source = in_px(options.depth_scale, cols, pitch, "depth_scale", image.name), "given"
     elif eye is not None:  # only ratios of depths are known: magnification 1 at the median depth
         middle = abs(eye - middle_of(grey))
-        scale_px, source = abs(ends.span) * focal / middle, "file" if meaning.unit is None else "unit"
+        scale_px = abs(ends.span) * focal / middle
+        source = "file" if kind_of(image) != "grey" else "fov" if meaning.unit is None else "unit"
         if meaning.unit is not None:
             middle_mm = middle * meaning.unit.to_mm(1.0, 1)
             pitch, pitch_from = (middle_mm / focal, "depth") if pitch is None else (pitch, pitch_from)

@@ -144,7 +144,9 @@ def _count(counts: dict[str, int], name: str, number: int) -> int:
 
 def _fits(value: float, kind: np.dtype[Any]) -> bool:
     """Whether a picture of this type can store the value."""
-    return kind.kind == "f" or (value == int(value) and 0 <= value <= np.iinfo(kind).max)
+    if kind.kind == "f":
+        return abs(value) < _INFINITE  # others count as infinite
+    return value == int(value) and 0 <= value <= np.iinfo(kind).max
 
 
 def _may_be_codes(pixels: NDArray[Any]) -> bool:
@@ -186,15 +188,14 @@ def _one_channel(image: RasterImage) -> tuple[Float32, bool]:
 
 def _remedy(image: RasterImage) -> str:
     """What to do about a picture in colours, which may be a depth picture in false ones."""
-    grey = (
-        "write a depth picture again in grey, without false colours and without the photograph beside it (the options "
-        "grayscale and pred-only of Depth Anything)"
-    )
     rows, cols = (max(1, side // 256) for side in image.pixels.shape[:2])
-    colors = np.unique(image.pixels[::rows, ::cols, :3].reshape(-1, 3), axis=0)
-    if len(colors) <= _FALSE_COLORS < image.pixels[::rows, ::cols, 0].size:
-        return f"{grey}, because false colours cannot be turned back into exact depths"
-    return f"{grey}; a normal map needs no conversion"
+    sample = image.pixels[::rows, ::cols, :3].reshape(-1, 3)
+    again = (
+        "export the depth picture again in grey and alone (with Depth Anything, its options grayscale and pred-only)"
+    )
+    if len(np.unique(sample, axis=0)) <= _FALSE_COLORS < len(sample):
+        return f"false colours cannot be turned back into exact depths; {again}"
+    return f"{again}; a normal map needs no conversion"
 
 
 def step_of(grey: GreyValues) -> float:

@@ -76,16 +76,16 @@ DEPTH_PRESETS: dict[str, DepthPreset] = {
         absolute=False,
     ),
     "depth-anything-metric": DepthPreset(
-        "metric Depth Anything: .npy in metres; in its PNG near is dark",
+        "metric Depth Anything: floats in metres; in its PNG near is dark",
         "distance",
         "1m",
         lens="the photograph's metadata",
     ),
     "depth-anything-3": DepthPreset(
-        "Depth Anything 3, .npy or .npz: distance in an unknown unit", "distance", lens="its intrinsics"
+        "Depth Anything 3, floats: distance in an unknown unit", "distance", lens="its intrinsics"
     ),
     "depth-pro": DepthPreset(
-        "Depth Pro, .npz: distance in metres", "distance", "1m", lens="its output, as a focal length in px"
+        "Depth Pro, floats: distance in metres", "distance", "1m", lens="its output, as a focal length in px"
     ),
     "metric3d": DepthPreset("Metric3D, floats: distance in metres", "distance", "1m", lens="the photograph's metadata"),
     "moge": DepthPreset(
@@ -98,10 +98,10 @@ DEPTH_PRESETS: dict[str, DepthPreset] = {
         "3.90625mm",
         lens="the photograph's metadata",
     ),
-    "marigold": DepthPreset("Marigold, 16-bit PNG or .npy: 0 is near, 1 is far", "distance", absolute=False),
-    "geowizard": DepthPreset("GeoWizard, .npy: 0 is near, 1 is far", "distance", absolute=False),
-    "lotus": DepthPreset("Lotus, .npy of its disparity models: near is bright", "disparity", absolute=False),
-    "midas": DepthPreset("MiDaS, PNG or .pfm: near is bright", "disparity", absolute=False),
+    "marigold": DepthPreset("Marigold, 16-bit PNG or floats: 0 is near, 1 is far", "distance", absolute=False),
+    "geowizard": DepthPreset("GeoWizard, floats: 0 is near, 1 is far", "distance", absolute=False),
+    "lotus": DepthPreset("Lotus, floats of its disparity models: near is bright", "disparity", absolute=False),
+    "midas": DepthPreset("MiDaS, grey PNG or floats: near is bright", "disparity", absolute=False),
     "comfyui": DepthPreset(
         "depth nodes of ComfyUI for ControlNet: near is bright, whatever the model", "disparity", absolute=False
     ),

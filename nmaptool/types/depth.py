@@ -51,7 +51,8 @@ class DepthReport(Report):
         What is unusual about the file.
     scale_px, scale_from : float, str
         Height of white above black, or of the highest value in use above the lowest, and its source: ``given``,
-        ``file``, ``unit``, ``range`` (assumed, for the values in use) or ``assumed``.
+        ``file``, ``unit``, ``fov`` (from the distances themselves), ``range`` (assumed, for the values in use) or
+        ``assumed``.
     range_px : float
         Height of the highest pixel of the surface above the lowest.
     pitch_mm, pitch_from : float or None, str
