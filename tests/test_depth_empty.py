@@ -83,12 +83,13 @@ def test_a_saturated_distance_is_background() -> None:
     np.testing.assert_array_equal(result.normal_map.coverage > 0, SCENE.mask)
 
 
-def test_a_far_plane_is_background() -> None:
-    result = nm.depth_to_normals(
-        floats(holed(SCENE.mm / 1000, 100.0)), nm.DepthOptions(values="distance", background="flat")
-    )
+def test_a_far_plane_is_background_unless_a_plate_is_wanted() -> None:
+    image = floats(holed(SCENE.mm / 1000, 100.0))
+    result = nm.depth_to_normals(image, nm.DepthOptions(values="distance"))
     assert result.report.empty == {"100": np.count_nonzero(HOLE)}
     assert result.report.range_px == pytest.approx(20, rel=1e-2)
+    plate = nm.depth_to_normals(image, nm.DepthOptions(values="distance", background="flat"))
+    assert (plate.report.empty, plate.report.background) == ({}, "flat")
 
 
 @pytest.mark.parametrize("bits", [8, 16])
@@ -107,6 +108,8 @@ def test_a_plate_was_asked_for() -> None:
     image = codes(holed(np.round(SCENE.mm), 0), 16)
     plate = nm.depth_to_normals(image, nm.DepthOptions(background="flat"))
     assert (plate.report.background, plate.report.empty) == ("flat", {})
+    height = nm.depth_to_normals(image, nm.DepthOptions(values="height"))
+    assert (height.report.background, height.report.empty) == ("cut", {})
 
 
 def test_given_values_replace_those_found() -> None:

@@ -40,6 +40,11 @@ def test_units_may_be_metres_centimetres_or_millimetres(unit: str) -> None:
     assert agreement(result, scene.slopes, scene.inside)[1] == pytest.approx(1, abs=1e-4)
 
 
+def test_heights_in_front_of_a_camera_name_the_unit() -> None:
+    with pytest.raises(nm.UsageError, match=r"`unit`: white is 500 px in front of black, .*; check `unit` and `width`"):
+        nm.depth_to_normals(ramp(1000, 2000), nm.DepthOptions(unit="1mm", width="202mm", fov=60))
+
+
 def test_a_width_sets_the_pitch_and_leaves_slopes_in_perspective() -> None:
     scene = sphere()
     image = floats(scene.mm / 1000)

@@ -79,10 +79,12 @@ def measured_eye(
     return eye
 
 
-def check_in_front(scale_px: float, focal: float, fov: float) -> None:
+def check_in_front(scale_px: float, focal: float, fov: float, options: DepthOptions) -> None:
     """Raise an error if white would be behind the camera."""
     if scale_px >= focal:
+        name = "depth_scale" if options.unit is None else "unit"
+        remedy = "use a smaller `depth_scale`" if options.unit is None else "check `unit` and `width`"
         raise UsageError(
-            f"`depth_scale`: white is {scale_px:.4g} px in front of black, but with `fov={fov:g}` the camera is only "
-            f"{focal:.4g} px away; use a smaller `depth_scale`"
+            f"`{name}`: white is {scale_px:.4g} px in front of black, but with `fov={fov:g}` the camera is only "
+            f"{focal:.4g} px away; {remedy}"
         )

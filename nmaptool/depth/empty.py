@@ -38,7 +38,7 @@ def depths_of(image: RasterImage, grey: GreyValues, meaning: Meaning, options: D
     kind = kind_of(image)
     if finds and grey.is_float and kind != "height":
         grey = _without_marks(grey)
-    elif finds and grey.bits == 16 and kind == "grey" and (meaning.is_distance or options.background == "auto"):
+    elif finds and grey.bits == 16 and _may_be_camera(image, meaning, options):
         grey = _without_readings(image, grey, meaning)
     inverse = meaning.values == "disparity" and meaning.absolute
     if inverse or (finds and meaning.absolute and not is_whole):
@@ -48,7 +48,7 @@ def depths_of(image: RasterImage, grey: GreyValues, meaning: Meaning, options: D
             values = np.where(grey.known, np.float32(1) / grey.values, np.float32(0))
         grey = replace(grey, values=values, is_float=True)
     if finds and grey.is_float and meaning.absolute and not is_whole and grey.known.any():
-        grey = _without_far(grey, is_own=kind != "grey")
+        grey = _without_far(grey, plate=kind != "grey" or options.background == "flat")
     if not grey.known.any():
         raise InputError(f"{image.name}: no pixel has a depth greater than 0")
     return grey
@@ -89,8 +89,8 @@ def _without_marks(grey: GreyValues) -> GreyValues:
     return grey
 
 
-def _without_far(grey: GreyValues, *, is_own: bool) -> GreyValues:
-    """Remove distances far beyond the others."""
+def _without_far(grey: GreyValues, *, plate: bool) -> GreyValues:
+    """Remove distances far beyond the others; with ``plate``, keep a flat ground that is merely far behind."""
     values, known = grey.values, grey.known
     middle = middle_of(grey)
     high = extremes(values, known)[1]
@@ -99,7 +99,7 @@ def _without_far(grey: GreyValues, *, is_own: bool) -> GreyValues:
         grey = _removed(grey, found, "far beyond the rest", dropouts=False)
         values, known = grey.values, grey.known
         high = extremes(values, known)[1]
-    if is_own:
+    if plate:
         return grey
     farthest = known & (values == np.float32(high))
     if np.count_nonzero(farthest) > 1:
@@ -114,6 +114,13 @@ def middle_of(grey: GreyValues) -> float:
     stride = max(1, grey.values.size // _SAMPLE)
     sample = grey.values[grey.known][::stride]
     return float(np.median(sample))
+
+
+def _may_be_camera(image: RasterImage, meaning: Meaning, options: DepthOptions) -> bool:
+    """Whether codes may be the readings of a depth camera: distances, or values of unknown meaning without a plate."""
+    if kind_of(image) != "grey":
+        return False
+    return meaning.is_distance or (meaning.values_from == "assumed" and options.background == "auto")
 
 
 def _without_readings(image: RasterImage, grey: GreyValues, meaning: Meaning) -> GreyValues:

@@ -139,7 +139,7 @@ def settle_scale(image: RasterImage, grey: GreyValues, meaning: Meaning, options
     per_value = scale_px / ends.span if ends.span > 0 else 0.0
     per_value = -per_value if inverted else per_value
     if fov and eye is None and per_value:
-        check_in_front(scale_px, focal, fov)
+        check_in_front(scale_px, focal, fov, options)
         eye = (ends.white if inverted else ends.black) + focal / per_value
     return Scale(
         per_value,
