@@ -109,10 +109,10 @@ def test_given_options_override_a_preset() -> None:
     assert kept.normal_map.coverage.all()
 
 
-def test_blender_is_recognised_by_its_layer_and_its_value_for_nothing() -> None:
+def test_blender_is_recognised_by_its_value_for_nothing() -> None:
     scene = sphere()
     values = np.where(scene.mask, scene.mm / 1000, 1e10)
-    for layer in ("ViewLayer.Depth.Z", "Depth", "ViewLayer.Depth"):
+    for layer in ("ViewLayer.Depth.Z", "Depth", None):
         result = nm.depth_to_normals(floats(values, layer=layer), nm.DepthOptions(fov=FOV))
         report = result.report
         assert (report.preset, report.preset_from, report.values, report.values_from) == (
@@ -123,8 +123,9 @@ def test_blender_is_recognised_by_its_layer_and_its_value_for_nothing() -> None:
         )
         assert report.unit is None  # the unit of a scene is not certain
         assert agreement(result, scene.slopes, scene.inside)[0] > 0.99999
-    grey = nm.depth_to_normals(floats(values), nm.DepthOptions())
-    assert (grey.report.preset, grey.report.values, grey.report.inverted) == ("", "height", False)
+    for other in (values * 2, np.where(scene.mask, scene.mm, np.inf)):
+        grey = nm.depth_to_normals(floats(other)).report
+        assert (grey.preset, grey.values, grey.inverted) == ("", "height", False)
 
 
 def test_a_layer_called_depth_or_z_holds_distances() -> None:

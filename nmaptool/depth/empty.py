@@ -9,13 +9,12 @@ import numpy as np
 
 from nmaptool.core.arrays import Mask
 from nmaptool.core.errors import InputError
-from nmaptool.depth.meaning import BLENDER_NOTHING, Meaning, kind_of
-from nmaptool.depth.values import GreyValues, extremes
+from nmaptool.depth.meaning import Meaning, kind_of
+from nmaptool.depth.values import NOTHING, GreyValues, extremes
 from nmaptool.options import DepthOptions
 from nmaptool.types.picture import RasterImage
 
-# what renderers store where there is nothing (the largest half float, Blender), and elevation models where data miss
-_NOTHING = (65504.0, BLENDER_NOTHING)
+# what elevation models store where there are no data
 _MISSING = (-9999.0, -32768.0, -32767.0, -99999.0)
 # a distance this many times the median means "empty"; so does the largest one if it is this many times as far from the
 # others as these are apart
@@ -72,8 +71,8 @@ def _removed(grey: GreyValues, found: Mask, name: str, *, dropouts: bool) -> Gre
 def _without_marks(grey: GreyValues) -> GreyValues:
     """Remove the values of convention that lie further from the others than these are apart."""
     low, high = extremes(grey.values, grey.known)
-    for _ in range(len(_NOTHING) + len(_MISSING)):
-        is_high = high in _NOTHING
+    for _ in range(len(NOTHING) + len(_MISSING)):
+        is_high = high in NOTHING
         mark = high if is_high else low
         if not is_high and low not in _MISSING:
             break

@@ -9,14 +9,13 @@ import numpy as np
 
 from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length, length
+from nmaptool.depth.values import BLENDER_NOTHING
 from nmaptool.options import DepthOptions
 from nmaptool.options.presets import DEPTH_PRESETS, DepthPreset, DepthValues
 from nmaptool.types.picture import RasterImage
 
 # names of layers that hold distances from the camera
 _DISTANCE_LAYERS = ("z", "depth")
-# what Blender stores where there is nothing
-BLENDER_NOTHING = 1e10
 _DECLARED: dict[str, DepthValues] = {"depth": "distance", "height": "height"}
 
 
@@ -29,7 +28,8 @@ class Meaning:
     values : str
         "height", "distance" or "disparity".
     values_from : str
-        ``given``, ``file``, ``preset``, ``found`` (from the name of the layer) or ``assumed``.
+        ``given``, ``file``, ``preset``, ``found`` (from the name of the layer, or Blender's value for nothing) or
+        ``assumed``.
     absolute : bool
         Whether the value at the camera is known: 0 for distances, infinite for disparities.
     unit : Length or None
@@ -113,12 +113,8 @@ def _refuse_contradictions(image: RasterImage, kind: str, options: DepthOptions)
 
 
 def _recognised(image: RasterImage) -> tuple[str, str]:
-    """Return the writer of a picture that is unmistakable: a depth layer of Blender's."""
-    if (
-        image.is_float
-        and is_distance_layer(image)
-        and float(np.max(image.pixels[..., 0])) == np.float32(BLENDER_NOTHING)
-    ):
+    """Return the writer of a picture that is unmistakable: Blender, by its value for nothing."""
+    if image.is_float and float(np.max(image.pixels[..., 0])) == BLENDER_NOTHING:
         return "blender", "found"
     return "", ""
 
@@ -137,7 +133,7 @@ def _values(image: RasterImage, options: DepthOptions, preset: DepthPreset | Non
         return "distance", "given"
     if preset is not None and options.from_ != "auto":
         return preset.values, "preset"
-    if is_distance_layer(image):
+    if preset is not None or is_distance_layer(image):
         return "distance", "found"
     return "height", "assumed"
 

@@ -24,6 +24,9 @@ _SAMPLE = 1 << 17
 _LEAST_STEPS = 8
 # floats are steps if there are this many levels, spaced this evenly, with at least this share of them used
 _LEAST_LEVELS, _UNEVEN, _FILLED = 48, 0.05, 0.5
+# what renderers store where there is nothing: the largest half float, and Blender's value
+BLENDER_NOTHING = 1e10
+NOTHING = (65504.0, BLENDER_NOTHING)
 # larger floats mean "empty", such as the 3.4e38 of elevation models
 _INFINITE = 1e30
 # a picture in false colours has at most this many of them; a photograph has far more
@@ -109,7 +112,8 @@ def grey_values(image: RasterImage, empty: tuple[float, ...] = ()) -> GreyValues
         found &= known
         if _count(counts, f"{value:g}", int(np.count_nonzero(found))):
             known &= ~found
-            dropouts = found if dropouts is None else dropouts | found
+            if value not in NOTHING:
+                dropouts = found if dropouts is None else dropouts | found
     if image.alpha is not None:
         opaque = image.alpha > 0
         known &= opaque

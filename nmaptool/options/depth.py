@@ -36,8 +36,8 @@ class DepthOptions(Options, group="Depth"):
         those are given.
     values:
         What a stored value grows with: "height" (or nearness), "distance" from the camera, or "disparity", which is 1
-        over distance. "auto" reads a layer named Z or Depth as distance, and anything else as height, unless the file
-        or its writer says otherwise.
+        over distance. "auto" reads a layer named Z or Depth, and a picture with Blender's 1e10 for nothing, as
+        distance, and anything else as height, unless the file or its writer says otherwise.
     depth_scale:
         Height of white above black, such as 10%, 40px or 5mm; % refer to the picture's width. Larger values make the
         surface steeper. Default: the scale stored in the file or given by the unit, otherwise 10%; where less than a

@@ -25,7 +25,7 @@ class DepthReport(Report):
         Bits that the picture actually uses.
     values, values_from : str, str
         What a stored value grows with, ``height``, ``distance`` or ``disparity``, and the source of this: ``given``,
-        ``file``, ``preset``, ``found`` (from the name of the layer) or ``assumed``.
+        ``file``, ``preset``, ``found`` (from the name of the layer, or Blender's value for nothing) or ``assumed``.
     absolute : bool
         Whether the value at the camera is known; disparities are then converted to distances, others are read as
         heights.
