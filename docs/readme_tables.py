@@ -6,9 +6,12 @@ from pathlib import Path
 
 from nmaptool.options import BLEND_MODES
 from nmaptool.options.formats import NORMAL_MAP_FORMATS, RELIEF_FORMATS, WORKSPACE_FORMATS
+from nmaptool.options.presets import DEPTH_PRESETS
 
 README = Path(__file__).parents[1] / "README.md"
 _LIST = re.compile(r"(<!-- list: ([a-z ]+) -->\n)(.*?)(<!-- end of list -->)", re.DOTALL)
+
+_HEADS = {"mode": "what it does", "--from": "what it reads"}
 
 
 def lists() -> dict[str, str]:
@@ -19,12 +22,13 @@ def lists() -> dict[str, str]:
         "workspaces": WORKSPACE_FORMATS.items(),
     }
     written = {name: _rows("file", ((e, f.description) for e, f in table)) for name, table in formats.items()}
+    depths = _rows("--from", ((name, preset.description) for name, preset in DEPTH_PRESETS.items()))
     modes = ((name, mode.meaning) for name, mode in BLEND_MODES.items())
-    return {"blend modes": _rows("mode", modes), **written}
+    return {"blend modes": _rows("mode", modes), "depth pictures": depths, **written}
 
 
 def _rows(head: str, entries: Iterator[tuple[str, str]]) -> str:
-    rows = [f"| {head} | what it {'does' if head == 'mode' else 'holds'} |", "|---|---|"]
+    rows = [f"| {head} | {_HEADS.get(head, 'what it holds')} |", "|---|---|"]
     return "\n".join([*rows, *(f"| `{name}` | {text} |" for name, text in entries)]) + "\n"
 
 

@@ -88,7 +88,7 @@ BAD_WORDS = [
     (PASTE, "--rotate 10,20", r"--rotate '10,20': must be a number"),
     (PASTE, "--strength 1.5", r'--strength 1\.5: must lie between 0 and 1 for the mode "over"'),
     (PASTE, "--height-factor nan", r"--height-factor nan: must lie between -1000 and 1000"),
-    (PASTE, "--width 10%", r"--width 10%: .*give it in mm, cm or in"),
+    (PASTE, "--width 10%", r"--width 10%: .*give it in mm, cm, m or in"),
     (PASTE, "--placed p.exr", r"p\.exr: the placed picture is written as \.png"),
     (PASTE, "--curl a.png --placed ./a.png", r"a\.png: is named twice as an output"),
     (PASTE, "--name foo", r"Unknown option: --name"),

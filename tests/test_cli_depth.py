@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from depth_cases import ball
+from depth_scenes import FOCAL, floats, sphere
 
 import nmaptool as nm
 
@@ -80,9 +82,87 @@ def test_a_mask_sets_the_coverage(run: Any, tmp_path: Path, depth_png: Path, png
     np.testing.assert_array_equal(nm.read_normal_map(tmp_path / "map.exr").coverage, left / 255)
 
 
+def camera_png(tmp_path: Path, png: Any) -> Path:
+    """A 16-bit picture in mm as a depth camera writes it, with dropouts."""
+    scene = sphere()
+    mm = np.where(scene.mask, np.round(scene.mm), 0)
+    mm[60:62, 80:82] = 0
+    return png(tmp_path / "camera.png", mm.astype(np.uint16))
+
+
+def test_a_depth_camera_gives_real_millimetres(run: Any, tmp_path: Path, png: Any) -> None:
+    image, out = camera_png(tmp_path, png), tmp_path / "map.exr"
+    done = run("compose", "depth", image, "-o", out, "--from", "realsense", "--fov", f"{FOCAL}px", "--json")
+    assert done.code == 0, done.err
+    metadata = json.loads(done.out)
+    assert (metadata["preset"], metadata["unit"], metadata["values"]) == ("realsense", "1mm", "distance")
+    assert metadata["filled_pixels"] == 4
+    assert metadata["options"]["fov"] == f"{FOCAL:.12g}px"
+    assert nm.read_normal_map(out).frame.pitch_mm == pytest.approx(metadata["distance_mm"] / FOCAL)
+    assert "16 bit distance, near is dark or small (preset realsense), scale" in done.err
+    assert "(unit), 50 degrees across (given)" in done.err
+    assert re.search(r"at the median distance of 3\.8\d m, from the field of view; --width sets another", done.err)
+    assert "filled 1 hole of at most 3 px, 4 pixels; --fill none leaves them open" in done.err
+    assert re.search(r"no depth: 0 \(\d+ pixels\); --empty none reads them as depths", done.err)
+
+
+def test_what_is_assumed_names_the_flag(run: Any, tmp_path: Path, png: Any) -> None:
+    image, out = camera_png(tmp_path, png), tmp_path / "map.exr"
+    plain = run("compose", "depth", image, "-o", out).err
+    assert "give --values distance or --from realsense, and if 0 is a height, --empty none" in plain
+    assert re.search(r"10% of the width is assumed for the values in use, 3\d+ to 4000, 0\.46% of the codes", plain)
+    words = ("--overwrite", "-o", out)
+    known = run("compose", "depth", image, "--from", "realsense", *words).err
+    assert "the unit of 1mm is not used, because the size of a pixel is not known: add --fov 60" in known
+    assert "(see the data sheet of the camera)" in known
+    given = run("compose", "depth", image, "--values", "distance", "--depth-scale", "10%", *words).err
+    assert re.search(r"or give --depth-scale \d{4}px for 20 px", given)
+    far = run("compose", "depth", image, "--values", "distance", *words).err
+    assert "no field of view given: read as orthographic; set it with --fov 60" in far
+    relative = run("compose", "depth", image, "--from", "midas", *words).err
+    assert "disparities up to an unknown scale and offset are read as heights" in relative
+
+
+def test_a_layer_of_distances_is_named(run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = sphere()
+    image = floats(
+        np.where(scene.mask, scene.mm / 1000, 1e10), layer="Depth", orientation=6, notes=("has `invert=True` inside",)
+    )
+    monkeypatch.setattr(nm, "read_raster", lambda *_, **__: image)
+    (tmp_path / "z.exr").write_bytes(b"")
+    out = tmp_path / "map.exr"
+    done = run("compose", "depth", tmp_path / "z.exr", "-o", out)
+    assert done.code == 0, done.err
+    assert "written by blender (found; --values height reads near as large)" in done.err
+    assert "turned upright by its EXIF orientation 6" in done.err
+    assert "has --invert inside" in done.err
+    assert nm.read_normal_map(out).frame.shape == (200, 150)
+
+
+def test_false_colours_are_refused_with_the_remedy(refused: Any, tmp_path: Path) -> None:
+    import cv2
+
+    grey = (sphere().mm % 256).astype(np.uint8)
+    cv2.imwrite(str(tmp_path / "color.png"), cv2.applyColorMap(grey, cv2.COLORMAP_TURBO))
+    pattern = "false colours cannot be turned back into exact depths; export the depth picture again in grey and alone"
+    refused(3, pattern, "compose", "depth", tmp_path / "color.png", "-o", tmp_path / "out.exr")
+
+
 @pytest.mark.parametrize(
     ("words", "code", "pattern"),
     [
+        (("-o", "map.exr", "--empty", "x"), 2, "--empty x: use auto, none or numbers separated by commas"),
+        (
+            ("-o", "map.exr", "--unit", "3px"),
+            2,
+            "--unit 3px: sets the length of a stored unit; give it in mm, cm, m or in",
+        ),
+        (("-o", "map.exr", "--unit", "1mm"), 2, "--unit 1mm: the size of a pixel in .* give the --width"),
+        (("-o", "map.exr", "--unit", "1mm", "--depth-scale", "9px"), 2, "--depth-scale and --unit: both set"),
+        (("-o", "map.exr", "--invert", "--values", "height"), 2, "--invert and --values height: contradict each other"),
+        (("-o", "map.exr", "--fov", "wide"), 2, "--fov wide: use degrees, such as 35, or a focal length in px"),
+        (("-o", "map.exr", "--fov", "35mm"), 2, "--fov 35mm: is not in px; give degrees, or the focal length in px"),
+        (("-o", "map.exr", "--from", "nothing"), 2, "nothing"),
         ((), 2, "no output given: add one"),
         (("-o", "map.jpg"), 2, "map.jpg"),
         (("-o", "map.exr", "--jumps-out", "j.exr"), 2, "the jumps picture is written as .png"),

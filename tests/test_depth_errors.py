@@ -27,7 +27,7 @@ def colored(apart: float) -> nm.RasterImage:
         ({"fov": 170}, r"`fov=170`: must lie between 0\.1 and 150"),
         ({"fov": -5}, r"`fov=-5`: must lie between"),
         ({"fov": float("nan")}, r"`fov=nan`: must lie between 0\.1 and 150, such as 35 \(0 is orthographic\)"),
-        ({"width": "300px"}, r"`width='300px'`: .* give it in mm, cm or in"),
+        ({"width": "300px"}, r"`width='300px'`: .* give it in mm, cm, m or in"),
         ({"depth_scale": "5"}, r"`depth_scale='5'`: expected a number with a unit"),
         ({"depth_scale": "0px"}, r"`depth_scale='0px'`: must be greater than zero"),
     ],
@@ -77,6 +77,14 @@ def test_options_that_contradict_the_file_are_refused() -> None:
         nm.UsageError, match=r"`invert`: h\.exr declares that it holds height, which fixes the direction; leave it out"
     ):
         nm.depth_to_normals(height, nm.DepthOptions(invert=True))
+    contradictions = {"from_": "blender", "values": "distance", "unit": "1mm"}
+    for name, value in contradictions.items():
+        fixed = "scale" if name == "unit" else "direction"
+        with pytest.raises(
+            nm.UsageError, match=rf"`{name}='{value}'`: h\.exr declares .* fixes the {fixed}; leave it out"
+        ):
+            nm.depth_to_normals(height, nm.DepthOptions(**{name: value}))
+    assert nm.depth_to_normals(height, nm.DepthOptions(values="height")).report.values_from == "file"
     with pytest.raises(nm.UsageError, match=r"`fov`: h\.exr holds heights, which have no perspective; leave it out"):
         nm.depth_to_normals(height, nm.DepthOptions(fov=40))
     unknown = picture(RAMP, name="h.exr", attributes={"kind": "height"})

@@ -66,12 +66,13 @@ def depth(run: Run, image: str, /) -> None:
     import nmaptool as nm
     from nmaptool.io.output.map_pictures import jumps_picture
     from nmaptool.io.output.normal_map import WrittenMap
-    from nmaptool_cli.wording.edits import describe_depth
+    from nmaptool_cli.wording.depths import describe_depth
 
     with run.work() as (files, progress):
         reading = ReadOptions(layer=inputs.layer, max_megapixels=inputs.max_megapixels)
         picture = nm.read_raster(files["image"], reading)
-        chosen = None if files["mask"] is None else nm.read_grey(files["mask"], max_megapixels=inputs.max_megapixels)
+        limit = inputs.max_megapixels
+        chosen = None if files["mask"] is None else nm.read_grey(files["mask"], max_megapixels=limit, upright=True)
         result = nm.depth_to_normals(picture, options, mask=chosen, progress=progress)
     describe_depth(run, display_name(picture.name), result)
     recipe = json.dumps({"command": "depth", "options": plain_values(options)})

@@ -1,4 +1,4 @@
-"""Messages about edits, conversions, depth pictures and unpacked files."""
+"""Messages about edits, conversions and unpacked files."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from nmaptool.types.shown import counted
 from nmaptool_cli.wording.maps import COMPONENTS
 
 if TYPE_CHECKING:
-    from nmaptool import Composition, ConvertReport, DepthReport, DepthResult, UnpackResult
-    from nmaptool_cli.run import Run
+    from nmaptool import Composition, ConvertReport, UnpackResult
 
 
 def describe_composition(composition: Composition) -> Iterator[str]:
@@ -26,36 +25,6 @@ def describe_composition(composition: Composition) -> Iterator[str]:
     before = "" if report.curl_before is None else f" (before {report.curl_before:.4f})"
     pitch = "" if frame.pitch_mm is None else f", pitch {frame.pitch_mm:.4g} mm"
     yield f"  {report.command}: {frame}{pitch}, mean |curl| {report.curl_after:.4f} slope per px{before}"
-
-
-def describe_depth(run: Run, name: str, result: DepthResult) -> None:
-    """How a depth picture was read, with warnings."""
-    run.say(f"{name}: {result.normal_map.frame}")
-    run.warn(*(f"{name}: {warning}" for warning in result.report.warnings))
-    run.say(*describe_depth_report(result.report))
-    run.seconds(result.report.seconds)
-
-
-def describe_depth_report(report: DepthReport) -> Iterator[str]:
-    """What was found in a depth picture, one line each."""
-    near = "near is dark or small" if report.inverted else "near is bright or large"
-    lens = f", {report.fov:g} degrees across ({report.fov_from})" if report.fov else ""
-    kind = f"{report.bits} bit {report.kind}"
-    yield f"  {kind}, {near} ({report.inverted_from}), scale {report.scale_px:.4g} px ({report.scale_from}){lens}"
-    steps = f"steps of {report.step_px:.3g} px" if report.step_px else "no steps"
-    noise = f"noise {report.noise_px:.3g} px" if report.noise_px else "no noise"
-    fitted = f"smoothed within {report.tolerance_px:.3g} px" if report.tolerance_px else "slopes kept as they are"
-    yield f"  {steps}, {noise}: {fitted}"
-    if report.jump_px is None:
-        yield "  jumps: not searched for"
-    else:
-        mixed = f", {counted(report.mixed_pixels, 'mixed pixel')} assigned to one side" if report.mixed_pixels else ""
-        yield f"  jumps: {report.jump_px:.3g} px or more, beside {report.jump_share:.1%} of the surface{mixed}"
-    yield f"  background {report.background}, {report.background_share:.0%} of the picture"
-    yield f"  mean |curl| {report.curl:.4f} slope per px"
-    if report.scale_from == "assumed":
-        assumed = "white at 10% of the width above black is assumed"
-        yield f"  no depth scale given: {assumed}; set yours with --depth-scale 5%"
 
 
 def describe_conversion(report: ConvertReport) -> Iterator[str]:

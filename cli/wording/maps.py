@@ -102,10 +102,11 @@ def _ratio(decoding: Decoding) -> str:
 def describe_presets() -> Iterator[str]:
     """The programs whose files can be read with --from, one line each."""
     yield "Normal maps (--from NAME, in every command that reads one):"
+    width = max(map(len, (*NORMAL_PRESETS, *DEPTH_PRESETS))) + 1
     for name, preset in NORMAL_PRESETS.items():
         green = "" if preset.green == "up" else f", green {preset.green}"
         zero = "" if preset.zero_code == "auto" else f", zero at {preset.zero_code}"
-        yield f"  {name:17}{preset.description} [{preset.swizzle}{green}{zero}]"
+        yield f"  {name:{width}}{preset.description} [{preset.swizzle}{green}{zero}]"
     yield "Depth and height pictures (nmap compose depth --from NAME):"
     for name, depth in DEPTH_PRESETS.items():
-        yield f"  {name:17}{depth.description} [{depth.values}]"
+        yield f"  {name:{width}}{depth.description} [{depth.values}]"

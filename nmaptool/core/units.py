@@ -1,4 +1,4 @@
-"""Lengths with a unit (mm, cm, in, px, or % of the longer side), distances along one side, amounts of memory."""
+"""Lengths with a unit (mm, cm, m, in, px, or % of the longer side), distances along one side, amounts of memory."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 from nmaptool.core.errors import UsageError
 
-_MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "in": 25.4}
+_MM_PER_UNIT = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 _BYTES_PER_UNIT = {
     "b": 1,
     **{f"{letter}b": 1000**power for power, letter in enumerate("kmgt", 1)},
     **{f"{letter}ib": 1024**power for power, letter in enumerate("kmgt", 1)},
 }
 _SMALLEST, _LARGEST = 1e-6, 1e6
-_PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(mm|cm|in|px|%)\s*", re.IGNORECASE)
+_PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(mm|cm|m|in|px|%)\s*", re.IGNORECASE)
 _MEMORY = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kmgt]?i?b)\s*", re.IGNORECASE)
 
 
@@ -28,7 +28,7 @@ class _Measure:
 
     def __post_init__(self) -> None:
         if self.unit not in (*_MM_PER_UNIT, "px", "%"):
-            raise UsageError(f"unknown unit {self.unit!r}: use mm, cm, in, px or %")
+            raise UsageError(f"unknown unit {self.unit!r}: use mm, cm, m, in, px or %")
         self._check_value()
 
     def _check_value(self) -> None:
@@ -39,7 +39,7 @@ class _Measure:
 
     @property
     def is_absolute(self) -> bool:
-        """Whether the unit is mm, cm or in: needs no picture to convert to mm, but the pitch to convert to px."""
+        """Whether the unit is mm, cm, m or in: needs no picture to convert to mm, but the pitch to convert to px."""
         return self.unit in _MM_PER_UNIT
 
 
@@ -52,7 +52,7 @@ class Length(_Measure):
     value : float
         Between 1e-6 and 1e6.
     unit : str
-        One of ``mm``, ``cm``, ``in``, ``px``, ``%``.
+        One of ``mm``, ``cm``, ``m``, ``in``, ``px``, ``%``.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def length(text: str) -> Length:
     Parameters
     ----------
     text : str
-        A positive number and one of mm, cm, in, px, % (of the longer side).
+        A positive number and one of mm, cm, m, in, px, % (of the longer side).
 
     Returns
     -------
@@ -103,7 +103,7 @@ def length(text: str) -> Length:
     """
     match = _PATTERN.fullmatch(text)
     if match is None:
-        raise UsageError(f"length {text!r}: expected a number with a unit (mm, cm, in, px, %), such as 12mm or 3%")
+        raise UsageError(f"length {text!r}: expected a number with a unit (mm, cm, m, in, px, %), such as 12mm or 3%")
     try:
         return Length(float(match.group(1)), match.group(2).lower())
     except UsageError as error:
@@ -119,7 +119,7 @@ class Offset(_Measure):
     value : float
         Between -1e6 and 1e6.
     unit : str
-        One of ``mm``, ``cm``, ``in``, ``px``, ``%`` (of that side).
+        One of ``mm``, ``cm``, ``m``, ``in``, ``px``, ``%`` (of that side).
 
     Raises
     ------
@@ -137,7 +137,7 @@ class Offset(_Measure):
         Raises
         ------
         UsageError
-            If it is in mm, cm or in and the pitch is not known.
+            If it is in mm, cm, m or in and the pitch is not known.
 
         Examples
         --------
@@ -165,7 +165,9 @@ def offset(text: str) -> Offset:
     if match is None and text.strip() in ("0", "0.0"):
         return Offset(0.0, "px")
     if match is None:
-        raise UsageError(f"distance {text!r}: expected a number with a unit (mm, cm, in, px, %), such as 12mm or -4px")
+        raise UsageError(
+            f"distance {text!r}: expected a number with a unit (mm, cm, m, in, px, %), such as 12mm or -4px"
+        )
     return Offset(float(match.group(1)), match.group(2).lower())
 
 

@@ -7,8 +7,8 @@ from nmaptool.depth.source import FINE_SLOPE, DepthSource
 from nmaptool.depth.steps import JumpRule
 from nmaptool.options import DepthOptions
 
-# smallest jump: in px, in steps of the codes, and in standard deviations of the noise
-_JUMP_PX, _JUMP_STEPS, _JUMP_NOISE = 1.0, 4.0, 7.0
+# a mixed pixel differs from its side by at least this many standard deviations of the noise
+_MIXED_NOISE = 3.5
 # least difference of a mixed pixel on a smoothed outline from its side: in px, in steps
 _MIXED_PX, _MIXED_STEPS = 0.02, 2.0
 # how far the surface may leave the stored heights: half a step plus _NOISE_REACH deviations of noise; lossy files have
@@ -27,12 +27,11 @@ def jump_rule(options: DepthOptions, source: DepthSource) -> JumpRule | None:
     if options.jump == "none":
         return None
     unsure, image = source.unsure, source.image
-    mixed = max(_MIXED_PX, _MIXED_STEPS * source.step_px, _JUMP_NOISE / 2 * unsure)
+    mixed = max(_MIXED_PX, _MIXED_STEPS * source.step_px, _MIXED_NOISE * unsure)
     if options.jump != "auto":
         least = in_px(options.jump, image.frame.cols, source.scale.pitch_mm, "jump", image.name)
         return JumpRule(least, mixed, by_hand=True)
-    least = max(_JUMP_PX, _JUMP_STEPS * source.step_px, _JUMP_NOISE * unsure)
-    return JumpRule(least, mixed, 2 * unsure, _NOISY_LINE if unsure else _LEAST_LINE)
+    return JumpRule(source.least_jump_px, mixed, 2 * unsure, _NOISY_LINE if unsure else _LEAST_LINE)
 
 
 def tolerance_of(options: DepthOptions, source: DepthSource) -> float:

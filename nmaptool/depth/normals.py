@@ -14,7 +14,9 @@ from nmaptool.depth.outlines import continue_to_jumps
 from nmaptool.depth.rim import narrow_tolerance, widen_tolerance
 from nmaptool.depth.scale import magnification
 from nmaptool.depth.slopes import jump_sizes, mean_curl, normals_of
-from nmaptool.depth.source import DepthSource, extremes, read_source
+from nmaptool.depth.source import DepthSource, read_source
+from nmaptool.depth.values import extremes
+from nmaptool.depth.warnings import warnings_of
 from nmaptool.options import DepthOptions
 from nmaptool.types.depth import DepthReport, DepthResult
 from nmaptool.types.inputs import MaskLike, RasterLike, as_raster
@@ -106,6 +108,7 @@ def depth_to_normals(
     report = DepthReport(
         options=options,
         **source.facts(),
+        empty_pixels=source.grey.nothing,
         range_px=highest - lowest,
         tolerance_px=tolerance,
         jump_px=rule.least if rule is not None else None,
@@ -116,7 +119,7 @@ def depth_to_normals(
         background_share=float(1 - normal_map.foreground.mean()),
         curl=turn,
         seconds=stages.seconds(),
-        warnings=normal_map.decoding.warnings,
+        warnings=(*normal_map.decoding.warnings, *warnings_of(source, options, highest - lowest)),
     )
     return DepthResult(normal_map, jumps, report)
 

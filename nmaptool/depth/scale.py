@@ -1,8 +1,7 @@
-"""Convert stored grey values to heights in pixels: which end is near, the distance of the ends, and the camera."""
+"""Convert stored values to heights in pixels: which end is near, the distance of the ends, and the size of a pixel."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +9,16 @@ import numpy as np
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.units import Length
-from nmaptool.depth.values import GreyValues, empty_depths
+from nmaptool.depth.camera import check_in_front, focal_px, fov_of, measured_eye
+from nmaptool.depth.empty import middle_of
+from nmaptool.depth.meaning import Meaning, kind_of
+from nmaptool.depth.values import GreyValues, extremes
 from nmaptool.options import DepthOptions
-from nmaptool.options.depth import NARROWEST_FOV, WIDEST_FOV
 from nmaptool.types.picture import RasterImage
 
 DEFAULT_SHARE = Length(10.0, "%")
-_SAMPLE = 1 << 17
+# if a picture uses a smaller share of its codes, the default scale is that of the codes in use
+_SMALL_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -28,16 +30,19 @@ class Scale:
     px_per_value : float
         Height in px per stored unit; negative if dark or small is near.
     scale_px : float
-        Height of white above black, or of the highest above the lowest float, in px.
+        Height of white above black, or of the highest above the lowest value in use, in px.
     scale_from : str
-        ``given``, ``file`` or ``assumed``.
+        ``given``, ``file``, ``unit``, ``fov`` (from the distances themselves), ``range`` (assumed for the values in
+        use) or ``assumed``.
     inverted : bool
     inverted_from : str
-        ``given``, ``file`` or ``assumed``.
+        ``given``, ``file``, ``preset``, ``found`` or ``assumed``.
     kind : str
         ``depth`` or ``height`` if the file declares it, else ``grey``.
     pitch_mm : float or None
         Millimetres per pixel.
+    pitch_from : str
+        ``given``, ``file``, ``depth`` (from the field of view at the median distance) or ``none``.
     fov : float
         Field of view across the longer side, in degrees; 0 if orthographic.
     fov_from : str
@@ -46,6 +51,8 @@ class Scale:
         Distance from the eye to the picture plane; infinite if orthographic.
     eye_value : float
         Stored value at the eye of a perspective camera.
+    distance_mm : float or None
+        Median distance, if it is known.
     """
 
     px_per_value: float
@@ -55,10 +62,26 @@ class Scale:
     inverted_from: str
     kind: str
     pitch_mm: float | None
+    pitch_from: str
     fov: float
     fov_from: str
     distance_px: float
     eye_value: float
+    distance_mm: float | None = None
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """The values of black and white, whether they are those in use, and the millimetres per stored unit if known."""
+
+    black: float
+    white: float
+    in_use: bool = False
+    mm_per_value: float | None = None
+
+    @property
+    def span(self) -> float:
+        return self.white - self.black
 
 
 def in_px(length: Length, cols: int, pitch_mm: float | None, field: str, name: str) -> float:
@@ -79,107 +102,87 @@ def in_px(length: Length, cols: int, pitch_mm: float | None, field: str, name: s
     return length.to_mm(1.0, cols)
 
 
-def settle_scale(image: RasterImage, grey: GreyValues, options: DepthOptions) -> Scale:
-    """Return the scale of a picture's heights from the options, the file or the default.
+def settle_scale(image: RasterImage, grey: GreyValues, meaning: Meaning, options: DepthOptions) -> Scale:
+    """Return the scale of a picture's heights from the options, the file, the preset or the default.
 
     Raises
     ------
     UsageError
-        If a length is in mm and the pitch is unknown, or ``invert`` contradicts the file.
+        If a length is in mm and the pitch is unknown.
     InputError
         If the range in the file is damaged, or depths are not in front of a perspective camera.
     """
-    kind = kind_of(image)
-    if kind != "grey" and options.invert:
-        raise UsageError(
-            f"`invert`: {image.name} declares that it holds {kind}, which fixes the direction; leave it out"
-        )
     cols = image.frame.cols
-    pitch = options.width.to_mm(1.0, 1) / cols if options.width is not None else image.frame.pitch_mm
-    black, white, mm_per_value = _range(image, grey)
-    fov, fov_from = _fov(image, options)
-    inverted = options.invert or (kind == "depth" and grey.is_float)
-    focal = image.frame.longer_side / (2 * math.tan(math.radians(fov) / 2)) if fov else math.inf
-    eye = _measured_eye(image, grey, options, inverted, mm_per_value) if fov else None
+    pitch, pitch_from = _pitch(image, options)
+    ends = _ends_of(image, grey, meaning, options)
+    fov, fov_from = fov_of(image, options)
+    # integer codes of a file that declares depths have white near
+    inverted = meaning.is_distance and (kind_of(image) == "grey" or grey.is_float)
+    focal = focal_px(image, fov)
+    eye = measured_eye(image, grey, options, meaning, ends.mm_per_value) if fov else None
+    middle_mm = None
     if options.depth_scale is not None:
         scale_px, source = in_px(options.depth_scale, cols, pitch, "depth_scale", image.name), "given"
     elif eye is not None:  # only ratios of depths are known: magnification 1 at the median depth
-        middle = float(np.median(grey.values[grey.known][:: max(1, grey.values.size // _SAMPLE)]))
-        scale_px, source = abs(white - black) * focal / abs(eye - middle), "file"
-    elif mm_per_value is not None:
-        if pitch is None:
-            raise UsageError(
-                f"{image.name}: holds {kind} in mm, but the size of a pixel is not known; give the `width` of the "
-                "picture"
-            )
-        scale_px, source = (white - black) * mm_per_value / pitch, "file"
+        middle = abs(eye - middle_of(grey))
+        scale_px = abs(ends.span) * focal / middle
+        source = "file" if kind_of(image) != "grey" else "fov" if meaning.unit is None else "unit"
+        if meaning.unit is not None:
+            middle_mm = middle * meaning.unit.to_mm(1.0, 1)
+            pitch, pitch_from = (middle_mm / focal, "depth") if pitch is None else (pitch, pitch_from)
+    elif ends.mm_per_value is not None and (pitch is not None or meaning.unit_from != "preset"):
+        scale_px, source = ends.span * ends.mm_per_value / _needed(pitch, image, meaning), "file"
+        source = source if meaning.unit is None else "unit"
     else:
-        scale_px, source = in_px(DEFAULT_SHARE, cols, pitch, "depth_scale", image.name), "assumed"
-    per_value = scale_px / (white - black) if white > black else 0.0
+        scale_px = in_px(DEFAULT_SHARE, cols, pitch, "depth_scale", image.name)
+        source = "range" if ends.in_use else "assumed"
+    per_value = scale_px / ends.span if ends.span > 0 else 0.0
     per_value = -per_value if inverted else per_value
     if fov and eye is None and per_value:
-        _check_in_front(scale_px, focal, fov)
-        eye = (white if inverted else black) + focal / per_value
-    inverted_from = "file" if kind != "grey" else "given" if options.invert else "assumed"
-    return Scale(per_value, scale_px, source, inverted, inverted_from, kind, pitch, fov, fov_from, focal, eye or 0.0)
+        check_in_front(scale_px, focal, fov, options)
+        eye = (ends.white if inverted else ends.black) + focal / per_value
+    return Scale(
+        per_value,
+        scale_px,
+        source,
+        inverted,
+        meaning.values_from,
+        kind_of(image),
+        pitch,
+        pitch_from,
+        fov,
+        fov_from,
+        focal,
+        eye or 0.0,
+        middle_mm,
+    )
 
 
-def kind_of(image: RasterImage) -> str:
-    """Return ``depth`` or ``height`` if the file declares it, else ``grey``."""
-    return "grey" if image.depth_facts is None else image.depth_facts.kind
+def _pitch(image: RasterImage, options: DepthOptions) -> tuple[float | None, str]:
+    """Return the size of a pixel from the options or the file, and its source."""
+    if options.width is not None:
+        return options.width.to_mm(1.0, 1) / image.frame.cols, "given"
+    return image.frame.pitch_mm, "none" if image.frame.pitch_mm is None else "file"
 
 
-def _check_in_front(scale_px: float, focal: float, fov: float) -> None:
-    """Raise an error if white would be behind the camera."""
-    if scale_px >= focal:
+def _needed(pitch: float | None, image: RasterImage, meaning: Meaning) -> float:
+    """Return the size of a pixel, which values in mm need."""
+    if pitch is not None:
+        return pitch
+    if meaning.unit is None:
         raise UsageError(
-            f"`depth_scale`: white is {scale_px:.4g} px in front of black, but with `fov={fov:g}` the camera is only "
-            f"{focal:.4g} px away; use a smaller `depth_scale`"
+            f"{image.name}: holds {kind_of(image)} in mm, but the size of a pixel is not known; give the `width` of "
+            "the picture"
         )
+    lens = ", or the `fov` of the camera" if meaning.is_distance else ""
+    raise UsageError(
+        f"`unit='{meaning.unit}'`: the size of a pixel in {image.name} is not known; give the `width` of the picture"
+        f"{lens}"
+    )
 
 
-def _fov(image: RasterImage, options: DepthOptions) -> tuple[float, str]:
-    """Return the field of view in degrees across the longer side and its source: the option, else the file."""
-    facts = image.depth_facts
-    if options.fov is not None:
-        if options.fov and facts is not None and facts.kind == "height":
-            raise UsageError(f"`fov`: {image.name} holds heights, which have no perspective; leave it out")
-        return options.fov, "given"
-    if facts is None or facts.fov_deg is None or not NARROWEST_FOV <= facts.fov_deg <= WIDEST_FOV:
-        return 0.0, "assumed"
-    return facts.fov_deg, "file"
-
-
-def _measured_eye(
-    image: RasterImage, grey: GreyValues, options: DepthOptions, inverted: bool, mm_per_value: float | None
-) -> float | None:
-    """Return the stored value at the eye if depths are measured from the eye; None if only differences are known.
-
-    Raises
-    ------
-    InputError
-        If a depth is not in front of the eye.
-    """
-    is_depth = kind_of(image) == "depth" or (grey.is_float and inverted)
-    if options.depth_scale is not None or not is_depth:
-        return None
-    eye = 0.0
-    if not grey.is_float:
-        facts = image.depth_facts
-        if not mm_per_value or facts is None or facts.white_mm is None:
-            return None
-        eye = grey.top + facts.white_mm / mm_per_value
-    nearest = float(grey.values.min(where=grey.known, initial=np.inf)) if inverted else eye - grey.top
-    if nearest <= 0:
-        raise InputError(
-            f"{image.name}: has a depth of {nearest:g}; with `fov`, depths are distances from the eye and must be "
-            "greater than 0"
-        )
-    return eye
-
-
-def _range(image: RasterImage, grey: GreyValues) -> tuple[float, float, float | None]:
-    """Return the values of black and white, and the millimetres per stored unit if the file states them."""
+def _ends_of(image: RasterImage, grey: GreyValues, meaning: Meaning, options: DepthOptions) -> _Ends:
+    """Return the values of black and white: all codes, or those in use if these are few or distances are known."""
     facts = image.depth_facts
     if facts is not None and not grey.is_float:
         if facts.black_mm is None or facts.white_mm is None:
@@ -187,14 +190,21 @@ def _range(image: RasterImage, grey: GreyValues) -> tuple[float, float, float | 
                 f"{image.name}: declares that it holds {facts.kind}, but not its range; export it again as EXR, or "
                 "remove that metadata and give `depth_scale`"
             )
-        return 0.0, grey.top, abs(facts.white_mm - facts.black_mm) / grey.top
+        return _Ends(0.0, grey.top, False, abs(facts.white_mm - facts.black_mm) / grey.top)
+    mm = 1.0 if facts is not None else None if meaning.unit is None else meaning.unit.to_mm(1.0, 1)
+    low, high = extremes(grey.values, grey.known)
     if not grey.is_float:
-        return 0.0, grey.top, None
-    low = float(grey.values.min(where=grey.known, initial=np.inf))
-    high = float(grey.values.max(where=grey.known, initial=-np.inf))
-    if facts is None and low >= 0 and high <= 1:
-        return 0.0, 1.0, None
-    return low, high, None if facts is None else 1.0
+        share = (high - low) / grey.top
+        in_use = mm is not None or (
+            options.depth_scale is None and share > 0 and (share < _SMALL_SHARE or bool(grey.empty))
+        )
+        return _Ends(low, high, True, mm) if in_use else _Ends(0.0, grey.top)
+    has_white = meaning.values_from == "assumed" or options.invert or not meaning.absolute
+    normalised = has_white and low >= 0 and high <= 1
+    if facts is None and mm is None and normalised:
+        in_use = options.depth_scale is None and 0 < high - low < _SMALL_SHARE
+        return _Ends(low, high, True) if in_use else _Ends(0.0, 1.0)
+    return _Ends(low, high, False, mm)
 
 
 def magnification(heights: Float32, scale: Scale) -> Float32 | None:
@@ -213,27 +223,3 @@ def magnification(heights: Float32, scale: Scale) -> Float32 | None:
     np.maximum(depth, np.float32(1e-3 * scale.distance_px), out=depth)
     np.divide(np.float32(scale.distance_px), depth, out=depth)
     return depth
-
-
-def without_empty(image: RasterImage, grey: GreyValues, options: DepthOptions) -> GreyValues:
-    """Return the values without those that mean "empty" in a float picture of depths.
-
-    Raises
-    ------
-    InputError
-        If no value remains.
-    """
-    kind = kind_of(image)
-    is_depth = kind == "depth" or (kind == "grey" and options.invert)
-    if not grey.is_float or not is_depth or options.background == "none":
-        return grey
-    empty = empty_depths(grey.values, grey.known)
-    if not empty.any():
-        return grey
-    known = grey.known & ~empty
-    if not known.any():
-        raise InputError(f"{image.name}: no pixel has a depth greater than 0")
-    values = np.where(empty, np.float32(0), grey.values)
-    return GreyValues(
-        values, known, grey.top, grey.is_float, grey.bits, grey.noisy_grey, grey.nothing + int(np.count_nonzero(empty))
-    )

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError
-from nmaptool.depth.scale import Scale, settle_scale, without_empty
-from nmaptool.depth.values import GreyValues, grey_values, noise_of, step_of
+from nmaptool.core.units import Length
+from nmaptool.depth.empty import depths_of
+from nmaptool.depth.fill import fill_holes
+from nmaptool.depth.meaning import Meaning, kind_of, meaning_of
+from nmaptool.depth.scale import Scale, in_px, settle_scale
+from nmaptool.depth.values import GreyValues, extremes, grey_values, noise_of, step_of
 from nmaptool.options import DepthOptions
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.plain_arrays import check_sizes
@@ -19,6 +23,10 @@ from nmaptool.types.plain_arrays import check_sizes
 _LOSSY_NOISE = 1.25
 # with smaller errors of the slopes, no fit is needed
 FINE_SLOPE = 0.012
+# largest hole that is filled by itself: a share of the longer side, and in px
+_HOLE_SHARE, _HOLE_PX = 0.015, 3.0
+# smallest jump: in px, in steps of the codes, and in standard deviations of the noise
+_JUMP_PX, _JUMP_STEPS, _JUMP_NOISE = 1.0, 4.0, 7.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,11 +36,22 @@ class DepthSource:
     image: RasterImage
     grey: GreyValues
     cover: Float32 | None
+    meaning: Meaning
     scale: Scale
     heights: Float32
     lowest: float
     step_px: float
     noise_px: float
+    in_use: tuple[float, float]
+    orientation: int = 1
+    fill_px: float = 0.0
+    filled: Mask | None = None
+    holes: int = 0
+
+    @property
+    def least_jump_px(self) -> float:
+        """Smallest step that counts as a jump."""
+        return max(_JUMP_PX, _JUMP_STEPS * self.step_px, _JUMP_NOISE * self.unsure)
 
     @property
     def unsure(self) -> float:
@@ -41,41 +60,84 @@ class DepthSource:
 
     def facts(self) -> dict[str, Any]:
         """Return the facts for the report."""
-        names = ("kind", "scale_px", "scale_from", "pitch_mm", "inverted", "inverted_from", "fov", "fov_from")
-        facts = {name: getattr(self.scale, name) for name in names}
-        return {**facts, "bits": self.grey.bits, "step_px": self.step_px, "noise_px": self.noise_px}
+        names = ("kind", "scale_px", "scale_from", "pitch_mm", "pitch_from", "inverted", "inverted_from", "fov")
+        facts = {name: getattr(self.scale, name) for name in (*names, "fov_from", "distance_mm")}
+        told = ("values", "values_from", "absolute", "unit_from", "preset", "preset_from", "lens")
+        facts |= {name: getattr(self.meaning, name) for name in told}
+        low, high = self.in_use
+        return {
+            **facts,
+            "unit": None if self.meaning.unit is None else str(self.meaning.unit),
+            "bits": self.grey.bits,
+            "lowest_value": low,
+            "highest_value": high,
+            "used_share": None if self.grey.is_float else (high - low) / self.grey.top,
+            "step_px": self.step_px,
+            "noise_px": self.noise_px,
+            "empty": dict(self.grey.empty),
+            "fill_px": self.fill_px,
+            "filled_pixels": 0 if self.filled is None else int(self.filled.sum()),
+            "filled_holes": self.holes,
+            "orientation": self.orientation,
+            "notes": self.image.notes,
+        }
 
 
 def read_source(image: RasterImage, options: DepthOptions, mask: Float32 | None) -> DepthSource:
-    """Return the heights of a picture, scaled by the options, the file or the default."""
-    grey, cover = _surface(image, options, mask)
-    scale = settle_scale(image, grey, options)
+    """Return the heights of a picture, scaled by the options, the file, the preset or the default."""
+    orientation, image = image.orientation, image.upright()
+    meaning = meaning_of(image, options)
+    grey, cover = _surface(image, meaning, options, mask, orientation)
+    scale = settle_scale(image, grey, meaning, options)
     step = step_of(grey)
     size = abs(scale.px_per_value)
     noise = noise_of(grey.values, grey.known, step)
     noise = noise if noise * size >= FINE_SLOPE else 0.0
+    in_use = extremes(grey.values, grey.known)
     heights = grey.values
     heights *= np.float32(scale.px_per_value)  # the values are a copy
-    return DepthSource(image, grey, cover, scale, heights, extremes(heights, grey.known)[0], step * size, noise * size)
+    lowest = extremes(heights, grey.known)[0]
+    source = DepthSource(
+        image, grey, cover, meaning, scale, heights, lowest, step * size, noise * size, in_use, orientation
+    )
+    return _without_holes(source, options)
 
 
-def extremes(heights: Float32, known: Mask) -> tuple[float, float]:
-    """Return the lowest and the highest known height."""
-    if known.all():  # several times faster
-        return float(heights.min()), float(heights.max())
-    return float(heights.min(where=known, initial=np.inf)), float(heights.max(where=known, initial=-np.inf))
-
-
-def _surface(image: RasterImage, options: DepthOptions, given: Float32 | None) -> tuple[GreyValues, Float32 | None]:
+def _surface(
+    image: RasterImage, meaning: Meaning, options: DepthOptions, given: Float32 | None, orientation: int
+) -> tuple[GreyValues, Float32 | None]:
     """Return the grey values of the surface and its coverage (None: 1 where values are known)."""
     if given is not None:
-        check_sizes(image.name, image.frame.shape, {"the mask": given.shape})
-    grey = without_empty(image, grey_values(image), options)
+        turned = f", turned upright by its EXIF orientation {orientation}," if orientation != 1 else ""
+        check_sizes(f"{image.name}{turned}", image.frame.shape, {"the mask": given.shape})
+    named = meaning.empty if options.empty == "auto" else options.empty_values
+    grey = depths_of(image, grey_values(image, named), meaning, options)
     cover = image.alpha
     if given is not None:
         known = grey.known & (given > 0)
         if not (known & (given >= 0.5)).any():
             raise InputError("the mask selects no part of the picture: paint the motif white (0.5 or more) on black")
         cover = given if cover is None else cover * given
-        grey = GreyValues(grey.values, known, grey.top, grey.is_float, grey.bits, grey.noisy_grey, grey.nothing)
+        dropouts = None if grey.dropouts is None else grey.dropouts & (given > 0)
+        grey = replace(grey, known=known, dropouts=dropouts)
     return grey, cover
+
+
+def _without_holes(source: DepthSource, options: DepthOptions) -> DepthSource:
+    """Return the source with small holes filled."""
+    grey, image, cover = source.grey, source.image, source.cover
+    dropouts = grey.dropouts
+    if isinstance(options.fill, Length):
+        most = in_px(options.fill, image.frame.cols, source.scale.pitch_mm, "fill", image.name)
+        dropouts = ~grey.known if cover is None else ~grey.known & (cover > 0)
+    elif options.fill == "none" or dropouts is None or kind_of(image) != "grey":  # such files have no holes by accident
+        return source
+    else:
+        most = max(_HOLE_PX, _HOLE_SHARE * image.frame.longer_side)
+    if not dropouts.any():
+        return source
+    found = fill_holes(source.heights, grey.known, dropouts, most, source.least_jump_px)
+    if found.pixels is None:
+        return replace(source, fill_px=most)
+    grey = replace(grey, known=grey.known | found.pixels, nothing=grey.nothing - int(found.pixels.sum()))
+    return replace(source, grey=grey, heights=found.heights, fill_px=most, filled=found.pixels, holes=found.count)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -23,8 +24,13 @@ _SAMPLE = 1 << 17
 _LEAST_STEPS = 8
 # floats are steps if there are this many levels, spaced this evenly, with at least this share of them used
 _LEAST_LEVELS, _UNEVEN, _FILLED = 48, 0.05, 0.5
-# a depth this many times the median, or larger than _INFINITE, means "empty"
-_FAR, _INFINITE = 1e3, 1e30
+# what renderers store where there is nothing: the largest half float, and Blender's value
+BLENDER_NOTHING = 1e10
+NOTHING = (65504.0, BLENDER_NOTHING)
+# larger floats mean "empty", such as the 3.4e38 of elevation models
+_INFINITE = 1e30
+# a picture in false colours has at most this many of them; a photograph has far more
+_FALSE_COLORS = 300
 _BLOCK = 16
 # the noise of a picture is this percentile of the noise in its blocks that are not flat
 _QUIET = 20
@@ -55,7 +61,11 @@ class GreyValues:
     noisy_grey : bool
         Whether colour channels were averaged.
     nothing : int
-        Number of pixels without a depth: NaN, infinite, transparent.
+        Number of pixels without a depth: transparent, NaN, infinite, or a value that means "empty".
+    empty : mapping of str to int
+        The values that mean "empty", and the number of pixels of each.
+    dropouts : (H, W) bool or None
+        Pixels without a depth inside which there may be surface, such as those of a depth camera without a reading.
     """
 
     values: Float32
@@ -65,33 +75,82 @@ class GreyValues:
     bits: int
     noisy_grey: bool
     nothing: int
+    empty: Mapping[str, int] = field(default_factory=dict)
+    dropouts: Mask | None = None
 
 
-def grey_values(image: RasterImage) -> GreyValues:
+def grey_values(image: RasterImage, empty: tuple[float, ...] = ()) -> GreyValues:
     """Return the grey values of a depth or height picture.
+
+    Parameters
+    ----------
+    image : RasterImage
+    empty : tuple of float
+        Stored values that mean "no depth", besides NaN and infinity.
 
     Raises
     ------
     InputError
         If it is coloured, has unknown channels, or no value at all.
     """
+    stored = image.pixels[..., 0]  # before 16 bits are narrowed to 8
     if not image.is_float or _may_be_codes(image.pixels):
         image = codec.narrowed(image)
     values, averaged = _one_channel(image)
     known = np.ones(values.shape, bool)
+    counts: dict[str, int] = {}
+    dropouts = None
     if image.is_float:
         np.isfinite(values, out=known)
         known &= np.abs(values) < _INFINITE
+        if not known.all():
+            dropouts = np.isnan(values)
+            _count(counts, "NaN", int(np.count_nonzero(dropouts)))
+            _count(counts, "infinite", int(np.count_nonzero(~known)) - counts.get("NaN", 0))
+    for value in empty:
+        found = stored == stored.dtype.type(value) if _fits(value, stored.dtype) else np.zeros_like(known)
+        found &= known
+        if _count(counts, f"{value:g}", int(np.count_nonzero(found))):
+            known &= ~found
+            if value not in NOTHING:
+                dropouts = found if dropouts is None else dropouts | found
     if image.alpha is not None:
-        known &= image.alpha > 0
+        opaque = image.alpha > 0
+        known &= opaque
+        dropouts = None if dropouts is None else dropouts & opaque
     unknown = ~known
     nothing = int(np.count_nonzero(unknown))
     if nothing == known.size:
-        raise InputError(f"{image.name}: no pixel has a depth: all are transparent, NaN or infinite")
+        what = (
+            ", ".join(("transparent", *counts)) if set(counts) - {"NaN", "infinite"} else "transparent, NaN or infinite"
+        )
+        raise InputError(f"{image.name}: no pixel has a depth: all are {what}")
     if nothing:
         values[unknown] = 0
     bits = 8 if image.pixels.dtype == np.uint8 else image.bits
-    return GreyValues(values, known, float(image.max_code), image.is_float, bits, averaged, nothing)
+    top = float(image.max_code)
+    return GreyValues(values, known, top, image.is_float, bits, averaged, nothing, counts, dropouts)
+
+
+def extremes(values: Float32, known: Mask) -> tuple[float, float]:
+    """Return the lowest and the highest known value."""
+    if known.all():  # several times faster
+        return float(values.min()), float(values.max())
+    return float(values.min(where=known, initial=np.inf)), float(values.max(where=known, initial=-np.inf))
+
+
+def _count(counts: dict[str, int], name: str, number: int) -> int:
+    """Add a number of pixels, if there are any, and return it."""
+    if number:
+        counts[name] = counts.get(name, 0) + number
+    return number
+
+
+def _fits(value: float, kind: np.dtype[Any]) -> bool:
+    """Whether a picture of this type can store the value."""
+    if kind.kind == "f":
+        return abs(value) < _INFINITE  # others count as infinite
+    return value == int(value) and 0 <= value <= np.iinfo(kind).max
 
 
 def _may_be_codes(pixels: NDArray[Any]) -> bool:
@@ -124,22 +183,23 @@ def _one_channel(image: RasterImage) -> tuple[Float32, bool]:
         few = np.count_nonzero(apart > _GREY_MOST * code) > _GREY_FEW * apart.size
         if few or not float(apart.mean()) <= _GREY_MEAN * code:
             raise InputError(
-                f"{image.name}: is a colour picture, but depth and height pictures are grey; a normal map needs no "
-                "conversion"
+                f"{image.name}: is a colour picture, but depth and height pictures are grey; {_remedy(image)}"
             )
         total += other
     total /= np.float32(3)
     return total, True
 
 
-def empty_depths(values: Float32, known: Mask) -> Mask:
-    """Return (H, W) bool: known pixels of a float depth picture that are empty: 0 or less, or far beyond the rest."""
-    positive = known & (values > 0)
-    if not positive.any():
-        return np.asarray(known.copy())
-    sample = values[positive]
-    middle = float(np.median(sample[:: max(1, sample.size // _SAMPLE)]))
-    return np.asarray(known & ((values <= 0) | (values > _FAR * middle)))
+def _remedy(image: RasterImage) -> str:
+    """What to do about a picture in colours, which may be a depth picture in false ones."""
+    rows, cols = (max(1, side // 256) for side in image.pixels.shape[:2])
+    sample = image.pixels[::rows, ::cols, :3].reshape(-1, 3)
+    again = (
+        "export the depth picture again in grey and alone (with Depth Anything, its options grayscale and pred-only)"
+    )
+    if len(np.unique(sample, axis=0)) <= _FALSE_COLORS < len(sample):
+        return f"false colours cannot be turned back into exact depths; {again}"
+    return f"{again}; a normal map needs no conversion"
 
 
 def step_of(grey: GreyValues) -> float:

@@ -68,6 +68,21 @@ class SignedText(Text):
 
 
 @dataclass(frozen=True)
+class NumbersOr(SignedText):
+    """One of a few names, or finite numbers separated by commas, such as 0,-9999; a plain number becomes text."""
+
+    names: tuple[str, ...] = ()
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        text = str(value)
+        if text not in self.names and not all(map(_is_number, text.split(","))):
+            accepted = f"{', '.join(self.names)} or numbers separated by commas, such as {self.such_as}"
+            raise UsageError(f"`{name}={value!r}`: use {accepted}")
+        return value if text == value else text
+
+
+@dataclass(frozen=True)
 class Switch(Kind):
     """On or off."""
 
@@ -183,6 +198,13 @@ class ManyText(Text):
         if parse_many(name, text) < self.low:
             raise UsageError(f"`{name}={text!r}`: must be at least {self.low}, such as {self.such_as}")
         return text
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
 
 
 def require_number(name: str, value: float, low: float, high: float, such_as: str) -> None:

@@ -24,16 +24,17 @@ def _named(name: str, text: str, read: Callable[[str], _T]) -> _T:
 
 @dataclass(frozen=True)
 class LengthText(SignedText):
-    """A length such as 3mm, 4px or 2%; with ``absolute``, only mm, cm or in, because it sets the pixel size."""
+    """A length such as 3mm, 4px or 2%; with ``absolute``, only mm, cm, m or in, because it sets a size."""
 
     such_as: str = "100mm"
     absolute: bool = False
+    sets: str = "the size of a pixel"
 
     def read(self, name: str, value: Any) -> Any:
         """As `Kind.read`."""
         value = _named(name, value, length) if isinstance(value, str) else value
         if self.absolute and not value.is_absolute:
-            raise UsageError(f"`{name}='{value}'`: sets the size of a pixel; give it in mm, cm or in")
+            raise UsageError(f"`{name}='{value}'`: sets {self.sets}; give it in mm, cm, m or in")
         return value
 
 
@@ -52,6 +53,28 @@ class LengthOr(SignedText):
         except UsageError:
             accepted = f"{', '.join(self.names)} or a height, such as {self.such_as}"
             raise UsageError(f"`{name}={value!r}`: use {accepted}") from None
+
+
+@dataclass(frozen=True)
+class DegreesOrFocal(SignedText):
+    """Degrees as a plain number, or a focal length in px, such as 525px."""
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        if isinstance(value, str):
+            try:
+                value = float(value)
+            except ValueError:
+                accepted = "degrees, such as 35, or a focal length in px, such as 525px"
+                try:
+                    value = length(value)
+                except UsageError:
+                    raise UsageError(f"`{name}={value!r}`: use {accepted}") from None
+        if isinstance(value, Length) and value.unit != "px":
+            raise UsageError(
+                f"`{name}='{value}'`: is not in px; give degrees, or the focal length in px, such as 525px"
+            )
+        return value
 
 
 @dataclass(frozen=True)

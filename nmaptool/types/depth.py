@@ -23,13 +23,43 @@ class DepthReport(Report):
         ``depth`` or ``height`` if the file states it, otherwise ``grey``.
     bits : int
         Bits that the picture actually uses.
+    values, values_from : str, str
+        What a stored value grows with, ``height``, ``distance`` or ``disparity``, and the source of this: ``given``,
+        ``file``, ``preset``, ``found`` (from the name of the layer, or Blender's value for nothing) or ``assumed``.
+    absolute : bool
+        Whether the value at the camera is known; disparities are then converted to distances, others are read as
+        heights.
+    preset, preset_from : str, str
+        The program that wrote the picture and the source of this, ``given`` or ``found``; empty if it is unknown.
+    unit, unit_from : str or None, str
+        Length of a stored unit and its source: ``given``, ``preset`` or ``none``.
+    lens : str
+        Where the writer states the field of view; empty if it has none.
+    lowest_value, highest_value : float, float
+        Ends of the values in use; of distances in the unit of 1 / disparity if disparities were converted.
+    used_share : float or None
+        Share of the integer codes between these; None for floats.
+    empty : mapping of str to int
+        Values that mean "no depth", and the number of pixels of each.
+    empty_pixels : int
+        Pixels without a depth after the filling, including transparent ones.
+    fill_px, filled_holes, filled_pixels : float, int, int
+        Largest width of the holes that are filled (0 if none are), the number of holes and of their pixels.
+    orientation : int
+        EXIF orientation by which the picture was turned or mirrored; 1 if it was not.
+    notes : tuple of str
+        What is unusual about the file.
     scale_px, scale_from : float, str
-        Height of white above black, or of the highest float above the lowest, and its source: ``given``, ``file`` or
+        Height of white above black, or of the highest value in use above the lowest, and its source: ``given``,
+        ``file``, ``unit``, ``fov`` (from the distances themselves), ``range`` (assumed, for the values in use) or
         ``assumed``.
     range_px : float
         Height of the highest pixel of the surface above the lowest.
-    pitch_mm : float or None
-        Size of a pixel.
+    pitch_mm, pitch_from : float or None, str
+        Size of a pixel and its source: ``given``, ``file``, ``depth`` (from the field of view at the median distance)
+        or ``none``.
+    distance_mm : float or None
+        Median distance, if it is known in perspective.
     inverted, inverted_from : bool, str
         Whether dark or small values are near, and the source of this.
     fov, fov_from : float, str
@@ -57,11 +87,31 @@ class DepthReport(Report):
 
     options: DepthOptions
     kind: str
+    values: str
+    values_from: str
+    absolute: bool
+    preset: str
+    preset_from: str
+    unit: str | None
+    unit_from: str
+    lens: str
     bits: int
+    lowest_value: float
+    highest_value: float
+    used_share: float | None
+    empty: dict[str, int]
+    empty_pixels: int
+    fill_px: float
+    filled_holes: int
+    filled_pixels: int
+    orientation: int
+    notes: tuple[str, ...]
     scale_px: float
     scale_from: str
     range_px: float
     pitch_mm: float | None
+    pitch_from: str
+    distance_mm: float | None
     inverted: bool
     inverted_from: str
     fov: float

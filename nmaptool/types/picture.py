@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -83,6 +83,18 @@ class DepthFacts:
     white_mm: float | None = None
     fov_deg: float | None = None
     at: str = "centers"
+
+
+# how to show a picture by its EXIF orientation: whether rows become columns, then the steps through rows and columns
+_UPRIGHT = {
+    2: (False, 1, -1),
+    3: (False, -1, -1),
+    4: (False, -1, 1),
+    5: (True, 1, 1),
+    6: (True, 1, -1),
+    7: (True, -1, -1),
+    8: (True, -1, 1),
+}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,6 +177,18 @@ class RasterImage(OneLine):
         share: Float32 = alpha.astype(np.float32)
         share /= np.float32(self.max_code)
         return share.clip(0, 1, out=share) if self.is_float else share
+
+    def upright(self) -> RasterImage:
+        """The picture as viewers show it: turned or mirrored by its EXIF orientation.
+
+        >>> RasterImage(np.zeros((2, 3, 1), np.uint8), ("Y",), orientation=6).upright().frame.shape
+        (3, 2)
+        """
+        if self.orientation not in _UPRIGHT:
+            return self
+        transposed, rows, cols = _UPRIGHT[self.orientation]
+        pixels = self.pixels.swapaxes(0, 1) if transposed else self.pixels
+        return replace(self, pixels=np.ascontiguousarray(pixels[::rows, ::cols]), orientation=1)
 
     def _line(self) -> str:
         kind = f"{self.bits}-bit {'float' if self.is_float else 'codes'}"

@@ -106,7 +106,7 @@ def options_like(image: RasterImage, options: ReadOptions, like: NormalMap | Non
     return replace(options, green="down" if like.decoding.green == "down" else "up")
 
 
-def read_grey(path: str | Path, *, max_megapixels: float = 270.0) -> Float32:
+def read_grey(path: str | Path, *, max_megapixels: float = 270.0, upright: bool = False) -> Float32:
     """Read a grey control picture: a mask, or a map of weights.
 
     Integer codes become 0..1; floats are not changed. A picture whose colour channels are equal counts as grey. If
@@ -118,6 +118,8 @@ def read_grey(path: str | Path, *, max_megapixels: float = 270.0) -> Float32:
         ``FILE`` or ``FILE.exr:layer``.
     max_megapixels : float
         Refuse a larger picture.
+    upright : bool
+        Turn it by its EXIF orientation.
 
     Returns
     -------
@@ -135,6 +137,7 @@ def read_grey(path: str | Path, *, max_megapixels: float = 270.0) -> Float32:
     (dtype('float32'), 0.0, 1.0)
     """
     image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
+    image = image.upright() if upright else image
     colors = [i for i, name in enumerate(image.channels) if name != "A"] or [0]  # alpha alone is also a mask
     grey = image.pixels[..., colors[0]]
     tolerance = 8 if image.lossy else 0
