@@ -70,7 +70,7 @@ def depth(run: Run, image: str, /) -> None:
 
     with run.work() as (files, progress):
         reading = ReadOptions(layer=inputs.layer, max_megapixels=inputs.max_megapixels)
-        picture = nm.read_raster(files["image"], reading)
+        picture = nm.read_raster(files["image"], reading, holds="depth")
         chosen = None if files["mask"] is None else nm.read_grey(files["mask"], max_megapixels=inputs.max_megapixels)
         result = nm.depth_to_normals(picture, options, mask=chosen, progress=progress)
     describe_depth(run, display_name(picture.name), result)
