@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
@@ -60,7 +61,7 @@ def read_header(name: str, stream: Any) -> ArrayHeader:
             raise broken
     except InputError:
         raise
-    except (ValueError, EOFError, TypeError, SyntaxError, RecursionError, MemoryError):
+    except (ValueError, EOFError, TypeError, SyntaxError, RecursionError, MemoryError, tokenize.TokenError):
         raise broken from None
     if kind.hasobject:
         raise InputError(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError
-from nmaptool.io.pictures.dds_blocks import unpack_signed
+from nmaptool.io.pictures.dds_blocks import unpack_blocks
 from nmaptool.io.pictures.facts import Facts
 from nmaptool.io.pictures.request import Request, damaged
 from nmaptool.io.pictures.sample_types import as_pixels
@@ -22,14 +22,15 @@ _CUBE, _VOLUME, _FOUR_LETTERS = 0x200, 0x200000, 0x4
 _CHANNELS = {1: ("Y",), 2: ("R", "G"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
 # blocks that OpenImageIO unpacks, by four letters and by DXGI number
 _BLOCKS = {b"DXT1": "BC1", b"DXT2": "BC2", b"DXT3": "BC2", b"DXT4": "BC3", b"DXT5": "BC3", b"RXGB": "BC3"}
-_BLOCKS |= {b"ATI1": "BC4", b"BC4U": "BC4", b"ATI2": "BC5", b"BC5U": "BC5", b"A2D5": "BC3", b"A2XY": "BC5"}
-_DXGI_BLOCKS = {71: "BC1", 72: "BC1", 74: "BC2", 75: "BC2", 77: "BC3", 78: "BC3", 80: "BC4", 83: "BC5", 95: "BC6H"}
-_DXGI_BLOCKS |= {96: "BC6H", 98: "BC7", 99: "BC7"}
-# the same formats without a type, which some programs write; they are read as unsigned
-_TYPELESS = {70: 71, 73: 74, 76: 77, 79: 80, 82: 83, 94: 95, 97: 98}
-# number of channels of signed blocks
-_SIGNED = {b"BC4S": 1, b"BC5S": 2}
-_DXGI_SIGNED = {81: 1, 84: 2}
+_BLOCKS |= {b"A2D5": "BC3", b"A2XY": "BC5"}
+_DXGI_BLOCKS = {71: "BC1", 72: "BC1", 74: "BC2", 75: "BC2", 77: "BC3", 78: "BC3", 95: "BC6H", 96: "BC6H"}
+_DXGI_BLOCKS |= {98: "BC7", 99: "BC7"}
+# blocks without a type, which some programs write, are read as unsigned
+_TYPELESS = {79: 80, 82: 83}
+# blocks of one or two channels: how many, and whether they are signed
+_FEW = {b"ATI1": (1, False), b"BC4U": (1, False), b"BC4S": (1, True)}
+_FEW |= {b"ATI2": (2, False), b"BC5U": (2, False), b"BC5S": (2, True)}
+_DXGI_FEW = {80: (1, False), 81: (1, True), 83: (2, False), 84: (2, True)}
 # plain numbers: type and count of channels, by DXGI number and by the number in place of the four letters
 _PLAIN = {2: ("<f4", 4), 6: ("<f4", 3), 10: ("<f2", 4), 11: ("<u2", 4), 13: ("<i2", 4), 16: ("<f4", 2)}
 _PLAIN |= {28: ("u1", 4), 29: ("u1", 4), 31: ("i1", 4), 34: ("<f2", 2), 35: ("<u2", 2), 37: ("<i2", 2), 41: ("<f4", 1)}
@@ -55,9 +56,9 @@ class _Header:
         return _DXGI_BLOCKS.get(self.dxgi) if self.letters == b"DX10" else _BLOCKS.get(self.letters)
 
     @property
-    def signed(self) -> int | None:
-        """The number of channels in signed blocks."""
-        return _DXGI_SIGNED.get(self.dxgi) if self.letters == b"DX10" else _SIGNED.get(self.letters)
+    def few(self) -> tuple[int, bool] | None:
+        """The number of channels of blocks of one or two, and whether they are signed."""
+        return _DXGI_FEW.get(self.dxgi) if self.letters == b"DX10" else _FEW.get(self.letters)
 
     @property
     def plain(self) -> tuple[str, int] | None:
@@ -120,7 +121,7 @@ def read_dds(path: Path, request: Request) -> RasterImage:
     InputError, LimitError
     """
     header = _header(path, request)
-    if header.signed is None and header.plain is None:
+    if header.few is None and header.plain is None:
         if header.blocks is None and header.letters:
             shown = header.letters.decode("latin-1") if not header.dxgi else f"DXGI format {header.dxgi}"
             name = shown if shown.isprintable() else f"code {int.from_bytes(header.letters, 'little')}"
@@ -133,14 +134,14 @@ def read_dds(path: Path, request: Request) -> RasterImage:
             kind, count = header.plain
             values = _plain(path, stream.read(header.rows * header.cols * count * np.dtype(kind).itemsize), header)
             return _signed_as_shares(path, values)
-        count = header.signed or 1
+        count, signed = header.few or (1, False)
         size = -(-header.rows // 4) * -(-header.cols // 4) * 8 * count
         data = stream.read(size)
     if len(data) < size:
         raise damaged(path, "DDS")
-    vectors = unpack_signed(data, header.rows, header.cols, count)
-    notes = (f"is block-compressed (BC{3 + count}, signed)",)
-    return RasterImage(vectors, _CHANNELS[count], str(path), 32, lossy=True, notes=notes)
+    values = unpack_blocks(data, (header.rows, header.cols, count), signed=signed)
+    notes = (f"is block-compressed (BC{3 + count}{', signed' if signed else ''})",)
+    return RasterImage(values, _CHANNELS[count], str(path), 32 if signed else 8, lossy=True, notes=notes)
 
 
 def _plain(path: Path, data: bytes, header: _Header) -> NDArray[Any]:

@@ -17,7 +17,7 @@ from nmaptool.types.picture import RasterImage
 # the second reads the same and also writes, with a library under the GPL
 _MODULES = ("pi_heif", "pillow_heif")
 _CHANNELS = {1: ("Y",), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
-_DAMAGE = (ValueError, EOFError, RuntimeError, OSError, SyntaxError)
+_DAMAGE = (ValueError, EOFError, RuntimeError, OSError, SyntaxError, LookupError, TypeError)
 _DEPTH = "depth"
 # kinds of depth image, see libheif; of these, larger numbers are farther away
 _FAR_IS_LARGE = 2

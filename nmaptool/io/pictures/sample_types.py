@@ -54,8 +54,16 @@ def as_pixels(name: str, values: NDArray[Any]) -> Pixels:
         return Pixels(floats, 16 if size == 2 else 32)
     stated = f"stores {8 * size}-bit {'signed' if kind == 'i' else 'unsigned'} integers"
     exact = all(
-        np.array_equal(floats[row : row + _ROWS_AT_ONCE].astype(np.float64), values[row : row + _ROWS_AT_ONCE])
+        _is_exact(floats[row : row + _ROWS_AT_ONCE], values[row : row + _ROWS_AT_ONCE])
         for row in range(0, len(values), _ROWS_AT_ONCE)
     )
     rounding = "" if exact else "; those beyond 16777216 are rounded to floats"
     return Pixels(floats, 32, (f"{stated}, read as numbers{rounding}",))
+
+
+def _is_exact(floats: NDArray[np.float32], values: NDArray[Any]) -> bool:
+    """Whether floats are the same numbers as integers."""
+    span = np.iinfo(values.dtype)
+    wide = floats.astype(np.float64)
+    # the largest integer of 32 or 64 bits, as a float, is one more
+    return bool((wide < float(span.max) + (span.bits < 54)).all()) and np.array_equal(wide.astype(values.dtype), values)

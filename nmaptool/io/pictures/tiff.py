@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +22,7 @@ from nmaptool.types.shown import counted
 
 _NODATA, _PIXEL_SCALE, _GEO_KEYS = 42113, 33550, 34735
 _WHITE_IS_ZERO, _PALETTE, _INKS, _YCBCR, _LAB = 0, 3, 5, 6, (8, 9, 10)
-_MASK_PAGE = 4
+_MASK_PAGE, _MOST_PAGES, _MOST_CHANNELS = 4, 10_000, 64
 # packings that every libtiff decodes: none, CCITT, LZW, JPEG, Deflate, PackBits
 _COMMON = {1, 2, 3, 4, 5, 6, 7, 8, 32946, 32773}
 _LOSSY = {
@@ -61,7 +62,8 @@ class _Page:
 
 def _pages(path: Path) -> list[_Page]:
     with tiff_damage_named(path), tifffile.TiffFile(path) as tiff:
-        found = [_page(page if isinstance(page, tifffile.TiffPage) else page.aspage()) for page in tiff.pages]
+        pages = itertools.islice(tiff.pages, _MOST_PAGES)
+        found = [_page(page if isinstance(page, tifffile.TiffPage) else page.aspage()) for page in pages]
     if not found:
         raise damaged(path, "TIFF")
     return found
@@ -71,11 +73,14 @@ def _page(page: tifffile.TiffPage) -> _Page:
     tags = page.tags
     bits = tags.valueof(258, 1)
     kind = tags.valueof(339, 1)
+    size = (page.imagewidth, page.imagelength, page.samplesperpixel)
+    if not all(isinstance(number, int | np.integer) and number > 0 for number in size):
+        raise ValueError("the size is not a number")
     return _Page(
-        cols=page.imagewidth,
-        rows=page.imagelength,
+        cols=int(size[0]),
+        rows=int(size[1]),
         bits=int(max(bits) if isinstance(bits, tuple) else bits),
-        samples=page.samplesperpixel,
+        samples=int(size[2]),
         sample_format=int(kind[0] if isinstance(kind, tuple) else kind),
         packing=int(tags.valueof(259, 1)),
         colors=int(tags.valueof(262, 1)),
@@ -121,6 +126,8 @@ def _facts(path: Path, request: Request, pages: list[_Page]) -> Facts:
     first = pages[0]
     for page in pages:
         request.check_size(path, page.cols, page.rows)
+    if first.samples > _MOST_CHANNELS:
+        raise InputError(f"{path}: has {first.samples} channels; a picture has 1 to 4")
     notes = []
     if first.colors in _LAB:
         raise InputError(f"{path}: stores CIELAB colours; export it as RGB")

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import lzma
 import struct
 import warnings
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -22,7 +24,9 @@ from nmaptool.types.picture import RasterImage
 
 _DAMAGE = (
     *(tifffile.TiffFileError, ValueError, OSError, EOFError, KeyError, IndexError, TypeError, AttributeError),
-    *(struct.error, RecursionError, ArithmeticError, UnicodeError, AssertionError, UserWarning, NotImplementedError),
+    *(struct.error, ArithmeticError, UnicodeError, AssertionError, UserWarning),
+    # of imagecodecs, and of Python's own unpackers without it
+    *(RuntimeError, zlib.error, lzma.LZMAError),
 )
 _CHANNELS = {1: ("Y",), 2: ("Y", "A"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
 
@@ -107,12 +111,12 @@ def _values(path: Path, number: int, filling: int) -> NDArray[Any]:
         except (ValueError, ImportError) as error:  # DelayedImportError is an ImportError
             if "imagecodecs" in str(error) or isinstance(error, ImportError):
                 raise InputError(
-                    f"{path}: is packed as {page.compression.name}; save it with LZW or Deflate, or "
-                    'pip install "nmaptool-relief[codecs]"'
+                    f"{path}: is packed as {page.compression.name}; save it with LZW or Deflate, or install the "
+                    'reader: pip install "nmaptool-relief[codecs]"'
                 ) from None
             raise
-        planes = page.planarconfig == 2 and page.samplesperpixel > 1
-    values = values.reshape(values.shape[-3:] if values.ndim > 3 else values.shape)
-    if values.ndim == 2:
-        return values[..., None]
-    return np.moveaxis(values, 0, -1) if planes else values
+        planes, slices, rows, cols, count = page.shaped
+    if slices != 1:
+        raise InputError(f"{path}: holds a volume; save one slice of it")
+    values = values.reshape(planes, rows, cols, count)
+    return values[0] if planes == 1 else np.moveaxis(values[..., 0], 0, -1)
