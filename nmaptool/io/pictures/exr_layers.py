@@ -20,6 +20,8 @@ _ALPHA = ("a", "alpha")
 _ENDING = re.compile(r"(.+?)[_ ]?([xyzrgb])", re.IGNORECASE)
 # luminance and chroma: only the luminance is read, as a grey picture
 _LUMINANCE = ("y", "ry", "by")
+# names of the channel of a layer of one, which say nothing
+_SINGLE = ("z", "y", "v", "x", "r", "l", "value")
 # the name of the unnamed layer in lists and requests
 _UNNAMED = "RGB"
 
@@ -139,7 +141,7 @@ class _Part:
             for index in rest.values():
                 channel = str(self.spec.channelnames[index])
                 full = self.label(channel)
-                alone = len(members) == 1 and prefix
+                alone = len(members) == 1 and prefix and full.rpartition(".")[2].lower() in _SINGLE
                 name = self.label(prefix) if alone else full
                 found.append(Layer(name, self.number, (index,), ("Y",), (full, channel), minor=True))
         return found

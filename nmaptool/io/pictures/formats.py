@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
@@ -25,6 +26,8 @@ class PictureFormat:
     ----------
     name : str
         Name for messages.
+    description : str
+        What is read, for the README.
     endings : tuple of str
         File extensions, the usual one first.
     magic : tuple of (int, bytes)
@@ -41,6 +44,7 @@ class PictureFormat:
     """
 
     name: str
+    description: str
     endings: tuple[str, ...]
     magic: tuple[tuple[int, bytes], ...]
     reader: str = "through_oiio:read_checked"
@@ -62,35 +66,95 @@ def _first(*magic: bytes) -> tuple[tuple[int, bytes], ...]:
     return tuple((0, one) for one in magic)
 
 
+def _is_pfm(_: Path, head: bytes) -> bool:
+    """A header on one line; "PF" and a blank alone could also begin a text."""
+    return re.match(rb"P[Ff] \d+ \d+\s", head) is not None
+
+
+def _is_pnm(_: Path, head: bytes) -> bool:
+    return re.match(rb"P[56] \d+ \d+\s", head) is not None
+
+
 _HEIF_BRANDS = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
 
-PNG = PictureFormat("PNG", (".png",), _first(b"\x89PNG"), check="png:png_facts", advised=True)
-EXR = PictureFormat("EXR", (".exr",), _first(b"\x76\x2f\x31\x01"), advised=True)
+PNG = PictureFormat(
+    "PNG", "8 and 16 bits, palettes", (".png",), _first(b"\x89PNG"), check="png:png_facts", advised=True
+)
+EXR = PictureFormat(
+    "EXR",
+    "float, half, integers; layers such as `R,G,B`, `N.X,N.Y,N.Z`, `Nx,Ny,Nz`, `ViewLayer.Depth.Z`, and parts: "
+    "`maps.exr:detail`",
+    (".exr",),
+    _first(b"\x76\x2f\x31\x01"),
+    advised=True,
+)
 TIFF = PictureFormat(
     "TIFF",
+    "integers and floats of any size, tiles, palettes, `GDAL_NODATA`; ZSTD, LERC and JPEG 2000 need the extra `codecs`; "
+    "pages: `map.tif:page 2`",
     (".tif", ".tiff"),
     _first(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
     reader="tiff:read_tiff",
     check="tiff:tiff_facts",
     advised=True,
 )
-JPEG = PictureFormat("JPEG", (".jpg", ".jpeg", ".jpe", ".jfif"), _first(b"\xff\xd8\xff"), check="photos:jpeg_facts")
-BMP = PictureFormat("BMP", (".bmp", ".dib"), _first(b"BM"), reader="bmp:read_bmp")
-WEBP = PictureFormat("WebP", (".webp",), ((8, b"WEBP"),), check="photos:webp_facts")
-TGA = PictureFormat("TGA", (".tga", ".icb", ".vda", ".vst"), (), check="truevision:tga_facts", recognise=is_tga)
-DDS = PictureFormat("DDS", (".dds",), _first(b"DDS "), reader="dds:read_dds", check="dds:dds_facts")
-HDR = PictureFormat("HDR", (".hdr", ".rgbe", ".pic"), _first(b"#?RADIANCE", b"#?RGBE"), check="photos:hdr_facts")
-PFM = PictureFormat("PFM", (".pfm",), _first(b"PF\n", b"PF\r", b"PF ", b"Pf\n", b"Pf\r", b"Pf "), "netpbm:read_pfm")
+JPEG = PictureFormat(
+    "JPEG", "8 bits, lossy", (".jpg", ".jpeg", ".jpe", ".jfif"), _first(b"\xff\xd8\xff"), check="photos:jpeg_facts"
+)
+BMP = PictureFormat(
+    "BMP", "any header, channel masks, palettes, run lengths", (".bmp", ".dib"), _first(b"BM"), reader="bmp:read_bmp"
+)
+WEBP = PictureFormat("WebP", "8 bits, lossless or lossy", (".webp",), ((8, b"WEBP"),), check="photos:webp_facts")
+TGA = PictureFormat(
+    "TGA",
+    "8 bits, palettes, run lengths, any corner first",
+    (".tga", ".icb", ".vda", ".vst"),
+    (),
+    check="truevision:tga_facts",
+    recognise=is_tga,
+)
+DDS = PictureFormat(
+    "DDS",
+    "BC1 to BC7 (BC5 holds x and y), 8 and 16 bits, half, float",
+    (".dds",),
+    _first(b"DDS "),
+    reader="dds:read_dds",
+    check="dds:dds_facts",
+)
+HDR = PictureFormat(
+    "HDR",
+    "Radiance: numbers with 8 significant bits, for depth",
+    (".hdr", ".rgbe", ".pic"),
+    _first(b"#?RADIANCE", b"#?RGBE"),
+    check="photos:hdr_facts",
+)
+PFM = PictureFormat(
+    "PFM", "float", (".pfm",), _first(b"PF\n", b"PF\r", b"Pf\n", b"Pf\r"), "netpbm:read_pfm", recognise=_is_pfm
+)
 PNM = PictureFormat(
     "PGM/PPM",
+    "binary, 8 and 16 bits",
     (".pgm", ".ppm", ".pnm"),
-    _first(*(b"P%d%c" % (n, c) for n in (5, 6) for c in b"\n\r ")),
+    _first(b"P5\n", b"P5\r", b"P6\n", b"P6\r"),
     "netpbm:read_pnm",
+    recognise=_is_pnm,
 )
-NPY = PictureFormat("NumPy .npy", (".npy",), _first(b"\x93NUMPY"), reader="arrays:read_npy")
-NPZ = PictureFormat("NumPy .npz", (".npz",), _first(b"PK\x03\x04"), reader="arrays:read_npz")
+NPY = PictureFormat(
+    "NumPy .npy",
+    "(rows, columns), with channels last or first; floats, integers, bool masks; no pickles",
+    (".npy",),
+    _first(b"\x93NUMPY"),
+    reader="arrays:read_npy",
+)
+NPZ = PictureFormat(
+    "NumPy .npz", "the same, several arrays: `out.npz:normal`", (".npz",), _first(b"PK\x03\x04"), "arrays:read_npz"
+)
 HEIC = PictureFormat(
-    "HEIC", (".heic", ".heif", ".hif"), tuple((4, b"ftyp" + b) for b in _HEIF_BRANDS), "heic:read_heic"
+    "HEIC",
+    "photos, and the depth image of portrait mode: `photo.heic:depth`; needs the extra `heic`",
+    (".heic", ".heif", ".hif"),
+    tuple((4, b"ftyp" + brand) for brand in _HEIF_BRANDS),
+    reader="heic:read_heic",
 )
 READ_FORMATS = (PNG, EXR, TIFF, JPEG, BMP, WEBP, TGA, DDS, HDR, PFM, PNM, NPY, NPZ, HEIC)
 # shorter identifying bytes could also begin a text

@@ -81,7 +81,8 @@ def _depth(path: Path, found: list[Any], size: tuple[int, int], request: Request
 
 def _image(path: Path, image: Any, layer: str | None, notes: tuple[str, ...]) -> RasterImage:
     name = str(path) if layer is None else f"{path}:{layer}"
-    values: NDArray[Any] = np.asarray(image)
+    values: NDArray[Any] = np.array(image, copy=True)  # its memory lasts only as long as the image
+    values = values[:, : image.size[0]]
     values = values[..., None] if values.ndim == 2 else values
     if values.shape[2] not in _CHANNELS:
         raise InputError(f"{name}: has {values.shape[2]} channels; a picture has 1, 3 or 4")
