@@ -121,6 +121,33 @@ def test_plain_numbers_in_a_texture_keep_their_values(tmp_path, number, kind, co
     assert (image.bits, image.lossy) == (8 * values.dtype.itemsize, False)
 
 
+def old_dds(bits, masks, flags, data, rows=12, cols=16):
+    head = struct.pack("<4s7I44x", b"DDS ", 124, 0x1007, rows, cols, len(data), 0, 1)
+    return (
+        head
+        + struct.pack("<II4s5I", 32, flags, b"\0" * 4, bits, *masks)
+        + struct.pack("<5I", 0x1000, 0, 0, 0, 0)
+        + data
+    )
+
+
+def test_older_textures_state_bits_and_masks(tmp_path):
+    path, words = tmp_path / "a.dds", RNG.integers(0, 2**16, (12, 16, 1)).astype("<u2")
+    path.write_bytes(old_dds(16, (0xFFFF, 0, 0, 0), 0x20000, words.tobytes()))
+    assert np.array_equal(nm.read_raster(path).pixels, words)
+    signed = RNG.integers(-127, 128, (12, 16, 2)).astype("i1")
+    path.write_bytes(old_dds(16, (0xFF, 0xFF00, 0, 0), 0x80000, signed.tobytes()))
+    assert np.allclose(nm.read_raster(path).pixels, signed / 127)
+    bgra = np.dstack([COLOR[..., ::-1], ALPHA])
+    path.write_bytes(old_dds(32, (0xFF0000, 0xFF00, 0xFF, 0xFF000000), 0x41, bgra.tobytes()))
+    assert np.array_equal(nm.read_raster(path).pixels, np.dstack([COLOR, ALPHA]))
+    path.write_bytes(dds(87, bgra.tobytes()))
+    assert np.array_equal(nm.read_raster(path).pixels, np.dstack([COLOR, ALPHA]))
+    path.write_bytes(old_dds(32, (0x3FF, 0xFFC00, 0x3FF00000, 0xC0000000), 0x41, bgra.tobytes()))
+    with pytest.raises(nm.InputError, match=r"is a DDS in 10 bits per channel; save it as BC5, BC7 or uncompressed"):
+        nm.read_raster(path)
+
+
 @pytest.mark.parametrize(("number", "kind"), [(31, "i1"), (13, "i2")])
 def test_signed_integers_in_a_texture_are_shares_of_one(tmp_path, number, kind):
     values = np.zeros((12, 16, 4), kind)

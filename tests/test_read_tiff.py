@@ -92,6 +92,12 @@ def test_twelve_bits_are_widened_to_16(tmp_path):
     assert image.notes == ("has 12 bits per channel, widened to 16",)
 
 
+def test_numbers_of_24_bits_are_read(tmp_path):
+    values = GREY.astype(np.uint32) * 80_000
+    image = nm.read_raster(write(tmp_path / "a.tif", values, bitspersample=24))
+    assert np.array_equal(image.pixels[..., 0], values)
+
+
 @pytest.mark.parametrize("kind", ["u1", "u2"])
 @pytest.mark.parametrize("packing", [None, "zstd"])
 def test_white_is_zero_is_read_as_it_is_shown(tmp_path, kind, packing):

@@ -18,7 +18,7 @@ from nmaptool.io.pictures.sample_types import as_pixels
 from nmaptool.io.pictures.through_oiio import read_checked
 from nmaptool.types.picture import RasterImage
 
-_CUBE, _VOLUME, _FOUR_LETTERS = 0x200, 0x200000, 0x4
+_CUBE, _VOLUME, _FOUR_LETTERS, _BUMPS = 0x200, 0x200000, 0x4, 0x80000
 _CHANNELS = {1: ("Y",), 2: ("R", "G"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
 # blocks that OpenImageIO unpacks, by four letters and by DXGI number
 _BLOCKS = {b"DXT1": "BC1", b"DXT2": "BC2", b"DXT3": "BC2", b"DXT4": "BC3", b"DXT5": "BC3", b"RXGB": "BC3"}
@@ -35,6 +35,10 @@ _DXGI_FEW = {80: (1, False), 81: (1, True), 83: (2, False), 84: (2, True)}
 _PLAIN = {2: ("<f4", 4), 6: ("<f4", 3), 10: ("<f2", 4), 11: ("<u2", 4), 13: ("<i2", 4), 16: ("<f4", 2)}
 _PLAIN |= {28: ("u1", 4), 29: ("u1", 4), 31: ("i1", 4), 34: ("<f2", 2), 35: ("<u2", 2), 37: ("<i2", 2), 41: ("<f4", 1)}
 _PLAIN |= {49: ("u1", 2), 51: ("i1", 2), 54: ("<f2", 1), 56: ("<u2", 1), 58: ("<i2", 1), 61: ("u1", 1), 63: ("i1", 1)}
+# plain codes that OpenImageIO reads
+_CODES = (85, 86, 87, 88, 91, 93, 115)
+# signed numbers of older files, by their bits and the masks of the first two channels
+_SIGNED = {(16, 0xFF, 0xFF00): 51, (32, 0xFF, 0xFF00): 31, (32, 0xFFFF, 0xFFFF0000): 37}
 _NUMBERED = {36: 11, 110: 13, 111: 54, 112: 34, 113: 10, 114: 41, 115: 16, 116: 2}
 
 
@@ -49,6 +53,7 @@ class _Header:
     start: int
     bits: int
     masks: tuple[int, ...]
+    bumps: bool
 
     @property
     def blocks(self) -> str | None:
@@ -61,6 +66,19 @@ class _Header:
         return _DXGI_FEW.get(self.dxgi) if self.letters == b"DX10" else _FEW.get(self.letters)
 
     @property
+    def unknown(self) -> str | None:
+        """The name of a format that is not read."""
+        if self.blocks is not None or self.few is not None or self.plain is not None or self.dxgi in _CODES:
+            return None
+        if self.letters == b"DX10":
+            return f"DXGI format {self.dxgi}"
+        if self.letters:
+            name = self.letters.decode("latin-1")
+            return f"format {name}" if name.isprintable() else f"format {int.from_bytes(self.letters, 'little')}"
+        most = max(mask.bit_count() for mask in self.masks)
+        return "signed numbers" if self.bumps else f"{most} bits per channel" if most > 8 else None
+
+    @property
     def plain(self) -> tuple[str, int] | None:
         """Type and count of plain numbers."""
         if self.letters == b"DX10":
@@ -68,6 +86,8 @@ class _Header:
         if self.letters:
             number = int.from_bytes(self.letters, "little")
             return _PLAIN.get(_NUMBERED.get(number, 0))
+        if self.bumps:
+            return _PLAIN.get(_SIGNED.get((self.bits, self.masks[0], self.masks[1]), 0))
         grey = self.bits == 16 and self.masks[0] == 0xFFFF and not any(self.masks[1:])
         return _PLAIN[56] if grey else _PLAIN[35] if self.masks[:2] == (0xFFFF, 0xFFFF0000) else None
 
@@ -99,7 +119,7 @@ def _header(path: Path, request: Request) -> _Header:
     request.check_size(path, cols, rows)
     if not cols or not rows:
         raise damaged(path, "DDS")
-    return _Header(cols, rows, letters, dxgi, start, bits, tuple(masks))
+    return _Header(cols, rows, letters, dxgi, start, bits, tuple(masks), bool(flags & _BUMPS))
 
 
 def dds_facts(path: Path, request: Request) -> Facts:
@@ -122,10 +142,8 @@ def read_dds(path: Path, request: Request) -> RasterImage:
     """
     header = _header(path, request)
     if header.few is None and header.plain is None:
-        if header.blocks is None and header.letters:
-            shown = header.letters.decode("latin-1") if not header.dxgi else f"DXGI format {header.dxgi}"
-            name = shown if shown.isprintable() else f"code {int.from_bytes(header.letters, 'little')}"
-            raise InputError(f"{path}: is a DDS in {name}; save it as BC5, BC7 or uncompressed, or as PNG")
+        if header.unknown is not None:
+            raise InputError(f"{path}: is a DDS in {header.unknown}; save it as BC5, BC7 or uncompressed, or as PNG")
         return read_checked(path, request)
     request.refuse_layer(path, "DDS")
     with path.open("rb") as stream:

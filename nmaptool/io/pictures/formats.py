@@ -90,8 +90,8 @@ EXR = PictureFormat(
 )
 TIFF = PictureFormat(
     "TIFF",
-    "integers and floats of any size, tiles, palettes, `GDAL_NODATA`; ZSTD, LERC and JPEG 2000 need the extra `codecs`; "
-    "pages: `map.tif:page 2`",
+    "integers and floats of any size, tiles, palettes, `GDAL_NODATA`; pages: `map.tif:page 2`; ZSTD, LERC and JPEG "
+    "2000 need the extra `codecs`",
     (".tif", ".tiff"),
     _first(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
     reader="tiff:read_tiff",
