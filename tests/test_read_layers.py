@@ -1,5 +1,7 @@
 """Layers of EXR files as renderers name them: found by name, chosen for normals or for depth, listed in errors."""
 
+import struct
+
 import numpy as np
 import pytest
 from test_layers import write_parts
@@ -192,3 +194,24 @@ def test_compose_depth_and_relief_take_the_fitting_layer(tmp_path, picture, dome
     done = run("compose", "convert", tmp_path / "r.exr", tmp_path / "n.exr")
     assert done.code == 0
     assert np.abs(nm.read_raster(tmp_path / "n.exr").pixels[..., :3] - d.normals).max() < 1e-6
+
+
+def test_chroma_at_half_resolution_is_refused(tmp_path):
+    def attribute(name, kind, value):
+        return name + b"\0" + kind + b"\0" + struct.pack("<I", len(value)) + value
+
+    window = struct.pack("<4i", 0, 0, 7, 7)
+    channels = b"".join(c + b"\0" + struct.pack("<IIii", 1, 0, s, s) for c, s in ((b"BY", 2), (b"RY", 2), (b"Y", 1)))
+    parts = [
+        attribute(b"channels", b"chlist", channels + b"\0"),
+        attribute(b"compression", b"compression", b"\0"),
+        *(attribute(name, b"box2i", window) for name in (b"dataWindow", b"displayWindow")),
+        attribute(b"lineOrder", b"lineOrder", b"\0"),
+        attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1)),
+        attribute(b"screenWindowCenter", b"v2f", bytes(8)),
+        attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)),
+    ]
+    head = b"\x76\x2f\x31\x01" + struct.pack("<I", 2) + b"".join(parts) + b"\0"
+    (tmp_path / "a.exr").write_bytes(head + bytes(400))
+    with pytest.raises(nm.InputError, match=r"stores colour at half resolution; export red, green and blue at full"):
+        nm.read_raster(tmp_path / "a.exr")

@@ -118,12 +118,7 @@ def _rows(path: Path, header: _Header, data: bytes) -> NDArray[np.uint8]:
 def _indexed(path: Path, header: _Header, data: bytes) -> tuple[NDArray[Any], tuple[str, ...], tuple[str, ...]]:
     """A picture with a palette, as grey if the palette is grey."""
     if header.packing == _RGB:
-        packed = _rows(path, header, data)
-        places = np.unpackbits(packed, axis=1).reshape(header.rows, -1, header.bits)
-        weights = (1 << np.arange(header.bits - 1, -1, -1)).astype(np.uint8)
-        index = np.asarray((places[:, : header.cols] * weights).sum(axis=-1, dtype=np.uint8))
-        if header.bits == 8:
-            index = packed[:, : header.cols]
+        index = _places(_rows(path, header, data), header)
     else:
         found = unpack_runs(data[header.data :], header.cols, header.rows, header.bits)
         if found is None:
@@ -139,6 +134,15 @@ def _indexed(path: Path, header: _Header, data: bytes) -> tuple[NDArray[Any], tu
         notes = () if header.bits == 8 else (f"has only {1 << header.bits} shades of grey",)
         return entries[:, :1][index], ("Y",), notes
     return entries[index], ("R", "G", "B"), (f"its colours are a palette of {count}",)
+
+
+def _places(packed: NDArray[np.uint8], header: _Header) -> NDArray[np.uint8]:
+    """(rows, cols) places in the palette, the first in the highest bits of a byte."""
+    if header.bits == 8:
+        return packed[:, : header.cols]
+    shifts = np.arange(8 - header.bits, -1, -header.bits, dtype=np.uint8)
+    places = packed[..., None] >> shifts & np.uint8((1 << header.bits) - 1)
+    return np.asarray(places.reshape(header.rows, -1)[:, : header.cols])
 
 
 def _masked(path: Path, header: _Header, data: bytes) -> tuple[NDArray[Any], tuple[str, ...], tuple[str, ...]]:

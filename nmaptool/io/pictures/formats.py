@@ -91,7 +91,7 @@ EXR = PictureFormat(
 TIFF = PictureFormat(
     "TIFF",
     "integers and floats of any size, tiles, palettes, `GDAL_NODATA`; pages: `map.tif:page 2`; ZSTD, LERC and JPEG "
-    "2000 need the extra `codecs`",
+    "2000 need the codecs extra",
     (".tif", ".tiff"),
     _first(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
     reader="tiff:read_tiff",
@@ -151,7 +151,7 @@ NPZ = PictureFormat(
 )
 HEIC = PictureFormat(
     "HEIC",
-    "photos, and the depth image of portrait mode: `photo.heic:depth`; needs the extra `heic`",
+    "photos, and the depth image of portrait mode: `photo.heic:depth`; needs the heic extra",
     (".heic", ".heif", ".hif"),
     tuple((4, b"ftyp" + brand) for brand in _HEIF_BRANDS),
     reader="heic:read_heic",
