@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from nmaptool.io.pictures.formats import READ_FORMATS
 from nmaptool.options import BLEND_MODES
 from nmaptool.options.formats import NORMAL_MAP_FORMATS, RELIEF_FORMATS, WORKSPACE_FORMATS
 from nmaptool.options.presets import DEPTH_PRESETS
@@ -24,7 +25,10 @@ def lists() -> dict[str, str]:
     written = {name: _rows("file", ((e, f.description) for e, f in table)) for name, table in formats.items()}
     depths = _rows("--from", ((name, preset.description) for name, preset in DEPTH_PRESETS.items()))
     modes = ((name, mode.meaning) for name, mode in BLEND_MODES.items())
-    return {"blend modes": _rows("mode", modes), "depth pictures": depths, **written}
+    pictures = "\n".join(
+        ["| file | what is read |", "|---|---|", *(f"| {one.name} | {one.description} |" for one in READ_FORMATS)]
+    )
+    return {"blend modes": _rows("mode", modes), "depth pictures": depths, "pictures": pictures + "\n", **written}
 
 
 def _rows(head: str, entries: Iterator[tuple[str, str]]) -> str:

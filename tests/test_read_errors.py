@@ -135,11 +135,11 @@ def test_a_file_with_the_ending_of_another_format_is_refused(good, kind, named):
 
 
 @pytest.mark.parametrize(
-    "data", [b"not a picture\n", b"<!DOCTYPE html><html>", b"\0" * 4096, b"\x89PN", b"GIF89a", b"8BPS\0\1", b"RIFFWEBP"]
+    "data", [b"not a picture\n", b"<!DOCTYPE html><html>", b"\0" * 4096, b"\x89PN", b"RIFFWEBP", b"PF", b"DDS"]
 )
 def test_bytes_that_are_not_an_image_are_refused(tmp_path, data):
     (tmp_path / "map.png").write_bytes(data)
-    with pytest.raises(nm.InputError, match=r"map\.png: is not a picture .*; export it as PNG, EXR, TIFF, JPEG or BMP"):
+    with pytest.raises(nm.InputError, match=r"map\.png: is not a picture .*; export it as PNG, EXR or TIFF"):
         nm.read_normal_map(tmp_path / "map.png")
 
 

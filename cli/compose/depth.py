@@ -70,7 +70,7 @@ def depth(run: Run, image: str, /) -> None:
 
     with run.work() as (files, progress):
         reading = ReadOptions(layer=inputs.layer, max_megapixels=inputs.max_megapixels)
-        picture = nm.read_raster(files["image"], reading)
+        picture = nm.read_raster(files["image"], reading, holds="depth")
         limit = inputs.max_megapixels
         chosen = None if files["mask"] is None else nm.read_grey(files["mask"], max_megapixels=limit, upright=True)
         result = nm.depth_to_normals(picture, options, mask=chosen, progress=progress)

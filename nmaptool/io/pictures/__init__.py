@@ -1,1 +1,1 @@
-"""Picture files: PNG, EXR, TIFF, JPEG, BMP."""
+"""Picture files: a table of formats and a reader for each."""

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, OutputError, reason_of
+from nmaptool.io.pictures.array_files import ArrayHeader, header_of, load_npy
 from nmaptool.io.pictures.height_samples import height_of_centers, height_of_corners
-from nmaptool.io.pictures.png import check_size
+from nmaptool.io.pictures.size_limit import check_size
 from nmaptool.types.height import Height
 
 # a corner's height in mm, and whether the pixel to its lower right belongs to the surface
@@ -70,30 +71,23 @@ def read_height_array(path: Path, pitch_mm: float | None, max_megapixels: float)
     return height_of_corners(str(path), values["z_mm"].astype(np.float64), values["inside"], pitch_mm)
 
 
+def is_height_array(path: Path) -> bool:
+    """Whether an .npy file holds heights: a two-dimensional array, or records of heights at corners.
+
+    Raises
+    ------
+    InputError
+    """
+    return len(header_of(path).shape) == 2
+
+
 def _load(path: Path, max_megapixels: float) -> NDArray[Any]:
-    not_ours = InputError(f"{path}: is not a NumPy array file, or is truncated; save it again")
-    try:
-        if path.is_dir():  # Windows reports a folder as a protected file
-            raise InputError(f"{path}: is a folder; give a height file")
-        with path.open("rb") as stream:
-            if not stream.read(6) == np.lib.format.MAGIC_PREFIX:
-                raise not_ours
-            stream.seek(0)
-            version = np.lib.format.read_magic(stream)
-            reader = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-            shape, _, kind = reader(stream)
-            if len(shape) != 2 or not _holds_heights(kind) or 0 in shape:
-                raise InputError(f"{path}: must hold one (rows, columns) array of heights in mm")
-            check_size(path, shape[1], shape[0], max_megapixels)
-            stream.seek(0)
-            values: NDArray[Any] = np.load(stream, allow_pickle=False)
-    except InputError:
-        raise
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (OSError, ValueError, EOFError):
-        raise not_ours from None
-    return values
+    def check(name: str, header: ArrayHeader) -> None:
+        if len(header.shape) != 2 or not _holds_heights(header.kind) or 0 in header.shape:
+            raise InputError(f"{name}: must hold one (rows, columns) array of heights in mm")
+        check_size(path, header.shape[1], header.shape[0], max_megapixels)
+
+    return load_npy(path, check)
 
 
 def _holds_heights(kind: np.dtype[Any]) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
-from nmaptool.io.pictures.height_arrays import read_height_array, write_centers, write_corners
+from nmaptool.io.pictures.height_arrays import is_height_array, read_height_array, write_centers, write_corners
 from nmaptool.io.pictures.height_samples import (
     Samples,
     center_samples,
@@ -179,7 +179,7 @@ def read_surface(
     <NormalMap samples/roll.png: 224 x 224 px, pitch unknown, 100% covered>
     """
     options = options or ReadOptions()
-    if Path(path).suffix.lower() == ".npy":
+    if Path(path).suffix.lower() == ".npy" and is_height_array(Path(path)):
         return read_height(path, pitch_mm=pitch_mm, max_megapixels=options.max_megapixels)
     image = read_raster(path, options)
     see_through = image.alpha is not None and not alpha_is_data(image)

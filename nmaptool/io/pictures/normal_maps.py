@@ -11,6 +11,7 @@ import numpy as np
 from nmaptool._version import __version__
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError
+from nmaptool.io.pictures.layer_names import Holds
 from nmaptool.io.pictures.reader import read_image
 from nmaptool.io.pictures.writer import Picture
 from nmaptool.maps import codec
@@ -33,15 +34,18 @@ def split_layer(text: str) -> tuple[Path, str | None]:
     return path, None
 
 
-def read_raster(path: str | Path, options: ReadOptions | None = None) -> RasterImage:
-    """Read a picture as stored, for `nmaptool.inspect_map` or `nmaptool.decode_normal_map`.
+def read_raster(path: str | Path, options: ReadOptions | None = None, *, holds: Holds = "normals") -> RasterImage:
+    """Read a picture as stored, for `inspect_map`, `decode_normal_map` or `depth_to_normals`.
 
     Parameters
     ----------
     path : str or Path
-        ``FILE`` or ``FILE.exr:layer``.
+        ``FILE``, or ``FILE.exr:layer`` or ``FILE.npz:array``.
     options : ReadOptions, optional
         ``layer`` and ``max_megapixels`` are used.
+    holds : str
+        What the picture is read for, "normals" or "depth": in a file with several layers, the one with such a name is
+        read if the options name none.
 
     Returns
     -------
@@ -60,13 +64,13 @@ def read_raster(path: str | Path, options: ReadOptions | None = None) -> RasterI
     """
     options = options or ReadOptions()
     file, layer = split_layer(str(path))
-    return read_image(file, layer or options.layer, options.max_megapixels)
+    return read_image(file, layer or options.layer, options.max_megapixels, holds)
 
 
 def read_normal_map(
     path: str | Path, options: ReadOptions | None = None, *, like: NormalMap | None = None
 ) -> NormalMap:
-    """Read a normal map: PNG, EXR, TIFF, JPEG or BMP.
+    """Read a normal map from a picture or array file.
 
     Parameters
     ----------

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, OutputError
 from nmaptool.io.pictures.metadata import PREFIX, one_line
-from nmaptool.io.pictures.reader import PlacedImage, error_text, read_image, read_pages
+from nmaptool.io.pictures.reader import PlacedImage, read_image, read_pages
+from nmaptool.io.pictures.through_oiio import error_text
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
-import logging
-import struct
-import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,9 +11,10 @@ import numpy as np
 import tifffile
 from numpy.typing import NDArray
 
-from nmaptool.core.errors import InputError, LimitError
+from nmaptool.core.errors import LimitError
 from nmaptool.io.pictures.metadata import PREFIX
 from nmaptool.io.pictures.reader import read_pages
+from nmaptool.io.pictures.tiff_pages import tiff_damage_named
 from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.io.workspaces.limits import MOST_LAYERS, Budget
 from nmaptool.io.workspaces.pages import FURTHEST, Page, layers_of, page_attributes, page_metadata
@@ -28,10 +25,6 @@ _DPI = 72  # places are stored in inches
 _CLASSIC_BYTES = 3_500_000_000  # the format's offsets end at 4 GB
 _PAGE_NAME, _X_POSITION, _Y_POSITION, _FULL_COLS, _FULL_ROWS = 285, 286, 287, 33300, 33301
 _X_RESOLUTION, _Y_RESOLUTION, _SUBFILE = 282, 283, 254
-_DAMAGE = (
-    *(tifffile.TiffFileError, ValueError, OSError, EOFError, KeyError, IndexError, TypeError, AttributeError),
-    *(struct.error, RecursionError, ArithmeticError, UnicodeError, AssertionError, UserWarning, NotImplementedError),
-)
 
 
 def write_layered_tiff(workspace: Workspace, path: Path) -> None:
@@ -94,26 +87,6 @@ class _Tags:
     reduced: bool
 
 
-@contextlib.contextmanager
-def _damage_named(path: Path) -> Iterator[None]:
-    """Turn any error of tifffile about a damaged file into one clear line; its own messages are not shown."""
-    logger = logging.getLogger("tifffile")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL + 1)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    except (InputError, LimitError):
-        raise
-    except _DAMAGE:
-        raise InputError(f"{path}: the TIFF file is truncated or damaged; export or download it again") from None
-    except MemoryError:
-        raise LimitError(f"{path}: does not fit in memory; make it smaller") from None
-    finally:
-        logger.setLevel(before)
-
-
 def read_layered_tiff(path: Path, max_megapixels: float) -> Workspace:
     """Read every page as a layer.
 
@@ -124,7 +97,7 @@ def read_layered_tiff(path: Path, max_megapixels: float) -> Workspace:
     LimitError
         If all pages together are over ``max_megapixels``.
     """
-    with _damage_named(path):
+    with tiff_damage_named(path):
         directories = _directories(path)
         budget = Budget(path, max_megapixels)
         for tags in directories:

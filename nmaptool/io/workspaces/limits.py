@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from nmaptool.core.errors import InputError, LimitError
-from nmaptool.io.pictures.png import check_size
+from nmaptool.io.pictures.size_limit import check_size
 
 MOST_LAYERS = 8000
 _DEEPEST_GROUP = 64

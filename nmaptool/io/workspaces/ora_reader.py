@@ -9,8 +9,9 @@ from typing import Any
 
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.io.interruption import UNFINISHED
-from nmaptool.io.pictures.png import SIGNATURE, check_size
+from nmaptool.io.pictures.png import SIGNATURE
 from nmaptool.io.pictures.reader import read_image
+from nmaptool.io.pictures.size_limit import check_size
 from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.io.workspaces.limits import Budget
 from nmaptool.io.workspaces.ora_archive import OraArchive

@@ -24,7 +24,7 @@ from psd_tools.psd import PSD
 from psd_tools.psd.layer_and_mask import LayerRecord
 
 from nmaptool.core.errors import InputError, LimitError
-from nmaptool.io.pictures.png import check_size
+from nmaptool.io.pictures.size_limit import check_size
 
 _MOST_OBJECTS = 2_000_000
 _MODES = {0: "bitmap", 1: "grey", 2: "palette", 4: "CMYK", 7: "multichannel", 8: "duotone", 9: "Lab"}

@@ -1,0 +1,40 @@
+"""What the own check of a format finds in a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What the own check of a format finds in a file before OpenImageIO reads it.
+
+    Attributes
+    ----------
+    color_chunks : tuple of str
+    lossy : bool
+    nodata : float or None
+    notes : tuple of str
+        As in `nmaptool.RasterImage`.
+    attributes : mapping
+        Further metadata, as in `nmaptool.RasterImage`.
+    channels : tuple of str
+        Names of all channels if OpenImageIO gives them wrong ones.
+    spare_alpha : bool
+        The file does not say that its last channel is alpha: it counts as alpha only if it varies.
+    white_is_zero : bool
+        The file stores the negative of unsigned integers.
+    pages : int
+        The number of pages if its parts are pages of a document, of which the first is read, not layers.
+    """
+
+    color_chunks: tuple[str, ...] = ()
+    lossy: bool = False
+    nodata: float | None = None
+    notes: tuple[str, ...] = ()
+    attributes: Mapping[str, str] = field(default_factory=dict)
+    channels: tuple[str, ...] = ()
+    spare_alpha: bool = False
+    white_is_zero: bool = False
+    pages: int = 0

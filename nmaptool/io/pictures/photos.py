@@ -1,0 +1,100 @@
+"""Checks of JPEG, WebP and Radiance HDR files before they are decoded."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from nmaptool.core.errors import InputError
+from nmaptool.io.pictures.facts import Facts
+from nmaptool.io.pictures.request import Request, damaged
+
+# markers of a JPEG's frame header: every way of coding except the tables at C4, C8 and CC
+_FRAMES = {0xC0 + n for n in range(16)} - {0xC4, 0xC8, 0xCC}
+_SIZE = re.compile(rb"^[+-]([XY]) (\d{1,9}) [+-]([XY]) (\d{1,9})$")
+_MOST_HEADER = 65536
+
+
+def jpeg_facts(path: Path, request: Request) -> Facts:
+    """Refuse a JPEG without its end mark, because the decoder would silently fill the missing part with grey.
+
+    Raises
+    ------
+    InputError
+        Also for a CMYK picture that is not read as depth.
+    """
+    data = path.read_bytes()
+    if data.find(b"\xff\xd9", max(data.rfind(b"\xff\xda"), 0)) < 0:
+        raise damaged(path, "JPEG")
+    if _components(data) == 4:
+        return Facts(lossy=True, notes=(cmyk_note(path, request),))
+    return Facts(lossy=True)
+
+
+def cmyk_note(path: Path, request: Request) -> str:
+    """The note on a picture in printing inks, which is refused unless it is read as depth.
+
+    Raises
+    ------
+    InputError
+    """
+    if request.holds != "depth":
+        raise InputError(f"{path}: stores CMYK inks, which bends the vectors of a normal map; export it as RGB")
+    return "stores CMYK inks, converted to RGB"
+
+
+def _components(data: bytes) -> int:
+    """The number of components that the frame header of a JPEG declares; 0 if there is none."""
+    place = 2
+    while place + 9 < len(data) and data[place] == 0xFF:
+        marker = data[place + 1]
+        if marker in _FRAMES:
+            return data[place + 9]
+        if marker == 0xFF or 0xD0 <= marker <= 0xD8 or marker == 0x01:
+            place += 1 if marker == 0xFF else 2
+        else:
+            place += 2 + int.from_bytes(data[place + 2 : place + 4], "big")
+    return 0
+
+
+def webp_facts(path: Path, request: Request) -> Facts:
+    """Walk the chunks of a WebP: whether it is complete, lossy, or an animation.
+
+    Raises
+    ------
+    InputError, LimitError
+    """
+    data = path.read_bytes()
+    if len(data) < 20 or len(data) < 8 + int.from_bytes(data[4:8], "little"):
+        raise damaged(path, "WebP")
+    place, kinds = 12, []
+    while place + 8 <= len(data):
+        kind, size = data[place : place + 4], int.from_bytes(data[place + 4 : place + 8], "little")
+        kinds.append(kind)
+        body = data[place + 8 : place + 18]
+        if kind == b"VP8X" and len(body) == 10:
+            cols, rows = (int.from_bytes(body[at : at + 3], "little") + 1 for at in (4, 7))
+            request.check_size(path, cols, rows)
+        place += 8 + size + size % 2
+    if b"ANIM" in kinds or b"ANMF" in kinds:
+        raise InputError(f"{path}: is an animation; export one frame as PNG")
+    lossy = b"VP8 " in kinds
+    return Facts(lossy=lossy)
+
+
+def hdr_facts(path: Path, request: Request) -> Facts:
+    """Check the size in the header of a Radiance picture.
+
+    Raises
+    ------
+    InputError, LimitError
+    """
+    with path.open("rb") as stream:
+        lines = stream.read(_MOST_HEADER).split(b"\n")
+    size = next((found for line in lines if (found := _SIZE.match(line.rstrip(b"\r")))), None)
+    if size is None or size[1] == size[3]:
+        raise damaged(path, "HDR")
+    request.check_size(path, int(size[4]), int(size[2]))
+    if any(line.strip() == b"FORMAT=32-bit_rle_xyze" for line in lines):
+        raise InputError(f"{path}: stores XYZ colours; save it as RGB, or as EXR")
+    return Facts(notes=("stores numbers with 8 significant bits and a shared exponent",))

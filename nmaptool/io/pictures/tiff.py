@@ -1,0 +1,171 @@
+"""Read TIFF files: OpenImageIO decodes the usual ones, tifffile the numbers and packings that it does not know."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tifffile
+
+from nmaptool.core.errors import InputError
+from nmaptool.io.pictures.facts import Facts
+from nmaptool.io.pictures.photos import cmyk_note
+from nmaptool.io.pictures.request import Request, damaged
+from nmaptool.io.pictures.through_oiio import read_checked
+from nmaptool.io.pictures.tiff_pages import decoded, tiff_damage_named
+from nmaptool.types.picture import RasterImage
+from nmaptool.types.shown import counted
+
+_NODATA, _PIXEL_SCALE, _GEO_KEYS = 42113, 33550, 34735
+_WHITE_IS_ZERO, _PALETTE, _INKS, _YCBCR, _LAB = 0, 3, 5, 6, (8, 9, 10)
+_MASK_PAGE, _MOST_PAGES, _MOST_CHANNELS = 4, 10_000, 64
+# packings that every libtiff decodes: none, CCITT, LZW, JPEG, Deflate, PackBits
+_COMMON = {1, 2, 3, 4, 5, 6, 7, 8, 32946, 32773}
+_LOSSY = {
+    6: "JPEG",
+    7: "JPEG",
+    33003: "JPEG 2000",
+    33005: "JPEG 2000",
+    34712: "JPEG 2000",
+    34892: "JPEG",
+    34887: "LERC",
+}
+_UNSIGNED, _SIGNED, _FLOAT, _COMPLEX = 1, 2, 3, (5, 6)
+_MODEL_TYPE, _LINEAR_UNIT, _PROJECTED, _METRE = 1024, 3076, 1, 9001
+
+
+@dataclass(frozen=True)
+class _Page:
+    """What the tags of a page say."""
+
+    cols: int
+    rows: int
+    bits: int
+    samples: int
+    sample_format: int
+    packing: int
+    colors: int
+    nodata: float | None
+    metres_per_px: float | None
+    reduced: bool
+
+    @property
+    def through_oiio(self) -> bool:
+        """Whether OpenImageIO decodes its numbers as stored."""
+        odd = self.bits in (24, 64) and not (self.bits == 64 and self.sample_format == _FLOAT)
+        return self.packing in _COMMON and not odd
+
+
+def _pages(path: Path) -> list[_Page]:
+    with tiff_damage_named(path), tifffile.TiffFile(path) as tiff:
+        pages = itertools.islice(tiff.pages, _MOST_PAGES)
+        found = [_page(page if isinstance(page, tifffile.TiffPage) else page.aspage()) for page in pages]
+    if not found:
+        raise damaged(path, "TIFF")
+    return found
+
+
+def _page(page: tifffile.TiffPage) -> _Page:
+    tags = page.tags
+    bits = tags.valueof(258, 1)
+    kind = tags.valueof(339, 1)
+    size = (page.imagewidth, page.imagelength, page.samplesperpixel)
+    if not all(isinstance(number, int | np.integer) and number > 0 for number in size):
+        raise ValueError("the size is not a number")
+    return _Page(
+        cols=int(size[0]),
+        rows=int(size[1]),
+        bits=int(max(bits) if isinstance(bits, tuple) else bits),
+        samples=int(size[2]),
+        sample_format=int(kind[0] if isinstance(kind, tuple) else kind),
+        packing=int(tags.valueof(259, 1)),
+        colors=int(tags.valueof(262, 1)),
+        nodata=_nodata(tags.valueof(_NODATA, None)),
+        metres_per_px=_metres(tags.valueof(_PIXEL_SCALE, None), tags.valueof(_GEO_KEYS, None)),
+        reduced=bool(int(tags.valueof(254, 0)) & (1 | _MASK_PAGE)),
+    )
+
+
+def _nodata(value: object) -> float | None:
+    """The value that means "no data", as the nearest float32, because pixels are compared with it."""
+    text = value.decode("latin-1") if isinstance(value, bytes) else str(value)
+    try:
+        with np.errstate(over="ignore"):
+            return float(np.float32(float(text.strip("\0 \n"))))
+    except ValueError:
+        return None
+
+
+def _metres(scale: Any, keys: Any) -> float | None:
+    """Metres per pixel of a projected elevation model with square pixels."""
+    if not isinstance(scale, tuple) or not isinstance(keys, tuple) or len(scale) < 2:
+        return None
+    known = {keys[at]: keys[at + 3] for at in range(4, len(keys) - 3, 4)}
+    across, down = (float(size) for size in scale[:2])
+    square = across > 0 and math.isfinite(across) and abs(across - down) <= 1e-6 * across
+    in_metres = known.get(_MODEL_TYPE) == _PROJECTED and known.get(_LINEAR_UNIT, _METRE) == _METRE
+    return across if square and in_metres else None
+
+
+def tiff_facts(path: Path, request: Request) -> Facts:
+    """What the tags of a TIFF say about its numbers and colours.
+
+    Raises
+    ------
+    InputError, LimitError
+        Also for colours that are no vectors: inks, unless read as depth, and CIELAB.
+    """
+    return _facts(path, request, _pages(path))
+
+
+def _facts(path: Path, request: Request, pages: list[_Page]) -> Facts:
+    first = pages[0]
+    for page in pages:
+        request.check_size(path, page.cols, page.rows)
+    if first.samples > _MOST_CHANNELS:
+        raise InputError(f"{path}: has {first.samples} channels; a picture has 1 to 4")
+    notes = []
+    if first.colors in _LAB:
+        raise InputError(f"{path}: stores CIELAB colours; export it as RGB")
+    if first.sample_format in _COMPLEX:
+        raise InputError(f"{path}: stores complex numbers; save their real part or their magnitude")
+    if first.colors == _INKS:
+        notes.append(cmyk_note(path, request))
+    if first.colors == _PALETTE:
+        notes.append(f"its colours are a palette of {2**first.bits}")
+    elif first.bits < 8:
+        notes.append(f"has only {counted(first.bits, 'bit')} per channel")
+    elif first.bits in (10, 12, 14):
+        notes.append(f"has {first.bits} bits per channel, widened to 16")
+    inverted = first.colors == _WHITE_IS_ZERO and first.sample_format == _UNSIGNED
+    if inverted:
+        notes.append("states that 0 is white: shown, and read, as the negative of its numbers")
+    if first.packing in _LOSSY:
+        notes.append(f"is packed as {_LOSSY[first.packing]}, which changes its numbers")
+    elif first.colors == _YCBCR:
+        notes.append("stores luminance and chroma, converted to RGB")
+    return Facts(
+        lossy=first.packing in _LOSSY or first.colors == _YCBCR,
+        nodata=first.nodata,
+        notes=tuple(notes),
+        attributes={} if first.metres_per_px is None else {"metres_per_px": repr(first.metres_per_px)},
+        white_is_zero=inverted,
+        pages=sum(not page.reduced for page in pages) if len(pages) > 1 else 0,
+    )
+
+
+def read_tiff(path: Path, request: Request) -> RasterImage:
+    """Read a page of a TIFF.
+
+    Raises
+    ------
+    InputError, LimitError
+    """
+    pages = _pages(path)
+    if all(page.through_oiio for page in pages):
+        return read_checked(path, request)
+    return decoded(path, request, _facts(path, request, pages))
