@@ -132,7 +132,7 @@ class _Package:
         return Surface(
             np.concatenate(points),
             np.concatenate(triangles),
-            notes=self._notes(root, build),
+            notes=self._notes(root),
             mm_per_unit=self._unit(model.unit),
         )
 
@@ -141,15 +141,13 @@ class _Package:
             raise InputError(f"{self.file.path}: has the unknown unit {name[:40]!r}; export it again in millimetres")
         return _MM[name]
 
-    def _notes(self, root: str, build: list[Use]) -> tuple[str, ...]:
+    def _notes(self, root: str) -> tuple[str, ...]:
         notes = []
         if self.skipped:
             notes.append(f"ignored {counted(len(self.skipped), 'object')} that are supports")
         left = {(root, n) for n, o in self.models[root].objects.items() if len(o.triangles)} - self.faces.keys()
         if left:
             notes.append(f"ignored {counted(len(left), 'object')} outside the build")
-        if len(build) > 1:
-            notes.append(f"holds {counted(len(build), 'item')} of the build plate, which are read as one mesh")
         lattices = sum(model.lattices for model in self.models.values())
         if lattices:
             notes.append(f"ignored {counted(lattices, 'beam lattice')}")
