@@ -17,7 +17,7 @@ from nmaptool.io.meshes.reader import read_mesh
 
 DAMAGED = r"file is truncated or damaged; export it again$"
 NO_FACES = r"and no faces; make a mesh from the points first$"
-ACCEPTED = "OBJ, PLY, STL, OFF, GLB or glTF"
+ACCEPTED = "OBJ, PLY, STL, OFF, GLB, glTF, 3MF, DAE or USD"
 KINDS = {"obj": "OBJ", "ply": "PLY", "stl": "STL", "off": "OFF", "glb": "GLB", "gltf": "glTF"}
 
 
@@ -86,8 +86,8 @@ def test_empty_files_web_pages_and_other_texts_are_refused(refused, ending):
 
 def test_other_formats_are_refused(refused):
     refused("a.obj", b'{"name": "left-pad"}', r"holds no OBJ data")
-    for name in ("a.fbx", "a.3mf", "a", "a.obj.txt", "a.png"):
-        refused(name, b"Kaydara FBX Binary  \0", rf"is not a mesh in a supported format; export it as {ACCEPTED}$")
+    for name in ("a", "a.obj.txt", "a.cob"):
+        refused(name, b"Caligari V00.01", rf"is not a mesh in a supported format; export it as {ACCEPTED}$")
 
 
 @pytest.mark.parametrize("kind", files.ENDINGS)
@@ -125,7 +125,9 @@ def test_a_truncated_stl_is_refused(refused, cut):
 
 def test_a_truncated_or_damaged_ascii_stl_is_refused(refused):
     data = files.ascii_stl()
-    refused("a.stl", data[: data.rfind(b"endsolid")], r"STL file is truncated: its end is missing")
+    for lines in (2, 4, 7):  # without the end of the last face
+        text = b"\n".join(data.split(b"\n")[: -lines - 1])
+        refused("a.stl", text, r"STL file is truncated: its end is missing; export or download it again$")
     refused("a.stl", b"solid", r"its end is missing")
     refused("a.stl", data.replace(b"vertex 1 0 0", b"", 1), DAMAGED)
     refused("a.stl", data.replace(b"vertex 1 0 0", b"vertex 1 0", 1), DAMAGED)
@@ -176,10 +178,35 @@ def test_invalid_indices_are_refused(refused):
 
 
 def test_invalid_numbers_are_refused(refused):
-    for line in (b"v 1 2\n", b"v 1 2 x\n", b"v 1,5 2,5 3,5\n", b"v\n", b"v 1 2 # 3\n"):
-        refused("a.obj", line + files.obj(), rf"OBJ {DAMAGED}")
-    refused("a.off", files.off().replace(b"1 0 0\n", b"1 x 0\n"), rf"OFF {DAMAGED}")
-    refused("a.ply", files.ply(kind="ascii").replace(b"1 0 0\n", b"1 x 0\n"), rf"PLY {DAMAGED}")
+    few = "where 3 are needed"
+    for line, fault in (
+        (b"v 1 2\n", f"has 2 numbers {few}"),
+        (b"v 1 2 x\n", "has 'x' where a number is needed"),
+        (b"v\n", f"has 0 numbers {few}"),
+        (b"v 1 2 # 3\n", f"has 2 numbers {few}"),
+        (b"v 1 2 \\\n\xe9\n", r"has '\\xe9' where a number is needed"),
+        (b"v 1 2 1_0\n", "has '1_0' where a number is needed"),
+        (b"f 1 2 x/1\n", "has 'x/1' where a number is needed"),
+        (b"f 1.5 2 3\n", "has '1.5' where a number is needed"),
+    ):
+        refused("{a}.obj", b"\n# x\n" + line + files.obj(), rf": line 3 {fault}: the OBJ {DAMAGED}")
+    bad = "has 'x' where a number is needed"
+    refused("a.off", files.off().replace(b"1 0 0\n", b"1 x 0\n"), rf": line 4 {bad}: the OFF {DAMAGED}")
+    refused("a.off", files.off().replace(b"3 0 2 1", b"3 0 x 1"), rf": line 7 {bad}: the OFF {DAMAGED}")
+    data = files.ply(kind="ascii").replace(b"1 0 0\n", b"1 x 0\n")
+    refused("a.ply", data, rf": line 12 {bad}: the PLY {DAMAGED}")
+    data = files.ascii_stl().replace(b"vertex 1 0 0", b"vertex 1 x 0", 1)
+    refused("a.stl", data, rf": line 6 {bad}: the STL {DAMAGED}")
+    data = files.ascii_stl().replace(b"      vertex 1 0 0\n", b"", 1)
+    refused("a.stl", data, rf": line 2 begins a face with 2 corners instead of 3: the STL {DAMAGED}")
+
+
+def test_decimal_commas_are_named(refused):
+    comma = r"has the number '1,5' with a decimal comma; export it again with decimal points$"
+    refused("a.obj", b"v 1,5 2,5 3,5\n" + files.obj(), rf": line 1 {comma}")
+    refused("a.off", files.off().replace(b"1 0 0\n", b"1,5 0 0\n"), rf": line 4 {comma}")
+    refused("a.ply", files.ply(kind="ascii").replace(b"1 0 0\n", b"1,5 0 0\n"), rf": line 12 {comma}")
+    refused("a.stl", files.ascii_stl().replace(b"vertex 1 0 0", b"vertex 1,5 0 0", 1), rf": line 6 {comma}")
 
 
 @pytest.mark.parametrize("kind", ["ascii", "binary_little_endian", "binary_big_endian"])

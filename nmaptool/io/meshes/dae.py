@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -38,8 +39,9 @@ def read_dae(file: MeshFile, max_faces: int) -> Surface:
     data = file.read_bytes()
     if _DEFINITIONS.search(data):
         raise file.damaged
+    left_out = [collada.common.DaeUnsupportedError, collada.common.DaeBrokenRefError]
     try:
-        document = collada.Collada(io.BytesIO(data), ignore=[collada.DaeUnsupportedError, collada.DaeBrokenRefError])
+        document = collada.Collada(io.BytesIO(data), ignore=left_out)
         return _surface(file, document, max_faces)
     except (NmaptoolError, MemoryError):
         raise
@@ -49,54 +51,64 @@ def read_dae(file: MeshFile, max_faces: int) -> Surface:
 
 def _surface(file: MeshFile, document: Any, max_faces: int) -> Surface:
     points, pieces, made = list[Float64](), list[Integers](), list[Integers]()
-    count = faces = 0
+    count = faces = placements = 0
     notes = ["ignored skeletons: the mesh is read as it is bound to them"] if document.controllers else []
     if document.animations:
         notes.append("ignored animations: the mesh is read at rest")
-    others = set[str]()
-    for primitive in _primitives(document):
-        if not hasattr(primitive, "vertex_index") or primitive.vertex_index is None:
+    has_lines = False
+    for primitive, matrix in _placed(document):
+        placements += 1
+        file.check_limit(placements, max_faces)
+        sizes = _sizes(primitive)
+        has_lines |= sizes is None
+        if sizes is None or not len(sizes):
             continue
         corners = np.asarray(primitive.vertex_index).reshape(-1).astype(np.int64)
-        sizes = _sizes(primitive, len(corners))
-        if sizes is None:
-            others.add("lines")
-            continue
         vertices = np.asarray(primitive.vertex, np.float64)
+        if len(corners) != sizes.sum():
+            raise file.damaged
         if len(corners) and not 0 <= corners.min() <= corners.max() < len(vertices):
             raise file.names_missing_vertex(int(corners.max()), len(vertices))
         faces += int(np.maximum(sizes - 2, 0).sum())
         file.check_limit(faces, max_faces)
         used, corners = np.unique(corners, return_inverse=True)
-        points.append(vertices[used])
-        pieces.append(fans(sizes, corners.reshape(-1)) + count)
+        triangles = fans(sizes, corners.reshape(-1))
+        if np.linalg.det(matrix[:3, :3]) < 0:  # mirroring turns a part inside out
+            triangles = triangles[:, ::-1]
+        points.append(vertices[used] @ matrix[:3, :3].T + matrix[:3, 3])
+        pieces.append(triangles + count)
         made.append(np.maximum(sizes - 2, 0))
         count += len(used)
     if not faces:
         raise file.holds_no_faces(0)
-    notes += [f"ignored {what}" for what in sorted(others)]
+    if has_lines:
+        notes.append("ignored lines")
     asset = document.assetInfo
-    vertices = turned_y_up(np.concatenate(points), str(asset.upaxis or "Y_UP")[:1])
-    unit = 1000.0 * float(asset.unitmeter if asset.unitmeter is not None else 1.0)
-    return Surface(vertices, np.concatenate(pieces), np.concatenate(made), tuple(notes), mm_per_unit=unit, is_y_up=True)
+    turned = turned_y_up(np.concatenate(points), str(asset.upaxis or "Y_UP")[:1])
+    unit = 1000.0 * float(asset.unitmeter or 1.0)
+    return Surface(turned, np.concatenate(pieces), np.concatenate(made), tuple(notes), mm_per_unit=unit, is_y_up=True)
 
 
-def _primitives(document: Any) -> Any:
-    """The primitives of the scene with the transforms of their nodes applied; without a scene, all as they are."""
+def _placed(document: Any) -> Iterator[tuple[Any, Float64]]:
+    """The primitives of the scene with their matrices (4, 4); without a scene, all as they are."""
     if document.scene is None:
         for geometry in document.geometries:
-            yield from geometry.primitives
+            yield from ((primitive, np.eye(4)) for primitive in geometry.primitives)
         return
     for kind in ("geometry", "controller"):
-        for placed in document.scene.objects(kind):
-            yield from placed.primitives()
+        for bound in document.scene.objects(kind):
+            geometry = bound if kind == "geometry" else getattr(bound, "geometry", None)
+            if geometry is not None:
+                matrix = np.asarray(geometry.matrix, np.float64)
+                yield from ((primitive, matrix) for primitive in geometry.original.primitives)
 
 
-def _sizes(primitive: Any, corners: int) -> Integers | None:
+def _sizes(primitive: Any) -> Integers | None:
     """Number of corners of each polygon; None for lines."""
-    name = type(primitive).__name__
-    if "Line" in name:
+    if "Line" in type(primitive).__name__:
         return None
-    if "Triangle" in name:
-        return np.full(corners // 3, 3, np.int64)
-    return np.asarray(primitive.vcounts).astype(np.int64)
+    if primitive.vertex_index is None:
+        return np.zeros(0, np.int64)
+    if "Triangle" in type(primitive).__name__:
+        return np.full(len(primitive.vertex_index), 3, np.int64)
+    return np.asarray(primitive.vcounts).reshape(-1).astype(np.int64)

@@ -29,12 +29,13 @@ def read_usd(file: MeshFile, max_faces: int) -> Surface:
         If it has more than ``max_faces`` triangles; each placement of a part counts.
     """
     try:
-        from pxr import Sdf, Tf, Usd
+        from pxr import Sdf, Tf, Usd, UsdUtils
     except ImportError:
         raise InputError(
             f'{file.path}: reading USD needs usd-core; pip install "nmaptool-relief[usd]", or export it as GLB, STL, '
             "OBJ or PLY"
         ) from None
+    quiet = UsdUtils.CoalescingDiagnosticDelegate()  # otherwise warnings go to standard error
     try:
         _check_layers(file, Sdf.Layer.FindOrOpen(str(file.path.resolve())))
         stage = Usd.Stage.Open(str(file.path.resolve()))
@@ -43,6 +44,8 @@ def read_usd(file: MeshFile, max_faces: int) -> Surface:
         raise
     except (Tf.ErrorException, ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError):
         raise file.damaged from None
+    finally:
+        quiet.TakeUncoalescedDiagnostics()
 
 
 def _check_layers(file: MeshFile, root: Any) -> None:
@@ -56,18 +59,25 @@ def _check_layers(file: MeshFile, root: Any) -> None:
     while waiting:
         layer = waiting.pop()
         for name in layer.GetCompositionAssetDependencies():
-            if not name or layer.identifier.endswith("]"):
+            place = layer.ComputeAbsolutePath(name)
+            if not name or place in seen:
                 continue
-            target = Path(layer.ComputeAbsolutePath(name).split("[")[0]).resolve()
-            if "://" in name or not target.is_relative_to(folder):
+            seen.add(place)
+            is_packed = "[" in place  # inside a USDZ
+            if "://" in name or not Path(place.split("[")[0]).resolve().is_relative_to(folder):
                 raise InputError(
                     f"{file.path}: needs {name[:80]!r}, but only files in its own folder are opened; flatten it to one "
                     "file, such as by usdcat --flatten"
                 )
-            found = Sdf.Layer.FindOrOpen(str(target)) if target.is_file() and str(target) not in seen else None
-            seen.add(str(target))
-            if found is not None:
-                waiting.append(found)
+            if not is_packed and not Path(place).is_file():
+                raise InputError(
+                    f"{file.path}: needs the file {name[:80]!r} beside it, which is missing; put it there, or flatten "
+                    "it to one file, such as by usdcat --flatten"
+                )
+            found = Sdf.Layer.FindOrOpen(place)
+            if found is None:
+                raise file.damaged
+            waiting.append(found)
 
 
 def _surface(file: MeshFile, stage: Any, max_faces: int) -> Surface:
