@@ -116,10 +116,8 @@ def _size_doubts(shape: tuple[int, ...], pitch: tuple[float, str], height_mm: fl
     size = f"{cols_mm:.3g} x {rows_mm:.3g} mm"
     source = {"file": " by the size in the file", "assumed": " as assumed"}.get(pitch[1], "")
     if height_mm > min(rows_mm, cols_mm):
-        return [
-            f"the relief is {height_mm:.3g} mm high, but the picture only {size}{source}; use a larger `width`, such as "
-            "`width='80mm'`, or a smaller `height`"
-        ]
+        high = f"the relief is {height_mm:.3g} mm high, but the picture only {size}{source}"
+        return [f"{high}; use a larger `width`, such as `width='80mm'`, or a smaller `height`"]
     if pitch[1] == "file" and not _SMALLEST_MM <= max(rows_mm, cols_mm) <= _LARGEST_MM:
         return [f"the picture is {size}{source}; set its `width`, such as `width='80mm'`"]
     return []
