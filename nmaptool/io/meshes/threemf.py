@@ -144,7 +144,7 @@ class _Package:
     def _notes(self, root: str) -> tuple[str, ...]:
         notes = []
         if self.skipped:
-            notes.append(f"ignored {counted(len(self.skipped), 'object')} that are supports")
+            notes.append(f"ignored {counted(len(self.skipped), 'support')}")
         left = {(root, n) for n, o in self.models[root].objects.items() if len(o.triangles)} - self.faces.keys()
         if left:
             notes.append(f"ignored {counted(len(left), 'object')} outside the build")

@@ -18,7 +18,8 @@ from nmaptool.io.meshes.polygons import Integers
 
 Key = tuple[str, str]  # part of the archive, and number of the object in it
 _CHUNK = 1 << 16
-_LONGEST = 1 << 20  # bytes between two elements
+_LONGEST = 1 << 24  # bytes between two elements, which the parser keeps in memory
+_LARGEST_LIST = 1 << 20  # bytes of the relations
 _RELATIONS, _USUAL_ROOT = "_rels/.rels", "3D/3dmodel.model"
 
 
@@ -82,7 +83,7 @@ def root_of(file: MeshFile, archive: zipfile.ZipFile) -> str:
         if name.endswith("Relationship") and attributes.get("Type", "").endswith("/3dmodel"):
             found.append(attributes.get("Target", "").lstrip("/"))
 
-    if _RELATIONS in names and archive.getinfo(_RELATIONS).file_size < _LONGEST:
+    if _RELATIONS in names and archive.getinfo(_RELATIONS).file_size < _LARGEST_LIST:
         _parse(file, _RELATIONS, archive.open(_RELATIONS), start, lambda _: None)
     models = [name for name in names if name.lower().endswith(".model")]
     for name in (*found, _USUAL_ROOT, *models):
@@ -168,7 +169,12 @@ def _parse(file: MeshFile, name: str, stream: IO[bytes], start: Any, end: Any) -
     def refuse(*_: Any) -> None:
         raise ValueError
 
-    parser.StartElementHandler, parser.EndElementHandler = counted_start, end
+    def counted_end(tag: str) -> None:
+        nonlocal last
+        last = parser.CurrentByteIndex
+        end(tag)
+
+    parser.StartElementHandler, parser.EndElementHandler = counted_start, counted_end
     parser.StartDoctypeDeclHandler = refuse
     parser.buffer_text = False
     done = 0
@@ -176,7 +182,7 @@ def _parse(file: MeshFile, name: str, stream: IO[bytes], start: Any, end: Any) -
         while chunk := stream.read(_CHUNK):
             done += len(chunk)
             parser.Parse(chunk, False)
-            if done - last > _LONGEST + _CHUNK and parser.CurrentByteIndex - last > _LONGEST:
+            if done - last > _LONGEST:
                 raise ValueError
         parser.Parse(b"", True)
     except (expat.ExpatError, KeyError, OverflowError, UnicodeError, ValueError) as error:
