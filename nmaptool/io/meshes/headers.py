@@ -35,7 +35,7 @@ _MAGIC = {
     "off": re.compile(rb"(?:\s*#[^\r\n]*[\r\n])*\s*(?:ST)?C?N?4?n?OFF\b"),
     "gltf": re.compile(rb"\s*\{(?=.*\"asset\")", re.DOTALL),
     "stl": re.compile(rb"\s*solid\b(?=[^\0]*\bfacet\b)", re.IGNORECASE),
-    "dae": re.compile(rb"(?:\s|<\?[^>]*>|<!--.*?-->|<![^>]*>)*<(?:\w+:)?COLLADA\b", re.DOTALL),
+    "dae": re.compile(rb"\s*<(?=.{0,4096}<?(?:\w+:)?COLLADA\b)", re.DOTALL),
     "usd": re.compile(rb"#usda \d|PXR-USDC"),
 }
 _BINARY = ("ply", "glb", "usd")

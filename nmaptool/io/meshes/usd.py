@@ -63,13 +63,14 @@ def _check_layers(file: MeshFile, root: Any) -> None:
             if not name or place in seen:
                 continue
             seen.add(place)
-            is_packed = "[" in place  # inside a USDZ
-            if "://" in name or not Path(place.split("[")[0]).resolve().is_relative_to(folder):
+            target = Path(place.split("[")[0])  # inside a USDZ, its name is in brackets
+            is_unknown = not target.is_absolute() and ".." not in target.parts  # USD found it nowhere
+            if "://" in name or not (is_unknown or target.resolve().is_relative_to(folder)):
                 raise InputError(
                     f"{file.path}: needs {name[:80]!r}, but only files in its own folder are opened; flatten it to one "
                     "file, such as by usdcat --flatten"
                 )
-            if not is_packed and not Path(place).is_file():
+            if is_unknown or not target.is_file():
                 raise InputError(
                     f"{file.path}: needs the file {name[:80]!r} beside it, which is missing; put it there, or flatten "
                     "it to one file, such as by usdcat --flatten"
