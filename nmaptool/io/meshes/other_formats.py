@@ -69,7 +69,7 @@ _MAGIC = {
     "maya": re.compile(rb"//Maya|FOR[48].{4,12}Maya", re.DOTALL),
     "c4d": re.compile(rb"QC4DC4D6|.{0,8}C4DC4D", re.DOTALL),
     "ole": re.compile(rb"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"),
-    "skp": re.compile(rb"\xff\xfe\xff\x0eS\0k\0e\0t\0c\0h\0U\0p"),
+    "skp": re.compile(rb"\xff\xfe\xff\x0eS\0k\0e\0t\0c\0h\0U\0p|\xe0\xbb\xbfSketchUp"),
     "3dm": re.compile(rb"3D Geometry File Format"),
     "step": re.compile(rb"\s*ISO-10303-21"),
     "iges": re.compile(rb"[^\r\n]{72}S {0,6}0*1[ \r\n]"),
