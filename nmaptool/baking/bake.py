@@ -11,6 +11,7 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Float64
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.progress import Progress, Stages, part
+from nmaptool.core.text import in_short
 from nmaptool.core.units import Length
 from nmaptool.core.vectors import mean_abs_curls, mean_angle_deg
 from nmaptool.filters.learned.model import FilterModel
@@ -273,7 +274,7 @@ def _size_doubts(unit_from: str, size_mm: float) -> list[str]:
     """Doubts about the units of a mesh, at most one."""
     remedy = "set its `unit`, or `width='100mm'`"
     if unit_from == "assumed" and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
-        return [f"the mesh is {size_mm:.3g} mm large if its units are mm; {remedy}"]
+        return [f"the mesh is {in_short(size_mm)} mm large if its units are mm; {remedy}"]
     if unit_from == "file" and size_mm > _LARGEST_STATED_MM:
-        return [f"the mesh is {size_mm / 1000:.3g} m large by the units of its file; {remedy}"]
+        return [f"the mesh is {in_short(size_mm / 1000)} m large by the units of its file; {remedy}"]
     return []

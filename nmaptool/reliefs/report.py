@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from nmaptool.core.text import in_short
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs.finish import FinishedHeights
 from nmaptool.reliefs.layout import Layout
@@ -113,10 +114,10 @@ def _warnings(options: ReliefOptions, layout: Layout, scale: float, reach_px: fl
 def _size_doubts(shape: tuple[int, ...], pitch: tuple[float, str], height_mm: float) -> list[str]:
     """Doubts about the size of the picture, at most one; ``shape`` is its rows and columns."""
     rows_mm, cols_mm = (pixels * pitch[0] for pixels in shape)
-    size = f"{cols_mm:.3g} x {rows_mm:.3g} mm"
+    size = f"{in_short(cols_mm)} x {in_short(rows_mm)} mm"
     source = {"file": " by the size in the file", "assumed": " as assumed"}.get(pitch[1], "")
     if height_mm > min(rows_mm, cols_mm):
-        high = f"the relief is {height_mm:.3g} mm high, but the picture only {size}{source}"
+        high = f"the relief is {in_short(height_mm)} mm high, but the picture only {size}{source}"
         return [f"{high}; use a larger `width`, such as `width='80mm'`, or a smaller `height`"]
     if pitch[1] == "file" and not _SMALLEST_MM <= max(rows_mm, cols_mm) <= _LARGEST_MM:
         return [f"the picture is {size}{source}; set its `width`, such as `width='80mm'`"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -38,6 +39,10 @@ def read_3mf(file: MeshFile, max_faces: int) -> Surface:
             return package.surface()
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError):
         raise file.damaged from None
+    except OSError as error:
+        if error.errno == errno.EINVAL:  # the archive names a place before its own beginning
+            raise file.damaged from None
+        raise
 
 
 @dataclass(eq=False)
