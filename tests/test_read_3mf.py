@@ -1,5 +1,6 @@
 """Reading 3MF: units, items, components, several parts; and every kind of fault."""
 
+import locale
 import re
 import zipfile
 
@@ -129,7 +130,9 @@ def test_files_of_lib3mf_are_read(tmp_path):
     whole = model.AddComponentsObject()
     whole.AddComponent(thing, _transform(2, (1, 2, 3)))
     model.AddBuildItem(whole, _transform(1, (0, 0, 10)))
+    before = locale.setlocale(locale.LC_ALL)
     model.QueryWriter("3mf").WriteToFile(str(tmp_path / "a.3mf"))
+    locale.setlocale(locale.LC_ALL, before)  # lib3mf sets that of the whole process
     mesh = read_mesh(tmp_path / "a.3mf")
     assert mesh.mm_per_unit == 25.4
     assert np.allclose(mesh.vertices, VERTICES * 2 + np.float32([1, 2, 13]))

@@ -19,7 +19,7 @@ TETRAHEDRON = """
 """
 HEAD = '#usda 1.0\n(\n    metersPerUnit = 0.01\n    upAxis = "Y"\n)\n'
 MESH = f'def Mesh "m"\n{{{TETRAHEDRON}}}\n'
-OUTSIDE = r", but only files in its own folder are opened; flatten it to one file, such as by usdcat --flatten$"
+OUTSIDE = r", but only files in its own folder are opened; flatten it to one file, such as with usdcat$"
 
 
 @pytest.fixture

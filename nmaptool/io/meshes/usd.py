@@ -68,12 +68,12 @@ def _check_layers(file: MeshFile, root: Any) -> None:
             if "://" in name or not (is_unknown or target.resolve().is_relative_to(folder)):
                 raise InputError(
                     f"{file.path}: needs {name[:80]!r}, but only files in its own folder are opened; flatten it to one "
-                    "file, such as by usdcat --flatten"
+                    "file, such as with usdcat"
                 )
             if is_unknown or not target.is_file():
                 raise InputError(
                     f"{file.path}: needs the file {name[:80]!r} beside it, which is missing; put it there, or flatten "
-                    "it to one file, such as by usdcat --flatten"
+                    "it to one file, such as with usdcat"
                 )
             found = Sdf.Layer.FindOrOpen(place)
             if found is None:
