@@ -67,10 +67,29 @@ def test_without_the_package_uncompressed_arrays_are_read(tmp_path, without_deco
     assert read(tmp_path, compressed(fallback=True)).vertices.tolist() == (VERTICES * [1, 1, 2]).tolist()
 
 
-def test_compressed_skins_and_morph_targets_are_refused(tmp_path):
-    for more in ({"targets": [{"POSITION": 0}]}, {"attributes": {"POSITION": 0, "JOINTS_0": 0, "WEIGHTS_0": 0}}):
-        with pytest.raises(InputError, match=r"has a skin or morph targets, .* by gltf-transform cp OLD.glb NEW.glb$"):
-            read(tmp_path, compressed(**more))
+def test_compressed_skins_and_morph_targets_at_rest_are_read(tmp_path):
+    joints, weights = np.tile([1, 0, 0, 0], (4, 1)).astype(np.uint8), np.tile([1, 0, 0, 0], (4, 1)).astype(np.float32)
+    generic = {5: joints, 6: weights}
+    data = DracoPy.encode(VERTICES, FACES.astype(np.uint32), preserve_order=True, generic_attributes=generic)
+    made = Builder()
+    view = made.view(np.frombuffer(data, np.uint8), "u1")
+    made.tree["accessors"] = [
+        {"componentType": 5126, "count": 4, "type": "VEC3"},
+        {"componentType": 5125, "count": 12, "type": "SCALAR"},
+        {"componentType": 5121, "count": 4, "type": "VEC4"},
+        {"componentType": 5126, "count": 4, "type": "VEC4"},
+    ]
+    ids = {"POSITION": 7, "JOINTS_0": 5, "WEIGHTS_0": 6}
+    primitive = {
+        "attributes": {"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3},
+        "indices": 1,
+        "extensions": {NAME: {"bufferView": view, "attributes": ids}},
+        "targets": [{"POSITION": made.add(np.tile([5, 0, 0], (4, 1)))}],
+    }
+    nodes = [{"mesh": 0, "skin": 0, "children": [1]}, {"translation": [0, 0, 8]}]
+    meshes = [{"primitives": [primitive], "weights": [2]}]
+    mesh = read(tmp_path, made.content(nodes, meshes=meshes, skins=[{"joints": [0, 1]}], extensionsRequired=[NAME]))
+    assert np.allclose(mesh.vertices, VERTICES + np.float32([10, 0, 8]), atol=1e-3)
 
 
 @pytest.mark.parametrize("counts", [(5, 12), (4, 9), (4, 11), (10**9, 12), (4, 3 * 10**9)])

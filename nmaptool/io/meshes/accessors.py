@@ -14,6 +14,7 @@ from nmaptool.io.meshes.gltf_buffers import COMPRESSED, Buffers, is_compressed, 
 from nmaptool.io.meshes.headers import MeshFile
 
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+ANY_TYPES = tuple(_TYPES)
 INDEX_TYPES = (5121, 5123, 5125)
 _WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _LARGEST_STRIDE = 252
@@ -95,7 +96,7 @@ class Accessors:
         """Rows that an accessor declares."""
         return whole_number(self.item("accessors", index)["count"])
 
-    def column(self, index: Any, shape: str, types: tuple[int, ...] = tuple(_TYPES)) -> Column:
+    def column(self, index: Any, shape: str, types: tuple[int, ...] = ANY_TYPES) -> Column:
         """Check an accessor of a shape, such as ``VEC3``, and of one of the given component types.
 
         Raises

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
@@ -26,40 +27,62 @@ class DracoPart:
     ----------
     file : MeshFile
     data : bytes
-    attribute : int
-        Number of its positions in the compressed data.
-    is_normalized : bool
     count, faces : int
     """
 
     file: MeshFile
     data: bytes
-    attribute: int
-    is_normalized: bool
     count: int
     faces: int
 
-    def values(self) -> Float64:
-        """(N, 3) float64 positions."""
-        return self._decoded[0]
-
     def triangles(self) -> Integers:
         """(M, 3) int64 triangles."""
-        return self._decoded[1]
+        faces = np.asarray(self._mesh.faces).astype(np.int64).reshape(-1, 3)
+        if len(faces) != self.faces:
+            raise self.file.damaged
+        return faces
+
+    def attribute(self, number: int, width: int) -> NDArray[Any]:
+        """(N, width): an attribute of the vertices as stored."""
+        found = self._mesh.get_attribute_by_unique_id(number)
+        stored = np.asarray(None if found is None else found["data"])
+        if stored.shape != (self.count, width) or stored.dtype.kind not in "iuf":
+            raise self.file.damaged
+        return stored
 
     @cached_property
-    def _decoded(self) -> tuple[Float64, Integers]:
+    def _mesh(self) -> Any:
         import DracoPy
 
         try:
             mesh = DracoPy.decode(self.data)
-            stored = np.asarray(mesh.get_attribute_by_unique_id(self.attribute)["data"])
-            faces = np.asarray(mesh.faces).astype(np.int64).reshape(-1, 3)
+            _ = mesh.faces
         except Exception:  # noqa: BLE001 - the decoder raises many kinds of errors for damaged data
             raise self.file.damaged from None
-        if stored.shape != (self.count, 3) or len(faces) != self.faces:
-            raise self.file.damaged
-        return normalised(stored, self.is_normalized), faces
+        return mesh
+
+
+@dataclass(frozen=True, eq=False)
+class DracoColumn:
+    """One attribute of a compressed part, decoded on demand; it serves as a `Column`."""
+
+    part: DracoPart
+    number: int
+    width: int
+    is_normalized: bool
+
+    @property
+    def count(self) -> int:
+        """Declared number of vertices."""
+        return self.part.count
+
+    def stored(self) -> NDArray[Any]:
+        """(N, W): the values as stored."""
+        return self.part.attribute(self.number, self.width)
+
+    def values(self) -> Float64:
+        """(N, W) float64: the values, with normalised integers as fractions."""
+        return normalised(self.stored(), self.is_normalized)
 
 
 def draco_part(accessors: Accessors, primitive: dict[str, Any], extension: dict[str, Any]) -> DracoPart | None:
@@ -68,29 +91,38 @@ def draco_part(accessors: Accessors, primitive: dict[str, Any], extension: dict[
     Raises
     ------
     InputError
-        If it is only there compressed and DracoPy is not installed, or if it also has a skin or morph targets.
+        If it is only there compressed and DracoPy is not installed.
     """
     position = accessors.item("accessors", primitive["attributes"]["POSITION"])
     corners = accessors.item("accessors", primitive["indices"])
-    path = accessors.file.path
     try:
         import DracoPy  # noqa: F401 - whether it is installed
     except ImportError:
         if "bufferView" in position and "bufferView" in corners:
             return None
         raise InputError(
-            f"{path}: is compressed with Draco; "
+            f"{accessors.file.path}: is compressed with Draco; "
             'pip install "nmaptool-relief[draco]" to read it, or export it again without compression'
         ) from None
-    if primitive.get("targets") or "JOINTS_0" in primitive["attributes"]:
-        raise InputError(
-            f"{path}: is compressed with Draco and has a skin or morph targets, which are not read together; export "
-            "it again without compression, such as by gltf-transform cp OLD.glb NEW.glb"
-        )
-    attribute = whole_number(extension["attributes"]["POSITION"])
     count, indices = whole_number(position["count"]), whole_number(corners["count"])
     data = accessors.bytes_of(extension["bufferView"])
     # the best compression known takes about a bit for each face
     if indices % 3 or max(count, indices // 3) > 64 * len(data):
         raise ValueError
-    return DracoPart(accessors.file, data, attribute, bool(position.get("normalized")), count, indices // 3)
+    return DracoPart(accessors.file, data, count, indices // 3)
+
+
+def draco_column(
+    accessors: Accessors, part: DracoPart, extension: dict[str, Any], name: str, index: Any, width: int
+) -> DracoColumn | None:
+    """Return an attribute of a compressed part, such as ``POSITION``; None if it is not compressed.
+
+    ``index`` is the accessor that describes it.
+    """
+    if name not in extension["attributes"]:
+        return None
+    accessor = accessors.item("accessors", index)
+    if whole_number(accessor["count"]) != part.count:
+        raise ValueError
+    number = whole_number(extension["attributes"][name])
+    return DracoColumn(part, number, width, bool(accessor.get("normalized")))

@@ -92,14 +92,12 @@ def _arrays(file: MeshFile, part: Part, place: Placement) -> tuple[Float64, Inte
     if faces.max() >= part.vertices:
         raise file.names_missing_vertex(int(faces.max()), part.vertices)
     points = part.points(place.weights)
-    matrices = place.matrices
-    if part.is_skinned and place.joints is not None:
-        matrices = part.blended(place.joints)
-        # mirroring turns a part inside out
-        mirrored = np.linalg.det(matrices[:, :3, :3])[faces].sum(axis=1) < 0
-        return moved(points, matrices), np.where(mirrored[:, None], faces[:, ::-1], faces)
-    pieces = [moved(points, matrix) for matrix in matrices]
-    turned = [faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else faces for matrix in matrices]
+    if part.joints and place.joints is not None:
+        points, determinants = part.skinned(points, place.joints)
+        mirrored = determinants[faces].sum(axis=1) < 0  # mirroring turns a part inside out
+        return points, np.where(mirrored[:, None], faces[:, ::-1], faces)
+    pieces = [moved(points, matrix) for matrix in place.matrices]
+    turned = [faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else faces for matrix in place.matrices]
     triangles = [each + k * len(points) for k, each in enumerate(turned)]
     return np.concatenate(pieces), np.concatenate(triangles)
 

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
-from nmaptool.io.meshes.accessors import INDEX_TYPES, Accessors, Column
-from nmaptool.io.meshes.draco import DRACO, DracoPart, draco_part
+from nmaptool.io.meshes.accessors import ANY_TYPES, INDEX_TYPES, Accessors, Column
+from nmaptool.io.meshes.draco import DRACO, DracoColumn, DracoPart, draco_column, draco_part
 from nmaptool.io.meshes.gltf_buffers import whole_number
 from nmaptool.io.meshes.polygons import Integers, one_fan, one_strip
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _JOINT_TYPES, _FLOAT = (5121, 5123), 5126
 _SETS = 8  # joints of at most 32 per vertex
+_AT_ONCE = 1 << 14  # vertices
+AnyColumn = Column | DracoColumn
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,38 +30,33 @@ class Part:
     vertices, corners : int
     mode : int
         4: triangles, 5: a strip, 6: a fan.
-    positions : Column or DracoPart
-    indices : Column or None
-        Corner indices; None if the vertices are the corners, or for Draco.
+    positions : Column or DracoColumn
+    indices : Column, DracoPart or None
+        Corner indices; None if the vertices are the corners.
     targets : tuple of Column or None
         Morph targets; None for one that does not move positions.
-    joints, weights : tuple of Column
+    joints, weights : tuple of Column or DracoColumn
         Joint numbers and weights, in sets of four per vertex; empty without a skin.
     """
 
     vertices: int
     corners: int
     mode: int
-    positions: Column | DracoPart
-    indices: Column | None
+    positions: AnyColumn
+    indices: Column | DracoPart | None
     targets: tuple[Column | None, ...]
-    joints: tuple[Column, ...]
-    weights: tuple[Column, ...]
+    joints: tuple[AnyColumn, ...]
+    weights: tuple[AnyColumn, ...]
 
     @property
     def faces(self) -> int:
         """Number of triangles."""
         return self.corners // 3 if self.mode == _TRIANGLES else max(self.corners - 2, 0)
 
-    @property
-    def is_skinned(self) -> bool:
-        """Whether the vertices follow joints."""
-        return bool(self.joints) and isinstance(self.positions, Column)
-
     def triangles(self) -> Integers:
         """(M, 3) int64 triangles; indices are not checked."""
-        if isinstance(self.positions, DracoPart):
-            return self.positions.triangles()
+        if isinstance(self.indices, DracoPart):
+            return self.indices.triangles()
         corners = np.arange(self.vertices)
         if self.indices is not None:
             corners = self.indices.stored().reshape(-1).astype(np.int64)
@@ -76,8 +72,14 @@ class Part:
                 points = points + weight * target.values()
         return points
 
-    def blended(self, matrices: Float64) -> Float64:
-        """(N, 4, 4) float64: the mean of the joints' matrices (J, 4, 4) for each vertex by its weights.
+    def skinned(self, points: Float64, matrices: Float64) -> tuple[Float64, Float64]:
+        """Move each point by the mean of the joints' matrices (J, 4, 4), weighted for its vertex.
+
+        Returns
+        -------
+        points : (N, 3) float64
+        determinants : (N,) float64
+            Negative where a vertex is mirrored.
 
         Raises
         ------
@@ -90,10 +92,13 @@ class Part:
         total = shares.sum(axis=1)
         shares[total == 0, 0] = 1
         shares /= np.where(total == 0, 1, total)[:, None]
-        out = np.zeros((self.vertices, 4, 4))
-        for k in range(joints.shape[1]):
-            out += shares[:, k, None, None] * matrices[joints[:, k]]
-        return out
+        out, determinants = np.empty_like(points), np.empty(len(points))
+        for start in range(0, len(points), _AT_ONCE):
+            part = slice(start, start + _AT_ONCE)
+            mean = np.einsum("nk,nkij->nij", shares[part], matrices[joints[part]])
+            out[part] = np.einsum("nij,nj->ni", mean[:, :3, :3], points[part]) + mean[:, :3, 3]
+            determinants[part] = np.linalg.det(mean[:, :3, :3])
+        return out, determinants
 
 
 def part_of(accessors: Accessors, primitive: dict[str, Any]) -> Part | str:
@@ -115,22 +120,33 @@ def part_of(accessors: Accessors, primitive: dict[str, Any]) -> Part | str:
         return "lines" if mode else "points"
     if mode > _FAN:
         raise ValueError
-    compressed = primitive.get("extensions", {}).get(DRACO)
-    given = primitive.get("indices")
-    if compressed is not None:
-        draco = draco_part(accessors, primitive, compressed)
+    extension = primitive.get("extensions", {}).get(DRACO)
+    draco = None if extension is None else draco_part(accessors, primitive, extension)
+
+    def column(name: str, shape: str, types: tuple[int, ...] = ANY_TYPES) -> AnyColumn:
         if draco is not None:
-            return Part(draco.count, 3 * draco.faces, _TRIANGLES, draco, None, (), (), ())
-    positions = accessors.column(position, "VEC3")
-    indices = None
-    if given is not None and positions.count:
-        indices = accessors.column(given, "SCALAR", INDEX_TYPES)
-    corners = positions.count if indices is None else indices.count
+            found = draco_column(accessors, draco, extension, name, attributes[name], 3 if shape == "VEC3" else 4)
+            if found is not None:
+                return found
+        return accessors.column(attributes[name], shape, types)
+
+    positions = column("POSITION", "VEC3")
+    indices, corners = _corners(accessors, primitive, positions.count) if draco is None else (draco, 3 * draco.faces)
     if mode == _TRIANGLES and corners % 3:
         raise ValueError
     targets = tuple(_target(accessors, target, positions.count) for target in primitive.get("targets", []))
-    joints, weights = _skin_columns(accessors, attributes, positions.count)
-    return Part(positions.count, corners, mode, positions, indices, targets, joints, weights)
+    joints, weights = _skin_columns(column, attributes, positions.count)
+    drawn = mode if draco is None else _TRIANGLES
+    return Part(positions.count, corners, drawn, positions, indices, targets, joints, weights)
+
+
+def _corners(accessors: Accessors, primitive: dict[str, Any], vertices: int) -> tuple[Column | None, int]:
+    """The corner indices of a part, if it has any, and the number of corners."""
+    given = primitive.get("indices")
+    if given is None or not vertices:
+        return None, vertices
+    indices = accessors.column(given, "SCALAR", INDEX_TYPES)
+    return indices, indices.count
 
 
 def _target(accessors: Accessors, target: dict[str, Any], count: int) -> Column | None:
@@ -143,22 +159,20 @@ def _target(accessors: Accessors, target: dict[str, Any], count: int) -> Column 
 
 
 def _skin_columns(
-    accessors: Accessors, attributes: dict[str, Any], count: int
-) -> tuple[tuple[Column, ...], tuple[Column, ...]]:
-    joints: list[Column] = []
-    weights: list[Column] = []
+    column: Callable[[str, str, tuple[int, ...]], AnyColumn], attributes: dict[str, Any], count: int
+) -> tuple[tuple[AnyColumn, ...], tuple[AnyColumn, ...]]:
+    joints: list[AnyColumn] = []
+    weights: list[AnyColumn] = []
     for k in range(_SETS):
         if f"JOINTS_{k}" not in attributes or f"WEIGHTS_{k}" not in attributes:
             break
-        joints.append(accessors.column(attributes[f"JOINTS_{k}"], "VEC4", _JOINT_TYPES))
-        weights.append(accessors.column(attributes[f"WEIGHTS_{k}"], "VEC4", (*_JOINT_TYPES, _FLOAT)))
+        joints.append(column(f"JOINTS_{k}", "VEC4", _JOINT_TYPES))
+        weights.append(column(f"WEIGHTS_{k}", "VEC4", (*_JOINT_TYPES, _FLOAT)))
         if joints[k].count != count or weights[k].count != count:
             raise ValueError
     return tuple(joints), tuple(weights)
 
 
-def moved(points: Float64, matrices: NDArray[np.float64]) -> Float64:
-    """(N, 3): points (N, 3) moved by one matrix (4, 4), or each by its own (N, 4, 4)."""
-    if matrices.ndim == 2:
-        return np.asarray(points @ matrices[:3, :3].T + matrices[:3, 3])
-    return np.asarray(np.einsum("nij,nj->ni", matrices[:, :3, :3], points) + matrices[:, :3, 3])
+def moved(points: Float64, matrix: Float64) -> Float64:
+    """(N, 3) float64: points moved by a matrix (4, 4)."""
+    return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
