@@ -59,9 +59,10 @@ def compare(run: Run, mesh: str, /) -> None:
     outputs = run[FigureOutputs].plan(run.options.json)
     begin_mesh(run, outputs, mesh)
     import nmaptool as nm
-    from nmaptool_cli.wording.meshes import describe_comparison, describe_curves
+    from nmaptool_cli.wording.meshes import describe_comparison, describe_curves, describe_notes
 
     source, comparison = rebuild_mesh(run, nm.compare, run[CompareOptions])
     run.say(*describe_comparison(comparison))
+    describe_notes(run, source)
     run.detail(*describe_curves(comparison))
     run.finish(outputs, comparison, mesh_header(run, source) | comparison.to_dict())

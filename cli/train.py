@@ -97,12 +97,15 @@ def _examples(
     run: Run, meshes: Sequence[str], filters: Sequence[FilterOptions], progress: Progress | None
 ) -> list[nm.TrainingExample]:
     import nmaptool as nm
+    from nmaptool_cli.wording.meshes import describe_notes
 
     found = []
     for place, (name, target) in enumerate(zip(meshes, filters, strict=True)):
         if progress is not None:
             progress("targets", _TARGETS * place / len(meshes))
-        found.append(nm.training_example(read_mesh(run, name), target))
+        mesh = read_mesh(run, name)
+        describe_notes(run, mesh)
+        found.append(nm.training_example(mesh, target))
     return found
 
 

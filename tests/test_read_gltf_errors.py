@@ -1,6 +1,5 @@
-"""Unusable glTF and GLB files: other files are never opened, and every odd scene gives a clear error."""
+"""Unusable glTF and GLB files: every odd scene gives a clear error."""
 
-import json
 import struct
 
 import mesh_files as files
@@ -11,7 +10,6 @@ from nmaptool.core.errors import InputError
 from nmaptool.io.meshes.reader import read_mesh
 
 DAMAGED = r"(GLB|glTF) file is truncated or damaged; export it again$"
-OTHERS = r"stores data in other files, which are not opened; export it as one GLB file$"
 
 
 @pytest.fixture
@@ -30,46 +28,17 @@ def refused(tmp_path, capfd):
     return call
 
 
-@pytest.mark.parametrize(
-    "uri", ["a.bin", "../../etc/passwd", "/etc/passwd", "http://127.0.0.1:1/a.bin", "file:///etc/passwd", "", 7, "Data"]
-)
-def test_other_files_are_never_opened(tmp_path, refused, uri):
-    content, data = tree()
-    (tmp_path / "a.bin").write_bytes(data)
-    buffers = [{"uri": uri, "byteLength": len(data)}]
-    (tmp_path / "a.gltf").write_text(json.dumps({**content, "buffers": buffers}), encoding="utf-8")
-    with pytest.raises(InputError, match=OTHERS):
-        read_mesh(tmp_path / "a.gltf")
-    refused(({**content, "buffers": [*content["buffers"], *buffers]}, data), OTHERS)  # a buffer that nothing uses
-
-
-@pytest.mark.parametrize(
-    ("extension", "name"),
-    [("KHR_draco_mesh_compression", "Draco"), ("EXT_meshopt_compression", "meshopt")],
-)
-def test_compressed_meshes_are_refused(refused, extension, name):
-    refused(
-        tree(extensionsRequired=["KHR_mesh_quantization", extension]),
-        rf"is compressed with {name}; export it again without compression$",
-    )
+@pytest.mark.parametrize("extension", ["EXT_meshopt_compression", "KHR_meshopt_compression"])
+def test_meshopt_compression_is_refused(refused, extension):
+    pattern = r"is compressed with meshopt; export it again without compression(, such as by gltf-transform cp .*)?$"
+    refused(tree(extensionsRequired=["KHR_mesh_quantization", extension]), pattern)
     content, data = tree(extensionsUsed=[extension])  # not declared as required, but nothing else is available
     del content["accessors"][0]["bufferView"]
-    refused((content, data), rf"is compressed with {name}")
+    content["accessors"][0]["count"] = 10**6
+    refused((content, data), pattern)
     content, data = tree()
     content["buffers"].append({"byteLength": 99, "extensions": {extension: {"fallback": True}}})
-    refused((content, data), rf"is compressed with {name}")
-
-
-def test_content_that_would_be_lost_is_refused(refused):
-    instanced = [{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {}}}]
-    refused(tree(nodes=instanced), r"uses GPU instancing; make the instances real and export it again$")
-    fan = [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 6}]}]
-    refused(tree(meshes=fan), r"holds triangle fans; export it again as plain triangles$")
-    for change in ({"sparse": {"count": 1}}, {"componentType": 5122, "normalized": True}):
-        content, data = tree()
-        content["accessors"][0].update(change)
-        pattern = r"stores sparse or quantised positions or indices; export it again without compression$"
-        refused((content, data), pattern)
+    refused((content, data), pattern)
 
 
 def test_quantised_positions_scaled_by_their_node_are_read(tmp_path):

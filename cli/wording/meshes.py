@@ -24,6 +24,11 @@ def describe_smoothing(run: Run, source: Mesh, result: SmoothResult) -> None:
     run.seconds(report.seconds)
 
 
+def describe_notes(run: Run, source: Mesh) -> None:
+    """What was ignored or assumed when a mesh was read, for commands whose reports do not say it."""
+    run.warn(*(f"{source.name}: {note}" for note in source.notes))
+
+
 def describe_reconstruction(report: ReconstructReport, gain: float) -> Iterator[str]:
     """How a mesh was rebuilt, one line each."""
     o, size = report.options, report.diagonal_mm or 1.0

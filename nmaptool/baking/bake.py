@@ -11,12 +11,14 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Float64
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.progress import Progress, Stages, part
+from nmaptool.core.text import in_short
 from nmaptool.core.units import Length
 from nmaptool.core.vectors import mean_abs_curls, mean_angle_deg
 from nmaptool.filters.learned.model import FilterModel
 from nmaptool.filters.prepared import PreparedMesh, prepare_mesh
 from nmaptool.filters.rolling import Decomposition
 from nmaptool.maps.detail import encode_detail
+from nmaptool.meshes.lying import lying
 from nmaptool.options import BakeOptions, FilterOptions
 from nmaptool.options.plain_values import filter_values, plain_values
 from nmaptool.reconstruction.reconstruct import reconstruct
@@ -32,6 +34,8 @@ from nmaptool.types.shown import counted
 
 # outside this range of sizes in mm, the units of a mesh are probably not millimetres
 _SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
+# a scene in metres may be a building
+_LARGEST_STATED_MM = 50_000.0
 
 
 def bake(
@@ -256,9 +260,21 @@ def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:
     found = [f"dropped {counted(count, 'face')} {why}" for count, why in dropped if count]
     longest = float(np.ptp(mesh.vertices, axis=0).max())
     size_mm = longest * mesh.mm_per_unit
-    if mesh.unit_from == "assumed" and options.pitch is None and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
-        found.append(f"the mesh is {size_mm:.3g} mm large if its units are mm; set its `unit`, or `width='100mm'`")
+    if options.pitch is None:
+        found += _size_doubts(mesh.unit_from, size_mm)
+    if options.azimuth is None and options.elevation is None:
+        found += lying(mesh, options.up, [drawn.view])
     found += drawn.prepared.warnings
     if float((coverage > 0).mean()) < 0.001:
         found.append("the mesh covers less than 0.1% of the picture")
     return tuple(found)
+
+
+def _size_doubts(unit_from: str, size_mm: float) -> list[str]:
+    """Doubts about the units of a mesh, at most one."""
+    remedy = "set its `unit`, or `width='100mm'`"
+    if unit_from == "assumed" and not _SMALLEST_MM <= size_mm <= _LARGEST_MM:
+        return [f"the mesh is {in_short(size_mm)} mm large if its units are mm; {remedy}"]
+    if unit_from == "file" and size_mm > _LARGEST_STATED_MM:
+        return [f"the mesh is {in_short(size_mm / 1000)} m large by the units of its file; {remedy}"]
+    return []

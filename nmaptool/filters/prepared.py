@@ -47,8 +47,8 @@ class PreparedMesh:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings about effects of the filter on this mesh that may be unintended."""
-        return long_edges(self.mesh, self.filter)
+        """What was ignored or assumed when the mesh was read, and effects of the filter that may be unintended."""
+        return [*self.mesh.notes, *long_edges(self.mesh, self.filter)]
 
     def decompose(self, progress: Progress | None = None) -> Decomposition:
         """Split the normals into base and detail."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -77,7 +79,7 @@ def clean_mesh(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64], MeshFindings]:
         raise InputError(f"{mesh.name}: no face has an area (faces: {len(mesh.faces)}); export it again")
     source = np.flatnonzero(solid)
     alike, once, turned = _consistently_wound(vertices, faces.take(source, axis=0))
-    welded = Mesh(vertices, alike, mesh.mm_per_unit, mesh.unit_from, mesh.name)
+    welded = replace(mesh, vertices=vertices, faces=alike)
     findings = MeshFindings(
         vertices=len(mesh.vertices),
         faces=len(mesh.faces),
@@ -182,4 +184,4 @@ def _without_unused(mesh: Mesh) -> Mesh:
     if used.all():
         return mesh
     index = np.cumsum(used, dtype=np.int32) - np.int32(1)
-    return Mesh(mesh.vertices[used], index.take(mesh.faces), mesh.mm_per_unit, mesh.unit_from, mesh.name)
+    return replace(mesh, vertices=mesh.vertices[used], faces=index.take(mesh.faces))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,7 @@ def reconstruct(
     begun = time.perf_counter()
     rebuilt = rebuild(mesh, targets, options, progress)
     report = _report(mesh, targets, options, rebuilt, time.perf_counter() - begun)
-    after = Mesh(rebuilt.vertices, mesh.faces, mesh.mm_per_unit, mesh.unit_from, mesh.name)
+    after = replace(mesh, vertices=rebuilt.vertices)
     return Reconstruction(after, report)
 
 

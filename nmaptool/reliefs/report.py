@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from nmaptool.core.text import in_short
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs.finish import FinishedHeights
 from nmaptool.reliefs.layout import Layout
@@ -13,6 +14,8 @@ from nmaptool.types.relief import ReliefReport
 
 # if more than this share of a motif on a flat background is flat, it is probably lettering or an emblem
 _MUCH_FLAT = 0.1
+# outside this range of sizes in mm, the size in the file is probably wrong
+_SMALLEST_MM, _LARGEST_MM = 5.0, 5000.0
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,10 @@ def report_of(
         flat_share=layout.flat_share,
         scale=heights.scale,
         planned_bytes=solver.planned_bytes,
-        warnings=tuple(_warnings(options, layout, heights.scale, reach_px, pulled)),
+        warnings=(
+            *_warnings(options, layout, heights.scale, reach_px, pulled),
+            *_size_doubts(layout.motif.shape, pitch, high - low),
+        ),
     )
 
 
@@ -103,3 +109,16 @@ def _warnings(options: ReliefOptions, layout: Layout, scale: float, reach_px: fl
     if options.fit == "slope" and scale < 0.05:
         found.append(f"the slopes were scaled by {scale:.2g} to reach `height`, so little of the shape remains")
     return found
+
+
+def _size_doubts(shape: tuple[int, ...], pitch: tuple[float, str], height_mm: float) -> list[str]:
+    """Doubts about the size of the picture, at most one; ``shape`` is its rows and columns."""
+    rows_mm, cols_mm = (pixels * pitch[0] for pixels in shape)
+    size = f"{in_short(cols_mm)} x {in_short(rows_mm)} mm"
+    source = {"file": " by the size in the file", "assumed": " as assumed"}.get(pitch[1], "")
+    if height_mm > min(rows_mm, cols_mm):
+        high = f"the relief is {in_short(height_mm)} mm high, but the picture only {size}{source}"
+        return [f"{high}; use a larger `width`, such as `width='80mm'`, or a smaller `height`"]
+    if pitch[1] == "file" and not _SMALLEST_MM <= max(rows_mm, cols_mm) <= _LARGEST_MM:
+        return [f"the picture is {size}{source}; set its `width`, such as `width='80mm'`"]
+    return []

@@ -34,6 +34,10 @@ class Mesh(OneLine):
         Source of ``mm_per_unit``: ``given``, ``file`` (fixed by its format) or ``assumed``.
     name : str
         Name of the mesh for messages: a file name.
+    notes : tuple of str
+        What was ignored or assumed when the mesh was read, one sentence each.
+    up_from : str
+        Source of the fact that y points up: ``file``, or ``assumed``.
 
     Raises
     ------
@@ -46,6 +50,8 @@ class Mesh(OneLine):
     mm_per_unit: float = 1.0
     unit_from: str = "assumed"
     name: str = "mesh"
+    notes: tuple[str, ...] = ()
+    up_from: str = "assumed"
 
     def __post_init__(self) -> None:
         for what, array, dtype in (("vertices", self.vertices, np.float64), ("faces", self.faces, np.int32)):

@@ -58,4 +58,5 @@ def counted(number: int, what: str) -> str:
     ('1 face', '1200 faces')
     """
     plural = "vertices" if what == "vertex" else f"{what[:-1]}ies" if what.endswith("body") else f"{what}s"
+    plural = f"{what}es" if what.endswith("mesh") else plural
     return f"{number} {what if number == 1 else plural}"

@@ -1,1 +1,1 @@
-"""Mesh files: OBJ, PLY, STL, OFF, GLB, glTF."""
+"""Mesh files: OBJ, PLY, STL, OFF, GLB, glTF, 3MF, DAE, USD."""

@@ -2,49 +2,79 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
+from nmaptool.io.meshes.gltf_buffers import COMPRESSED, Buffers, is_compressed, whole_number
 from nmaptool.io.meshes.headers import MeshFile
 
 _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_INDEX_TYPES = (5121, 5123, 5125)
-_FLOAT = 5126
+ANY_TYPES = tuple(_TYPES)
+INDEX_TYPES = (5121, 5123, 5125)
+_WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _LARGEST_STRIDE = 252
-_COMPRESSED = {
-    "KHR_draco_mesh_compression": "Draco",
-    "EXT_meshopt_compression": "meshopt",
-    "KHR_meshopt_compression": "meshopt",
-}
 
 
-def refuse_compressed(file: MeshFile, extensions: Iterable[Any]) -> None:
-    """Refuse a file that uses an extension for compressed meshes.
+@dataclass(frozen=True, eq=False)
+class Column:
+    """An accessor whose bounds have been checked; its values are read on demand.
 
-    Raises
-    ------
-    InputError
+    Attributes
+    ----------
+    count, width : int
+        Rows, and values in each.
+    dense : (N, W) or None
+        A view of its buffer; None if all values are 0.
+    places, changed : (S,) integers and (S, W), or None
+        Rows of a sparse accessor that differ, and their values.
+    is_normalized : bool
+        Whether integers stand for 0 to 1, or for -1 to 1 if they are signed.
+    dtype : dtype
     """
-    for name in _COMPRESSED.keys() & set(extensions):
-        raise InputError(f"{file.path}: is compressed with {_COMPRESSED[name]}; export it again without compression")
+
+    count: int
+    width: int
+    dense: NDArray[Any] | None
+    places: NDArray[Any] | None
+    changed: NDArray[Any] | None
+    is_normalized: bool
+    dtype: np.dtype[Any]
+
+    def stored(self) -> NDArray[Any]:
+        """(N, W): the values as stored.
+
+        Raises
+        ------
+        IndexError
+            If a sparse accessor changes a row that does not exist.
+        """
+        if self.dense is None:
+            values = np.zeros((self.count, self.width), self.dtype)
+        elif self.places is None:
+            return self.dense
+        else:
+            values = self.dense.copy()
+        if self.places is not None:
+            values[self.places[:, 0].astype(np.int64)] = self.changed
+        return values
+
+    def values(self) -> Float64:
+        """(N, W) float64: the values, with normalised integers as fractions."""
+        return normalised(self.stored(), self.is_normalized)
 
 
-def whole_number(value: Any) -> int:
-    """Return the value if it is a whole number of at least 0.
-
-    Raises
-    ------
-    ValueError
-        If the value is anything else.
-    """
-    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
-        raise ValueError
-    return value
+def normalised(stored: NDArray[Any], is_normalized: bool) -> Float64:
+    """The values as float64; normalised integers become -1 or 0 to 1."""
+    values = stored.astype(np.float64)
+    if is_normalized and stored.dtype.kind in "iu":
+        values /= np.iinfo(stored.dtype).max
+        np.maximum(values, -1.0, out=values)
+    return values
 
 
 @dataclass(frozen=True)
@@ -53,7 +83,7 @@ class Accessors:
 
     file: MeshFile
     tree: dict[str, Any]
-    buffers: list[bytes]
+    buffers: Buffers
 
     def item(self, what: str, index: Any) -> dict[str, Any]:
         """Return entry ``index`` of the list ``what`` in the JSON."""
@@ -62,40 +92,64 @@ class Accessors:
             raise TypeError
         return item
 
-    def positions(self, index: Any) -> NDArray[Any]:
-        """Return an (N, 3) view of positions of any component type.
+    def count(self, index: Any) -> int:
+        """Rows that an accessor declares."""
+        return whole_number(self.item("accessors", index)["count"])
+
+    def column(self, index: Any, shape: str, types: tuple[int, ...] = ANY_TYPES) -> Column:
+        """Check an accessor of a shape, such as ``VEC3``, and of one of the given component types.
 
         Raises
         ------
         InputError
-            If they are sparse, quantised or compressed.
+            If it is compressed, or has no data.
+        IndexError, KeyError, TypeError, ValueError
+            If it is invalid in another way.
         """
-        return self._view(index, "VEC3", tuple(_TYPES))
-
-    def indices(self, index: Any) -> NDArray[Any]:
-        """Return an (N,) view of unsigned integers; raises the same errors as `positions`."""
-        return self._view(index, "SCALAR", _INDEX_TYPES).reshape(-1)
-
-    def _view(self, index: Any, shape: str, types: tuple[int, ...]) -> NDArray[Any]:
         accessor = self.item("accessors", index)
-        kind = accessor["componentType"]
+        kind, count = accessor["componentType"], whole_number(accessor["count"])
         if accessor["type"] != shape or kind not in types:
             raise ValueError
-        if "sparse" in accessor or (accessor.get("normalized") and kind != _FLOAT):
-            raise InputError(
-                f"{self.file.path}: stores sparse or quantised positions or indices; "
-                "export it again without compression"
-            )
-        if "bufferView" not in accessor:
-            refuse_compressed(self.file, self.tree.get("extensionsUsed", []))
-        view = self.item("bufferViews", accessor["bufferView"])
-        dtype, width = np.dtype(_TYPES[kind]), 3 if shape == "VEC3" else 1
+        sparse = accessor.get("sparse")
+        dense = places = changed = None
+        if "bufferView" in accessor:
+            dense = self._view(accessor, kind, count, shape)
+        elif count > self.buffers.total:  # zeros need no data, so a small file could declare any number of them
+            raise self._without_data()
+        if sparse is not None:
+            few = whole_number(sparse["count"])
+            index_kind = sparse["indices"]["componentType"]
+            if few > count or index_kind not in INDEX_TYPES:
+                raise ValueError
+            places = self._view(sparse["indices"], index_kind, few, "SCALAR")
+            changed = self._view(sparse["values"], kind, few, shape)
+        dtype = np.dtype(_TYPES[kind])
+        return Column(count, _WIDTHS[shape], dense, places, changed, bool(accessor.get("normalized")), dtype)
+
+    def bytes_of(self, index: Any) -> bytes:
+        """The bytes of a buffer view."""
+        view = self.item("bufferViews", index)
+        start, length = whole_number(view.get("byteOffset", 0)), whole_number(view["byteLength"])
+        buffer = whole_number(view["buffer"])
+        if start + length > self.buffers.sizes[buffer]:
+            raise ValueError
+        return self.buffers[buffer][start : start + length]
+
+    def _without_data(self) -> InputError:
+        for name in COMPRESSED.keys() & set(self.tree.get("extensionsUsed", [])):
+            return is_compressed(self.file, COMPRESSED[name])
+        return self.file.damaged
+
+    def _view(self, place: dict[str, Any], kind: int, count: int, shape: str) -> NDArray[Any]:
+        """A (count, W) view of the values at ``place``, an accessor or a part of a sparse one."""
+        view = self.item("bufferViews", place["bufferView"])
+        dtype, width = np.dtype(_TYPES[kind]), _WIDTHS[shape]
         row = dtype.itemsize * width
-        count, stride = whole_number(accessor["count"]), whole_number(view.get("byteStride", row))
-        offset, start = whole_number(accessor.get("byteOffset", 0)), whole_number(view.get("byteOffset", 0))
+        stride = whole_number(view.get("byteStride", row))
+        offset, start = whole_number(place.get("byteOffset", 0)), whole_number(view.get("byteOffset", 0))
         length = (count - 1) * stride + row if count else 0
-        buffer = self.buffers[whole_number(view["buffer"])]
-        inside = offset + length <= whole_number(view["byteLength"]) <= len(buffer) - start
+        buffer = whole_number(view["buffer"])
+        inside = offset + length <= whole_number(view["byteLength"]) <= self.buffers.sizes[buffer] - start
         if not (inside and row <= stride <= _LARGEST_STRIDE):
             raise ValueError
-        return np.ndarray((count, width), dtype, buffer, start + offset, (stride, dtype.itemsize))
+        return np.ndarray((count, width), dtype, self.buffers[buffer], start + offset, (stride, dtype.itemsize))

@@ -8,10 +8,23 @@ from pathlib import Path
 
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.core.text import listed
+from nmaptool.io.meshes.other_formats import other_format, zip_content
 from nmaptool.io.opening import read_head
 from nmaptool.types.shown import counted
 
-NAMES = {"obj": "OBJ", "ply": "PLY", "stl": "STL", "off": "OFF", "glb": "GLB", "gltf": "glTF"}
+NAMES = {
+    "obj": "OBJ",
+    "ply": "PLY",
+    "stl": "STL",
+    "off": "OFF",
+    "glb": "GLB",
+    "gltf": "glTF",
+    "3mf": "3MF",
+    "dae": "DAE",
+    "usd": "USD",
+}
+_OTHER_ENDINGS = {"usda": "usd", "usdc": "usd", "usdz": "usd"}
+_MARKS = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}
 STL_HEADER, STL_FACE = 84, 50
 _HEAD = 1 << 16
 _CONTROL = re.compile(rb"[\0-\x08\x0e-\x19\x1c-\x1f]")  # 0x1A is allowed: old programs end texts with it
@@ -19,11 +32,15 @@ _WEB_PAGE = re.compile(rb"\s*<(!doctype\s+html|html|head|body)\b", re.IGNORECASE
 _MAGIC = {
     "ply": re.compile(rb"ply[ \t]*[\r\n]"),
     "glb": re.compile(rb"glTF"),
-    "off": re.compile(rb"(?:\s*#[^\r\n]*[\r\n])*\s*(?:ST)?C?N?OFF\b"),
-    "gltf": re.compile(rb"(?:\xef\xbb\xbf)?\s*\{(?=.*\"asset\")", re.DOTALL),
+    "off": re.compile(rb"(?:\s*#[^\r\n]*[\r\n])*\s*(?:ST)?C?N?4?n?OFF\b"),
+    "gltf": re.compile(rb"\s*\{(?=.*\"asset\")", re.DOTALL),
     "stl": re.compile(rb"\s*solid\b(?=[^\0]*\bfacet\b)", re.IGNORECASE),
+    "dae": re.compile(rb"\s*<(?=.{0,4096}<?(?:\w+:)?COLLADA\b)", re.DOTALL),
+    "usd": re.compile(rb"#usda \d|PXR-USDC"),
 }
-_JSON = re.compile(rb"(?:\xef\xbb\xbf)?\s*\{")
+_BINARY = ("ply", "glb", "usd")
+_JSON = re.compile(rb"\s*\{")
+_COUNTS = re.compile(rb"(?:\s*#[^\r\n]*[\r\n])*\s*\d+[ \t]+\d+(?:[ \t]+\d+)?[ \t]*[\r\n]")
 _OBJ_LINE = re.compile(rb"^[ \t]*v[nt]?[ \t]+[-+.\d]", re.MULTILINE)
 
 
@@ -35,9 +52,9 @@ class MeshFile:
     ----------
     path : Path
     kind : str
-        ``obj``, ``ply``, ``stl``, ``off``, ``glb`` or ``gltf``.
+        ``obj``, ``ply``, ``stl``, ``off``, ``glb``, ``gltf``, ``3mf``, ``dae`` or ``usd``.
     head : bytes
-        Its first 64 KiB.
+        Its first 64 KiB, as `read_bytes` returns them.
     size : int
         In bytes.
     """
@@ -51,6 +68,10 @@ class MeshFile:
     def is_text(self) -> bool:
         """Whether the file begins as text."""
         return is_text(self.head)
+
+    def read_bytes(self) -> bytes:
+        """The whole file; text without a byte order mark, and in UTF-8 if it is UTF-16."""
+        return _unmarked(self.path.read_bytes())
 
     @property
     def damaged(self) -> InputError:
@@ -126,6 +147,16 @@ def is_text(head: bytes) -> bool:
     return _CONTROL.search(head[:4096]) is None
 
 
+def _unmarked(data: bytes) -> bytes:
+    """Text without its byte order mark, and in UTF-8 if it is UTF-16; anything else unchanged."""
+    if data[:3] == b"\xef\xbb\xbf":
+        return data[3:] if is_text(data[3:4096]) else data
+    code = _MARKS.get(data[:2])
+    if code is None or not is_text(data[2:4096].decode(code, "ignore").encode("utf-8", "ignore")):
+        return data
+    return data[2:].decode(code, "ignore").encode("utf-8", "ignore")
+
+
 def _stl_count(head: bytes) -> int:
     return int.from_bytes(head[80:84], "little")
 
@@ -134,7 +165,7 @@ def _content(head: bytes, size: int) -> str | None:
     """The format that the bytes prove, or None."""
     text = is_text(head)
     for kind, magic in _MAGIC.items():
-        if magic.match(head) and (text or kind in ("ply", "glb")):
+        if magic.match(head) and (text or kind in _BINARY):
             return kind
     if size > STL_HEADER and size == STL_HEADER + STL_FACE * _stl_count(head):
         return "stl"
@@ -147,6 +178,8 @@ def _is_possible(ending: str, head: bytes, size: int) -> bool:
         return not is_text(head) or head.lstrip()[:5].lower() == b"solid"
     if ending == "obj":
         return is_text(head) and size > _HEAD  # the vertices may follow a long comment
+    if ending == "off":  # the word OFF is optional
+        return is_text(head) and _COUNTS.match(head) is not None
     return ending == "gltf" and _JSON.match(head) is not None
 
 
@@ -160,18 +193,23 @@ def identify_mesh_file(path: Path) -> MeshFile:
         of another format.
     """
     head, size = read_head(path, _HEAD, "a mesh file", "save the mesh as a file")
-    ending = path.suffix.lower()[1:]
-    kind = _content(head, size)
+    head = _unmarked(head)
+    written = path.suffix.lower()[1:]
+    ending = _OTHER_ENDINGS.get(written, written)
+    kind, said = _content(head, size), None
+    if kind is None and head.startswith(b"PK\x03\x04"):
+        kind, said = zip_content(path)
     if kind is not None and kind != ending:
-        right = path.with_suffix(f".{kind}").name
+        right = path.with_suffix(f".{'usdz' if kind == 'usd' and said == '' else kind}").name
         raise InputError(f"{path}: holds {NAMES[kind]} data; rename it to {right}")
     if _WEB_PAGE.match(head):
         raise InputError(f"{path}: holds a web page instead of a mesh; download the mesh itself")
+    said = said or (None if kind else other_format(ending, head))
+    if said:
+        raise InputError(f"{path}: {said}")
     accepted = listed(NAMES.values(), "or")
     if ending not in NAMES:
         raise InputError(f"{path}: is not a mesh in a supported format; export it as {accepted}")
-    if kind is None and head.startswith(b"PK\x03\x04"):
-        raise InputError(f"{path}: is a ZIP archive; unpack it and use the mesh in it")
     if kind is None and not _is_possible(ending, head, size):
         raise InputError(f"{path}: holds no {NAMES[ending]} data; export it again as {accepted}")
     return MeshFile(path, ending, head, size)

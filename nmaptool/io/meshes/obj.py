@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from nmaptool.core.arrays import Mask
@@ -10,6 +12,8 @@ from nmaptool.io.meshes.headers import MeshFile
 from nmaptool.io.meshes.polygons import Integers
 from nmaptool.io.meshes.surface import Surface, TextPolygons
 from nmaptool.io.meshes.words import Words, blocks, line_feeds, numbers
+
+CONTINUED = re.compile(rb"\\[ \t]*\n")  # a line that goes on in the next one
 
 
 def read_obj(file: MeshFile, max_faces: int) -> Surface:
@@ -23,9 +27,9 @@ def read_obj(file: MeshFile, max_faces: int) -> Surface:
         If it holds more than ``max_faces`` triangles.
     """
     file.check_obj_count(max_faces)
-    text = line_feeds(file.path.read_bytes())
-    if b"\\\n" in text:
-        text = text.replace(b"\\\n", b" ")
+    text = line_feeds(file.read_bytes())
+    if b"\\" in text:
+        text = CONTINUED.sub(b" ", text)
     pieces, seen = [], 0
     for block in blocks(text):
         words = Words.of(block)

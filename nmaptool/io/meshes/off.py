@@ -11,8 +11,9 @@ from nmaptool.io.meshes.headers import MeshFile
 from nmaptool.io.meshes.polygons import Integers
 from nmaptool.io.meshes.surface import Surface, TextPolygons
 from nmaptool.io.meshes.words import Words, blocks, line_feeds, numbers, runs
+from nmaptool.types.shown import counted
 
-_HEADER = re.compile(rb"\s*(?:ST)?C?N?OFF\b[ \t]*(BINARY\b)?")
+_HEADER = re.compile(rb"\s*(?:(?:ST)?C?N?(4?n?)OFF\b)?[ \t]*(BINARY\b)?")
 _COUNTS = re.compile(rb"\s*(\d{1,18})[ \t]+(\d{1,18})(?:[ \t]+\d+)?[ \t]*(?:\n|\Z)")
 
 
@@ -29,7 +30,7 @@ def read_off(file: MeshFile, max_faces: int) -> Surface:
     if b"\n" in file.head:
         claim = _without_comments(file.head[: file.head.rfind(b"\n") + 1])
         file.check_limit(_counts(file, claim)[1], max_faces)
-    text = _without_comments(file.path.read_bytes())
+    text = _without_comments(file.read_bytes())
     vertices, faces, start = _counts(file, text)
     pieces, done = [], 0
     for block in blocks(text[start:]):
@@ -38,7 +39,10 @@ def read_off(file: MeshFile, max_faces: int) -> Surface:
         pieces.append(TextPolygons(*_vertices(words, split), *_polygons(words, split)))
         done += len(words.first)
     if done != vertices + faces:
-        raise file.damaged
+        raise InputError(
+            f"{file.path}: declares {counted(vertices, 'vertex')} and {counted(faces, 'face')} but holds "
+            f"{counted(done, 'line')} of them: the OFF file is truncated or damaged; export it again"
+        )
     return TextPolygons.joined(pieces).surface(file, 0, max_faces)
 
 
@@ -48,6 +52,8 @@ def _counts(file: MeshFile, text: bytes) -> tuple[int, int, int]:
     if header is None:
         raise file.damaged
     if header[1]:
+        raise InputError(f"{file.path}: holds OFF data of other than three dimensions; export it as OBJ, PLY or STL")
+    if header[2]:
         raise InputError(f"{file.path}: holds binary OFF data; export it as text, or as PLY")
     counts = _COUNTS.match(text, header.end())
     if counts is None:

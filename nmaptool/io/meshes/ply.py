@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import InputError
 from nmaptool.io.meshes.headers import MeshFile
+from nmaptool.io.meshes.ply_lines import declared_values
 from nmaptool.io.meshes.polygons import Integers, fans, strips
 from nmaptool.io.meshes.surface import Surface
-from nmaptool.io.meshes.words import numbers
+from nmaptool.io.meshes.words import line_feeds, numbers
 
 _TYPES = {
     "char": "i1",
@@ -50,6 +52,11 @@ class _Property:
     name: str
     dtype: np.dtype[Any]
     count: np.dtype[Any] | None = None
+
+    @property
+    def is_list(self) -> bool:
+        """Whether each row has a list of values."""
+        return self.count is not None
 
     @property
     def least(self) -> int:
@@ -136,10 +143,18 @@ def read_ply(file: MeshFile, max_faces: int) -> Surface:
     """
     header = read_header(file)
     _check_claim(file, header, max_faces)
-    body = file.path.read_bytes()[header.offset :]
-    if header.is_ascii:
-        body = numbers(body, np.float64).tobytes()
-    return _read_elements(file, header, body)
+    data = file.read_bytes()
+    body = data[header.offset :]
+    if not header.is_ascii:
+        return _read_elements(file, header, body)
+    try:
+        return _read_elements(file, header, numbers(body, np.float64).tobytes())
+    except (InputError, LookupError, TypeError, ValueError):
+        line = line_feeds(data[: header.offset]).count(b"\n")
+        kept, notes = declared_values(header.elements, body, line)
+        if not notes:
+            raise
+        return replace(_read_elements(file, header, numbers(kept, np.float64).tobytes()), notes=notes)
 
 
 def _check_claim(file: MeshFile, header: PlyHeader, max_faces: int) -> None:

@@ -142,3 +142,22 @@ def one_strip(corners: Integers) -> Integers:
     triangles = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
     triangles[1::2] = triangles[1::2, ::-1].copy()
     return triangles
+
+
+def one_fan(corners: Integers) -> Integers:
+    """Cut one fan of a glTF into triangles around its first corner; those without area are kept.
+
+    Parameters
+    ----------
+    corners : (N,) int64
+
+    Returns
+    -------
+    (N - 2, 3) int64
+
+    Examples
+    --------
+    >>> one_fan(np.array([5, 6, 7, 8])).tolist()
+    [[5, 6, 7], [5, 7, 8]]
+    """
+    return np.stack([np.full(max(len(corners) - 2, 0), corners[0]), corners[1:-1], corners[2:]], axis=1)

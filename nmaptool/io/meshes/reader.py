@@ -9,6 +9,8 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError, LimitError, NmaptoolError, UsageError, reason_of
+from nmaptool.io.meshes.dae import read_dae
+from nmaptool.io.meshes.faults import fault_in
 from nmaptool.io.meshes.gltf import read_gltf
 from nmaptool.io.meshes.headers import MeshFile, identify_mesh_file
 from nmaptool.io.meshes.obj import read_obj
@@ -17,6 +19,8 @@ from nmaptool.io.meshes.ply import read_ply
 from nmaptool.io.meshes.polygons import Integers, recut
 from nmaptool.io.meshes.stl import read_stl
 from nmaptool.io.meshes.surface import Surface
+from nmaptool.io.meshes.threemf import read_3mf
+from nmaptool.io.meshes.usd import read_usd
 from nmaptool.types.mesh import Mesh
 
 MAX_FACES = 20_000_000
@@ -29,30 +33,35 @@ _READERS: dict[str, Callable[[MeshFile, int], Surface]] = {
     "off": read_off,
     "glb": read_gltf,
     "gltf": read_gltf,
+    "3mf": read_3mf,
+    "dae": read_dae,
+    "usd": read_usd,
 }
 
 
 def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX_FACES) -> Mesh:
     """Read the triangles of a mesh file.
 
-    Polygons are cut into triangles, and the transforms of a scene are applied. Colours, normals, texture coordinates,
-    textures and materials are ignored, and no other file is ever opened. Vertices may be NaN; see
+    Polygons are cut into triangles, and the transforms of a scene are applied, with morph targets and skins at rest.
+    Colours, normals, texture coordinates, textures and materials are ignored. The only other files that are opened are
+    the buffers of a glTF and the layers of a USD in the same folder. Vertices may be NaN; see
     `nmaptool.meshes.clean.clean_mesh`.
 
     Parameters
     ----------
     path : str or Path
-        OBJ, PLY, STL, OFF, GLB, or glTF with embedded data.
+        OBJ, PLY, STL, OFF, GLB, glTF, 3MF, DAE or USD. Some need an extra package, which the message names.
     unit : str, optional
         Unit of the coordinates in the file: ``mm``, ``cm``, ``in`` or ``m``. Default: metres for GLB and glTF, as their
-        specification requires, and millimetres for the other formats, which do not state a unit.
+        specification requires, the unit in 3MF, DAE and USD files, and millimetres for the other formats, which do not
+        state a unit.
     max_faces : int
         Refuse files with more faces, before loading them.
 
     Returns
     -------
     Mesh
-        With the vertices in the unit of the file, which ``mm_per_unit`` converts.
+        With the vertices in the unit of the file, which ``mm_per_unit`` converts; its ``notes`` say what was ignored.
 
     Raises
     ------
@@ -84,10 +93,11 @@ def read_mesh(path: str | Path, *, unit: str | None = None, max_faces: int = MAX
         raise LimitError(f"{file.path}: does not fit in memory; decimate it") from None
     except OSError as error:
         raise InputError(f"{file.path}: cannot be read ({reason_of(error)})") from None
-    in_metres = file.kind in ("glb", "gltf")
-    mm_per_unit = _MM[unit or ("m" if in_metres else "mm")]
-    unit_from = "given" if unit else "file" if in_metres else "assumed"
-    return Mesh(vertices, small_faces, mm_per_unit, unit_from, str(path))
+    in_file = surface.mm_per_unit
+    mm_per_unit = _MM[unit] if unit else in_file or 1.0
+    unit_from = "given" if unit else "file" if in_file else "assumed"
+    up_from = "file" if surface.is_y_up else "assumed"
+    return Mesh(vertices, small_faces, mm_per_unit, unit_from, str(path), surface.notes, up_from)
 
 
 def _surface(file: MeshFile, max_faces: int) -> Surface:
@@ -95,10 +105,12 @@ def _surface(file: MeshFile, max_faces: int) -> Surface:
     try:
         with np.errstate(all="ignore"):  # numbers are not checked yet
             return _READERS[file.kind](file, max_faces)
-    except (NmaptoolError, MemoryError, OSError):
+    except (MemoryError, OSError):
         raise
-    except Exception:  # noqa: BLE001 - a damaged file may raise anything
-        raise file.damaged from None
+    except Exception as error:  # a damaged file may raise anything
+        if isinstance(error, NmaptoolError) and str(error) != str(file.damaged):
+            raise
+        raise fault_in(file) from None
 
 
 def _check_indices(file: MeshFile, vertices: Float64, faces: Integers) -> None:

@@ -28,17 +28,18 @@ def read_stl(file: MeshFile, max_faces: int) -> Surface:
         If it declares or holds more than ``max_faces``.
     """
     if file.is_text and file.head.lstrip()[:5].lower() == b"solid":
-        vertices = _text(file, max_faces)
+        vertices, notes = _text(file, max_faces)
     else:
+        notes = ()
         claimed = file.check_stl_claim(max_faces)
-        table = np.frombuffer(file.path.read_bytes(), _FACE, claimed, STL_HEADER)
+        table = np.frombuffer(file.read_bytes(), _FACE, claimed, STL_HEADER)
         vertices = table["corners"].astype(np.float64).reshape(-1, 3)
-    return Surface(vertices, np.arange(len(vertices)).reshape(-1, 3))
+    return Surface(vertices, np.arange(len(vertices)).reshape(-1, 3), notes=notes)
 
 
-def _text(file: MeshFile, max_faces: int) -> Float64:
-    """The (3 M, 3) float64 corners of a text STL."""
-    text = _without_names(file, line_feeds(file.path.read_bytes()).lower())
+def _text(file: MeshFile, max_faces: int) -> tuple[Float64, tuple[str, ...]]:
+    """The (3 M, 3) float64 corners of a text STL, and what is said about it."""
+    text, is_ended = _without_names(line_feeds(file.read_bytes()).lower())
     pieces, facets, ends, corners = [], 0, 0, 0
     for block in blocks(text, b"endfacet"):
         words = Words.of(block)
@@ -47,24 +48,29 @@ def _text(file: MeshFile, max_faces: int) -> Float64:
         ends += int(_is(words, b"endfacet").sum())
         corners += len(vertices)
         pieces.append(_coordinates(words, vertices))
+    if not is_ended and not (facets and text.rstrip().endswith(b"endfacet")):
+        raise InputError(f"{file.path}: the STL file is truncated: its end is missing; export or download it again")
     if not facets == ends == corners / 3:
         raise file.damaged
+    lacks_end = "its last line, 'endsolid', is missing: faces may be lost; export or download it again if so"
     file.check_limit(facets, max_faces)
-    return numbers(b" ".join(pieces), np.float64, 3 * corners).reshape(-1, 3)
+    points = numbers(b" ".join(pieces), np.float64, 3 * corners).reshape(-1, 3)
+    return points, () if is_ended else (lacks_end,)
 
 
-def _without_names(file: MeshFile, text: bytes) -> bytes:
-    """The text without its lines ``solid NAME`` and ``endsolid NAME``; a name may contain any words."""
+def _without_names(text: bytes) -> tuple[bytes, bool]:
+    """The text without its lines ``solid NAME`` and ``endsolid NAME``, and whether it ends with the latter.
+
+    A name may contain any words.
+    """
     pieces, done, is_ended = [], 0, False
     for match in _NAME.finditer(text):
         line = text.rfind(b"\n", 0, match.start()) + 1
         before = text[line : match.start()].lstrip(b" \t")
         if before in (b"", b"end"):
             pieces.append(text[done:line])
-            done, is_ended = match.end(), is_ended or before == b"end"
-    if not is_ended:
-        raise InputError(f"{file.path}: the STL file is truncated: its end is missing; export or download it again")
-    return b"".join((*pieces, text[done:]))
+            done, is_ended = match.end(), before == b"end"
+    return b"".join((*pieces, text[done:])), is_ended
 
 
 def _coordinates(words: Words, vertices: Integers) -> bytes:

@@ -28,11 +28,20 @@ class Surface:
         Polygons are cut from their first corner. Indices are counted from 0 and not checked yet.
     made : (P,) int64
         Number of triangles of each polygon, for `nmaptool.io.meshes.polygons.recut`; empty if all are triangles.
+    notes : tuple of str
+        What the reader ignored or assumed, one sentence each.
+    mm_per_unit : float or None
+        Millimetres per unit of the vertices; None if the file does not say.
+    is_y_up : bool
+        Whether the format or the file says that y points up, or the reader turned the mesh so.
     """
 
     vertices: Float64
     triangles: Integers
     made: Integers = field(default_factory=_none)
+    notes: tuple[str, ...] = ()
+    mm_per_unit: float | None = None
+    is_y_up: bool = False
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,6 +15,8 @@ from nmaptool.core.arrays import Mask
 from nmaptool.io.meshes.polygons import Integers
 
 _BLOCK = 1 << 20  # bytes per block, few enough for the arrays of a block to stay in the cache
+_FORTRAN = re.compile(rb"(?<=[\d.])[dD](?=[-+]?\d)")
+_ODD_NAN = re.compile(rb"[-+]?1\.#(?:QNAN|SNAN|IND|INF)\w*", re.IGNORECASE)
 _LARGEST = np.iinfo(np.int64).max
 
 
@@ -94,7 +97,7 @@ def numbers(text: bytes, dtype: type[np.generic], count: int | None = None) -> N
     ----------
     text : bytes
     dtype : type
-        ``np.float64``, which accepts ``nan`` and ``inf``, or ``np.int64``.
+        ``np.float64``, which accepts ``nan``, ``inf`` and the numbers of `plain_numbers`, or ``np.int64``.
     count : int, optional
         Required number of numbers.
 
@@ -112,19 +115,29 @@ def numbers(text: bytes, dtype: type[np.generic], count: int | None = None) -> N
         warnings.simplefilter("error", DeprecationWarning)  # NumPy 1 warns when it stops at a word
         try:
             found = np.fromstring(text, dtype, sep=" ") if text else np.zeros(0, dtype)
-        except DeprecationWarning:
-            raise ValueError from None
+        except (DeprecationWarning, ValueError):
+            plain = plain_numbers(text) if dtype is np.float64 else text
+            if plain == text:
+                raise ValueError from None
+            return numbers(plain, dtype, count)
     too_large = dtype is np.int64 and len(found) and (found.max() == _LARGEST or found.min() < -_LARGEST)
     if too_large or (count is not None and len(found) != count):
         raise ValueError
     return found
 
 
+def plain_numbers(text: bytes) -> bytes:
+    """Numbers as C reads them: Fortran writes ``1.0D+02`` and old C libraries of Windows ``1.#QNAN`` and ``-1.#IND00``.
+
+    >>> plain_numbers(b"1.0D+02 -1.#IND00")
+    b'1.0e+02 nan'
+    """
+    return _ODD_NAN.sub(b"nan", _FORTRAN.sub(b"e", text))
+
+
 def line_feeds(data: bytes) -> bytes:
-    """The text with line feeds as line ends and without a byte order mark."""
-    if b"\r" in data:
-        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return data.removeprefix(b"\xef\xbb\xbf")
+    """The text with line feeds as line ends."""
+    return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in data else data
 
 
 def blocks(text: bytes, mark: bytes = b"\n") -> Iterator[bytes]:
