@@ -4,11 +4,13 @@ Each returns the pixels, the options for reading them, and the chunks of the PNG
 """
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
+from PIL import Image
 
 SRGB = [(b"sRGB", b"\0"), (b"gAMA", b"\0\0\xb1\x8f")]
 
@@ -81,6 +83,24 @@ def with_height(d: Any, codes: Any) -> Faulty:
     return Faulty(np.dstack([codes(d.normals, 16), height]))
 
 
+def write_palette(path: Path, d: Any, codes: Any) -> None:
+    """A palette of 200 colours, as GIF converters leave it, with the motif in its transparency."""
+    picture = Image.fromarray(np.dstack([codes(d.normals), opaque(d, 255)]), "RGBA")
+    picture.convert("RGB").quantize(200).convert("P").save(path)
+
+
+def write_turned(path: Path, d: Any, codes: Any) -> None:
+    """A picture that viewers turn by a quarter."""
+    exif = Image.Exif()
+    exif[0x0112] = 6
+    Image.fromarray(np.dstack([codes(d.normals), opaque(d, 255)]), "RGBA").save(path, exif=exif)
+
+
+# maps whose fault is in the file, not in the pixels
+FAULTY_FILES: dict[str, Callable[[Path, Any, Any], None]] = {
+    "coarse-values": write_palette,
+    "orientation": write_turned,
+}
 FAULTY: dict[str, Callable[[Any, Any], Faulty]] = {
     "no-foreground": lambda d, codes: Faulty(codes(np.broadcast_to((0.0, 0.0, 1.0), (96, 96, 3)))),
     "not-normals": lambda d, codes: Faulty(rng().integers(0, 256, (96, 96, 3), np.uint8)),

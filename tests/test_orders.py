@@ -111,7 +111,7 @@ def test_a_surface_without_curl_does_not_tell():
     read = nm.decode_normal_map(stored.pixels)
     assert (read.decoding.green, read.decoding.green_from, read.decoding.curl_ratio) == ("up", "assumed", None)
     assert order_notes(read.decoding) == (
-        "green up is assumed: too little curl tells; if its forms look twisted, use `green='down'`",
+        "green up is assumed: too little curl to tell; if its forms look twisted, use `green='down'`",
     )
 
 

@@ -20,6 +20,7 @@ def say_map(run: Run, normal_map: NormalMap) -> None:
     """How an input was read, in one line, with warnings."""
     share = float(normal_map.foreground.mean())
     run.say(f"{normal_map.name}: {normal_map.frame}, {describe_decoding(normal_map.decoding, share)}")
+    run.say(*(f"{normal_map.name}: {note}" for note in normal_map.decoding.notes))
     for warning in normal_map.decoding.warnings:
         run.warn(f"{normal_map.name}: {warning}")
 
@@ -53,6 +54,8 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
     d = seen.decoding
     kind = f"{seen.bits} bit {'float' if seen.is_float else 'integer'}{', lossy compression' if seen.lossy else ''}"
     yield f"{seen.name}: {seen.cols} x {seen.rows}, {kind}, channels {' '.join(seen.channels)}"
+    if d.notes and not seen.coarse:  # otherwise a finding says so
+        yield f"  file         {'; '.join(d.notes)}"
     if d.preset is not None:
         yield f"  preset       {d.preset} ({d.preset_from}): {NORMAL_PRESETS[d.preset].description}"
     sure = "too little curl to tell" if d.curl_ratio is None else f"the other direction has {_ratio(d)} times the curl"
@@ -83,15 +86,19 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
 
 def _order(decoding: Decoding) -> str:
     """The orders that fit a map, and what tells them apart."""
-    fits = decoding.fits or ()
+    from nmaptool.maps.conventions import better_swizzle
+
+    fits, sign = decoding.fits or (), decoding.outline_sign
+    outline = "no outline" if sign is None else f"outline {sign:+.2f}, raised is +1"
     if not fits:
         return "no order of the channels faces the viewer"
-    outline = "no outline" if decoding.outline_sign is None else f"outline {decoding.outline_sign:+.2f}"
+    if better_swizzle(decoding) is not None:
+        outline = "not the order in use"
     if len(fits) == 1:
-        return f"x,y,z = {fits[0]} fits ({outline}; +1 is a raised motif)"
+        return f"x,y,z = {fits[0]} fits ({outline})"
     if len(fits) == 2:
-        return f"x,y,z = {fits[0]} fits, and its inside-out, {fits[1]} ({outline} to tell them apart)"
-    return f"{len(fits)} orders fit (too little curl to tell, {outline})"
+        return f"x,y,z = {fits[0]} fits, and so does its inside-out, {fits[1]} ({outline})"
+    return f"{len(fits)} orders fit (too little curl to tell; {outline})"
 
 
 def _ratio(decoding: Decoding) -> str:

@@ -175,6 +175,7 @@ def _normal_map(
         outline_sign=seen.outline_sign(in_use),
         away_share=_away_share(normals, foreground, channels.components),
         curve=layout.options.curve,
+        notes=image.notes,
         zero_code=channels.zero_code,
         zero_code_from=_preset_or(channels.zero_code_from, given.zero_code, layout),
         encoding=channels.encoding,

@@ -23,7 +23,6 @@ from nmaptool.types.picture import RasterImage
 
 # codes of the findings
 DOUBTS = (
-    "unusual-file",
     "orientation",
     "premultiplied",
     "background-missing",
@@ -62,7 +61,6 @@ def find_doubts(
 ) -> tuple[Finding, ...]:
     """What a user must know about a map before using it."""
     return (
-        *(Finding("unusual-file", note, "export it as RGB without that") for note in image.notes),
         *_orientation_doubts(image),
         *_alpha_doubts(image, channels),
         *_background_doubts(channels, background, options.background_color),
@@ -147,7 +145,7 @@ def _length_doubts(
     if is_surface and _SHORTEST < middle < _LONGEST and high <= _SIMILAR * low:
         yield Finding(
             "scaled",
-            f"its vectors are about {middle:.2g} long instead of 1, as if it had been blended or scaled as a picture",
+            f"its vectors are about {middle:.2g} long, not 1: the map looks blended or scaled as a picture",
             "they are normalised; where a map without that step exists, use it",
         )
         return

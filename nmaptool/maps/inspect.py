@@ -92,6 +92,7 @@ def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: 
         lossy=image.lossy,
         has_blocks=image.pixels.dtype == np.uint8 and shows_blocks(color_channels(as_read(image, decoded.channels))),
         is_float=image.is_float,
+        coarse=image.coarse,
         color_chunks=image.color_chunks,
     )
     doubts = [found for found in decoded.findings if found.code != "facing-away"]

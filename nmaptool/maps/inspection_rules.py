@@ -73,6 +73,13 @@ def _truncated_codes(f: Inspection) -> Told:
     )
 
 
+def _coarse_values(f: Inspection) -> Told:
+    if not f.coarse:
+        return None
+    remedy = "smooth areas show its steps; export it with 8 or 16 bits per channel, uncompressed, as PNG or EXR"
+    return "; ".join(f.decoding.notes), remedy
+
+
 def _color_managed(f: Inspection) -> Told:
     if not f.color_chunks:
         return None
@@ -98,6 +105,7 @@ RULES: dict[str, Rule] = {
         "shows the 8 x 8 blocks of lossy compression (JPEG), which roughen smooth areas",
         "export it from the source as PNG or EXR; converting the file does not restore it",
     ),
+    "coarse-values": _coarse_values,
     "color-managed": _color_managed,
 }
 # codes of all findings

@@ -114,7 +114,7 @@ def order_notes(decoding: Decoding) -> tuple[str, ...]:
     if inside_out is not None:
         return (f"raised is assumed: no outline tells; if it comes out inside out, use `swizzle={inside_out!r}`",)
     if decoding.green_from == "assumed" and len(decoding.fits) > MOST_FITS:
-        return ("green up is assumed: too little curl tells; if its forms look twisted, use `green='down'`",)
+        return ("green up is assumed: too little curl to tell; if its forms look twisted, use `green='down'`",)
     return ()
 
 

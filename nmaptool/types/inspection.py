@@ -49,6 +49,8 @@ class Inspection(Report):
     premultiplied, eight_bit_data, lossy, is_float : bool
     has_blocks : bool
         Whether the 8 x 8 blocks of lossy compression show, whatever the format.
+    coarse : bool
+        Whether the file stores its values coarser than ``bits`` says, such as by a palette.
     color_chunks : tuple of str
     findings : tuple of Finding
     """
@@ -74,6 +76,7 @@ class Inspection(Report):
     eight_bit_data: bool
     lossy: bool
     has_blocks: bool
+    coarse: bool
     is_float: bool
     color_chunks: tuple[str, ...]
     findings: tuple[Finding, ...] = ()

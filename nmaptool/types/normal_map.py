@@ -42,6 +42,8 @@ class Decoding:
     outline_sign : float or None
         Mean of n . outward over the outline: near +1 for a raised motif, negative for an inverted one; None without an
         outline.
+    notes : tuple of str
+        What is unusual about the file, as in `nmaptool.RasterImage`.
     away_share : float
         Share of the motif that faces away from the viewer (nz <= 0).
     """
@@ -57,6 +59,7 @@ class Decoding:
     outline_sign: float | None = None
     away_share: float = 0.0
     curve: str = "none"
+    notes: tuple[str, ...] = ()
     zero_code: str = "127.5"
     zero_code_from: str = "assumed"
     encoding: str = "unsigned"

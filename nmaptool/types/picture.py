@@ -126,7 +126,9 @@ class RasterImage(OneLine):
     orientation : int
         EXIF orientation that the file states, 1 to 8; the pixels are as stored, not turned.
     notes : tuple of str
-        What is unusual about the file, each a clause for a message, such as "its colours are a palette".
+        What is unusual about the file, each a clause for a message, such as "its colours are a palette of 256".
+    coarse : bool
+        Whether its values are coarser than ``bits`` says: a palette, fewer bits per channel, block compression, inks.
     """
 
     pixels: NDArray[Any]
@@ -141,6 +143,7 @@ class RasterImage(OneLine):
     nodata: float | None = None
     orientation: int = 1
     notes: tuple[str, ...] = ()
+    coarse: bool = False
 
     def __post_init__(self) -> None:
         if self.pixels.ndim != 3 or self.pixels.shape[2] != len(self.channels):

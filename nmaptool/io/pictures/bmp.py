@@ -74,7 +74,9 @@ def read_bmp(path: Path, request: Request) -> RasterImage:
         pixels = pixels[::-1]
     colors = ("ICC profile",) if header.profile else ()
     bits = 8 * pixels.dtype.itemsize
-    return RasterImage(np.ascontiguousarray(pixels), channels, str(path), bits, color_chunks=colors, notes=notes)
+    return RasterImage(
+        np.ascontiguousarray(pixels), channels, str(path), bits, color_chunks=colors, notes=notes, coarse=bool(notes)
+    )
 
 
 def _header(path: Path, data: bytes) -> _Header:

@@ -130,7 +130,7 @@ def dds_facts(path: Path, request: Request) -> Facts:
     InputError, LimitError
     """
     blocks = _header(path, request).blocks
-    return Facts() if blocks is None else Facts(lossy=True, notes=(f"is block-compressed ({blocks})",))
+    return Facts() if blocks is None else Facts(lossy=True, notes=(f"is block-compressed ({blocks})",), coarse=True)
 
 
 def read_dds(path: Path, request: Request) -> RasterImage:
@@ -159,7 +159,7 @@ def read_dds(path: Path, request: Request) -> RasterImage:
         raise damaged(path, "DDS")
     values = unpack_blocks(data, (header.rows, header.cols, count), signed=signed)
     notes = (f"is block-compressed (BC{3 + count}{', signed' if signed else ''})",)
-    return RasterImage(values, _CHANNELS[count], str(path), 32 if signed else 8, lossy=True, notes=notes)
+    return RasterImage(values, _CHANNELS[count], str(path), 32 if signed else 8, lossy=True, notes=notes, coarse=True)
 
 
 def _plain(path: Path, data: bytes, header: _Header) -> NDArray[Any]:

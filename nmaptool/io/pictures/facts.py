@@ -16,6 +16,7 @@ class Facts:
     lossy : bool
     nodata : float or None
     notes : tuple of str
+    coarse : bool
         As in `nmaptool.RasterImage`.
     attributes : mapping
         Further metadata, as in `nmaptool.RasterImage`.
@@ -33,6 +34,7 @@ class Facts:
     lossy: bool = False
     nodata: float | None = None
     notes: tuple[str, ...] = ()
+    coarse: bool = False
     attributes: Mapping[str, str] = field(default_factory=dict)
     channels: tuple[str, ...] = ()
     spare_alpha: bool = False

@@ -27,7 +27,7 @@ def jpeg_facts(path: Path, request: Request) -> Facts:
     if data.find(b"\xff\xd9", max(data.rfind(b"\xff\xda"), 0)) < 0:
         raise damaged(path, "JPEG")
     if _components(data) == 4:
-        return Facts(lossy=True, notes=(cmyk_note(path, request),))
+        return Facts(lossy=True, notes=(cmyk_note(path, request),), coarse=True)
     return Facts(lossy=True)
 
 
@@ -97,4 +97,4 @@ def hdr_facts(path: Path, request: Request) -> Facts:
     request.check_size(path, int(size[4]), int(size[2]))
     if any(line.strip() == b"FORMAT=32-bit_rle_xyze" for line in lines):
         raise InputError(f"{path}: stores XYZ colours; save it as RGB, or as EXR")
-    return Facts(notes=("stores numbers with 8 significant bits and a shared exponent",))
+    return Facts(notes=("stores numbers with 8 significant bits and a shared exponent",), coarse=True)

@@ -112,4 +112,4 @@ def png_facts(path: Path, request: Request) -> Facts:
         notes = (f"its colours are a palette of at most {2**structure.sample_bits}",)
     elif structure.sample_bits < 8:
         notes = (f"has only {counted(structure.sample_bits, 'bit')} per channel",)
-    return Facts(structure.color_chunks, notes=notes)
+    return Facts(structure.color_chunks, notes=notes, coarse=bool(notes))

@@ -165,6 +165,7 @@ def read_layer(source: Source, chosen: layers.Layer, *, placed: bool = False) ->
         nodata=facts.nodata,
         orientation=orientation if 1 <= orientation <= 8 else 1,
         notes=(*facts.notes, *chosen.notes, *number_notes),
+        coarse=facts.coarse,
     )
 
 

@@ -152,6 +152,7 @@ def _facts(path: Path, request: Request, pages: list[_Page]) -> Facts:
         lossy=first.packing in _LOSSY or first.colors == _YCBCR,
         nodata=first.nodata,
         notes=tuple(notes),
+        coarse=first.colors in (_PALETTE, _INKS) or first.bits < 8,
         attributes={} if first.metres_per_px is None else {"metres_per_px": repr(first.metres_per_px)},
         white_is_zero=inverted,
         pages=sum(not page.reduced for page in pages) if len(pages) > 1 else 0,

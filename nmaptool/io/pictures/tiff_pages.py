@@ -87,6 +87,7 @@ def decoded(path: Path, request: Request, facts: Facts) -> RasterImage:
         layer=request.layer,
         nodata=facts.nodata,
         notes=(*facts.notes, *pixels.notes),
+        coarse=facts.coarse,
     )
 
 

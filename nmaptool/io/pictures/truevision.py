@@ -71,4 +71,6 @@ def tga_facts(path: Path, request: Request) -> Facts:
     elif kind == 2 and header.bits < 24:
         notes = ("has only 5 bits per channel",)
     grey_alpha = ("Y", "A") if kind == 3 and header.bits == 16 else ()
-    return Facts(notes=notes, channels=grey_alpha, spare_alpha=header.bits == 32 and not header.flags & 15)
+    return Facts(
+        notes=notes, coarse=bool(notes), channels=grey_alpha, spare_alpha=header.bits == 32 and not header.flags & 15
+    )
