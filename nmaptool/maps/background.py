@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Mask
+from nmaptool.core.grid import dilated
 from nmaptool.core.parallel import for_each_band
 from nmaptool.maps.zero_code import flat_codes, has_color
 from nmaptool.types.picture import RasterImage
@@ -27,6 +28,9 @@ _NOISE_WINDOW_PX = (15, 15)
 _NOISE_MEAN = 0.75
 _NOISE_ROUGHNESS = 0.1
 _ALL_OVER = 0.995
+# flat patches on less than this share of the edge are not a background if the pixels around them are almost flat, at
+# least this share of them
+_SURE_EDGE, _FADING = 0.5, 0.95
 # any colour that is not a normal is a background if it fills this much of the edge and of the picture
 _ODD_EDGE_SHARE, _ODD_SHARE, _ODD_LENGTH = 0.3, 0.05, 0.1
 _DATA_ALPHA_SHARE = 0.3
@@ -182,8 +186,17 @@ def _score(mask: Mask) -> float:
     return float(_edge(mask).mean() + mask.mean())
 
 
+def _fades(flat: Mask, xyz: NDArray[Any], span: _Span) -> bool:
+    """Whether the surface around flat patches is as good as flat: a shallow surface, flat only by rounding."""
+    around = dilated(flat, 1) & ~flat
+    off = np.abs(xyz[around][:, :2].astype(np.float32) - np.float32(span.middle)).max(axis=1)
+    return bool((off <= _FLAT_NOISE * span.step).mean() > _FADING) if off.size else False
+
+
 def _find_flat(image: RasterImage, xyz: NDArray[Any], span: _Span, sides: int) -> Background:
     exact = _edge_patches(_exactly_flat(image, xyz, span), sides)
+    if 0 < _edge(exact).mean() < _SURE_EDGE and _fades(exact, xyz, span):
+        exact[:] = False
     noisy = _edge_patches(_noisy_flat(xyz, span, image.lossy, sides), sides)
     # a map with noise near flat everywhere is a very shallow surface
     is_noise = noisy.sum() > 1.25 * exact.sum() and noisy.mean() < _ALL_OVER
