@@ -21,6 +21,18 @@ def letter():
     return dataclasses.replace(ring, foreground=motif)
 
 
+def test_a_shallow_surface_that_rounding_makes_flat_in_places_has_no_background():
+    y, x = np.mgrid[0:180, 0:240]
+    down, across = np.gradient(8 * np.exp(-((x - 120) ** 2 + (y - 90) ** 2) / 3200) + 0.5 * np.sin(x / 40))
+    normals = np.dstack([-across, down, np.ones_like(down)])
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    stored = np.floor((normals + 1) / 2 * 255 + 0.5).astype(np.uint8)
+    flat = (stored == (128, 128, 255)).all(axis=2) | (stored == (127, 127, 255)).all(axis=2)
+    assert flat.mean() > 0.04
+    read = nm.decode_normal_map(stored)
+    assert (read.decoding.background, read.coverage.min(), read.foreground.all()) == ("none", 1, True)
+
+
 @pytest.mark.parametrize(
     "record",
     [
@@ -28,19 +40,6 @@ def letter():
         nm.Decoding(green="down", swizzle="-g,r,b", zero_code="128", encoding="signed", components="xy"),
     ],
 )
-def test_a_shallow_surface_that_rounding_makes_flat_in_places_has_no_background():
-    y, x = np.mgrid[0:180, 0:240]
-    down, across = np.gradient(8 * np.exp(-((x - 120) ** 2 + (y - 90) ** 2) / 3200) + 0.5 * np.sin(x / 40))
-    normals = np.dstack([-across, down, np.ones_like(down)])
-    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
-    stored = np.floor((normals + 1) / 2 * 255 + 0.5).astype(np.uint8)
-    flat = (stored == (128, 128, 255)).all(axis=2)
-    # flat patches reach three sides, on less than half of the edge
-    assert all(side.any() for side in (flat[0], flat[-1], flat[:, 0] | flat[:, -1]))
-    read = nm.decode_normal_map(stored)
-    assert (read.decoding.background, read.coverage.min(), read.foreground.all()) == ("none", 1, True)
-
-
 def test_reading_details_do_not_change_the_relief(record):
     plain = letter()
     read = dataclasses.replace(plain, decoding=record)
