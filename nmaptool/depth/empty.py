@@ -10,7 +10,7 @@ import numpy as np
 from nmaptool.core.arrays import Mask
 from nmaptool.core.errors import InputError
 from nmaptool.depth.meaning import Meaning, kind_of
-from nmaptool.depth.values import NOTHING, GreyValues, extremes
+from nmaptool.depth.values import INFINITE, NOTHING, GreyValues, extremes
 from nmaptool.options import DepthOptions
 from nmaptool.types.picture import RasterImage
 
@@ -41,10 +41,11 @@ def depths_of(image: RasterImage, grey: GreyValues, meaning: Meaning, options: D
         grey = _without_readings(image, grey, meaning)
     inverse = meaning.values == "disparity" and meaning.absolute
     if inverse or (finds and meaning.absolute and not is_whole):
-        grey = _removed(grey, grey.known & (grey.values <= 0), "0 or less" if grey.is_float else "0", dropouts=True)
+        least = np.float32(1 / INFINITE if inverse else 0)
+        grey = _removed(grey, grey.known & (grey.values <= least), "0 or less" if grey.is_float else "0", dropouts=True)
     if inverse:
-        with np.errstate(divide="ignore"):
-            values = np.where(grey.known, np.float32(1) / grey.values, np.float32(0))
+        values = np.zeros_like(grey.values)
+        np.divide(np.float32(1), grey.values, out=values, where=grey.known)
         grey = replace(grey, values=values, is_float=True)
     if finds and grey.is_float and meaning.absolute and not is_whole and grey.known.any():
         grey = _without_far(grey, plate=kind != "grey" or options.background == "flat")
@@ -136,8 +137,8 @@ def _without_readings(image: RasterImage, grey: GreyValues, meaning: Meaning) ->
     gaps = np.diff(rest)
     usual = float(np.median(gaps)) if len(gaps) else 1.0
     is_camera = rest[-1] < most and rest[0] >= max(_CAMERA_GAP, _CAMERA_STEPS * usual)
-    if used[0] == 0 and (is_camera or (meaning.is_distance and meaning.absolute)):
-        grey = _removed(grey, grey.known & (grey.values == 0), "0", dropouts=True)
+    if used[0] == 0 and (is_camera or (meaning.is_distance and meaning.absolute)):  # gaps in a plate of heights stay
+        grey = _removed(grey, grey.known & (grey.values == 0), "0", dropouts=meaning.is_distance)
     if saturated:
         grey = _removed(grey, grey.known & (grey.values == np.float32(grey.top)), f"{grey.top:g}", dropouts=False)
     return grey

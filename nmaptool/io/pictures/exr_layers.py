@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.errors import InputError
-from nmaptool.io.pictures.layer_names import Holds, matching, obvious, rank
+from nmaptool.io.pictures.layer_names import UNFIT, Holds, matching, obvious, rank
 from nmaptool.io.pictures.request import Request
 
 # sets of component names that writers use for R, G, B; never mixed, since Z beside R, G, B is depth
@@ -130,7 +130,7 @@ class _Part:
             note = ("stores luminance and chroma; only the luminance is read",)
         if len(rest) == 1:
             indices, channels = ((rest[0],), ("Y",)) if alpha is None else ((rest[0], alpha), ("Y", "A"))
-            return Layer(self.name, self.number, indices, channels, (names[rest[0]],), notes=note)
+            return Layer(self.name, self.number, indices, channels, _aliases(names[rest[0]]), notes=note)
         return Layer(self.name, self.number, tuple(range(len(names))), names)
 
     def singles(self, used: set[int]) -> list[Layer]:
@@ -141,10 +141,15 @@ class _Part:
             for index in rest.values():
                 channel = str(self.spec.channelnames[index])
                 full = self.label(channel)
-                alone = len(members) == 1 and prefix and full.rpartition(".")[2].lower() in _SINGLE
-                name = self.label(prefix) if alone else full
+                name = _aliases(full)[0] if len(members) == 1 and prefix else full
                 found.append(Layer(name, self.number, (index,), ("Y",), (full, channel), minor=True))
         return found
+
+
+def _aliases(channel: str) -> tuple[str, ...]:
+    """The names of a layer of one channel: ``ViewLayer.Depth`` and ``ViewLayer.Depth.Z``."""
+    prefix, _, component = channel.rpartition(".")
+    return (prefix, channel) if prefix and component.lower() in _SINGLE else (channel,)
 
 
 def _alpha(members: dict[str, int]) -> int | None:
@@ -248,7 +253,10 @@ def _obvious(path: Path, layers: list[Layer], holds: Holds) -> Layer:
             return main[place]
     unnamed = [layer for layer in main if not layer.name]
     if len(main) == 1 or unnamed:
-        return replace((unnamed or main)[0], name=None)
+        only = (unnamed or main)[0]
+        # the name of the only channel may say what it holds, such as Z
+        telling = (name for name in only.aliases if rank(name, holds) < UNFIT)
+        return replace(only, name=next(telling, None) if holds == "depth" else None)
     names = ", ".join(one.shown for one in layers)
     best = _suggested(layers, holds)
     raise InputError(f"{path}: holds several layers ({names}); name one, such as {path.name}:{best.shown}")

@@ -16,6 +16,8 @@ _DEPTH_WORDS = (
     ("disparity", "disp", "inverse_depth"),
     ("height", "heights", "heightmap", "displacement", "elevation", "dem"),
 )
+# rank of a name that says nothing of what is sought
+UNFIT = 99
 _WORDS = re.compile(r"[A-Z]?[a-z]+|[A-Z]+|\d+")
 
 
@@ -30,18 +32,18 @@ def rank(name: str, holds: Holds) -> int:
     if holds == "normals":
         if last in _NORMAL_WORDS:  # "original" before all others, which are equals
             return 0 if last == "original" else 1 if last == "n" else 2
-        return 10 if {"normal", "normals"} & set(words) else 99
+        return 10 if {"normal", "normals"} & set(words) else UNFIT
     for place, group in enumerate(_DEPTH_WORDS):
         if last in group:
             return place
-    return 10 if {"depth", "disparity"} & set(words) else 99
+    return 10 if {"depth", "disparity"} & set(words) else UNFIT
 
 
 def obvious(names: Sequence[str], holds: Holds) -> int | None:
     """The place of the only name that suits best, or None."""
     ranks = [rank(name, holds) for name in names]
-    best = min(ranks, default=99)
-    return ranks.index(best) if best < 99 and ranks.count(best) == 1 else None
+    best = min(ranks, default=UNFIT)
+    return ranks.index(best) if best < UNFIT and ranks.count(best) == 1 else None
 
 
 def matching(wanted: str, aliases: Sequence[Sequence[str]]) -> list[int]:
