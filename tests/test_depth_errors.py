@@ -85,7 +85,7 @@ def test_values_that_no_length_can_have_are_refused_or_equal() -> None:
     assert np.ptp(tiny.normal_map.normals[..., 2]) == 0
     near = nm.depth_to_normals(picture(RAMP * 1e-42 + 1), nm.DepthOptions(values="disparity", unit="1m", fov=40))
     assert np.ptp(near.normal_map.normals[..., 2]) == 0
-    with pytest.raises(nm.InputError, match="no pixel has a depth greater than 0"):
+    with pytest.raises(nm.InputError, match="greater than 0; check that this is the depth picture"):
         nm.depth_to_normals(picture(RAMP * 1e-42), nm.DepthOptions(values="disparity", unit="1m", fov=40))
 
 
@@ -132,6 +132,13 @@ def test_impossible_cameras_are_refused() -> None:
         nm.InputError, match=r"d\.exr: has a depth of -10; with `fov`, depths are distances from the eye"
     ):
         nm.depth_to_normals(depth, nm.DepthOptions(fov=40, background="none"))
+
+
+def test_negative_distances_are_heights() -> None:
+    with pytest.raises(
+        nm.InputError, match="greater than 0; read negative distances as heights, with `values='height'`"
+    ):
+        nm.depth_to_normals(picture(-1 - RAMP), nm.DepthOptions(values="distance"))
 
 
 def test_wrong_masks_are_refused() -> None:

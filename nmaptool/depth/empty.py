@@ -32,6 +32,7 @@ def depths_of(image: RasterImage, grey: GreyValues, meaning: Meaning, options: D
     InputError
         If no value remains.
     """
+    lowest = extremes(grey.values, grey.known)[0]
     finds = options.empty == "auto"
     is_whole = options.background == "none"
     kind = kind_of(image)
@@ -50,7 +51,12 @@ def depths_of(image: RasterImage, grey: GreyValues, meaning: Meaning, options: D
     if finds and grey.is_float and meaning.absolute and not is_whole and grey.known.any():
         grey = _without_far(grey, plate=kind != "grey" or options.background == "flat")
     if not grey.known.any():
-        raise InputError(f"{image.name}: no pixel has a depth greater than 0")
+        remedy = (
+            "read negative distances as heights, with `values='height'`"
+            if lowest < 0
+            else "check that this is the depth picture"
+        )
+        raise InputError(f"{image.name}: no pixel has a depth greater than 0; {remedy}")
     return grey
 
 
