@@ -107,6 +107,15 @@ def test_gaps_in_heights_that_look_like_missing_readings_stay_open() -> None:
     assert nm.depth_to_normals(codes(mm, 16), nm.DepthOptions(values="distance")).report.filled_holes > 50
 
 
+def test_distances_of_many_values_far_beyond_the_rest_are_background() -> None:
+    y, x = np.mgrid[: HOLE.shape[0], : HOLE.shape[1]]
+    sky = np.where(HOLE, 1e5 + 700 * x + 300 * y, SCENE.mm / 1000)  # a far clip seen at an angle
+    result = nm.depth_to_normals(floats(sky), nm.DepthOptions(values="distance"))
+    assert result.report.empty == {"far beyond the rest": np.count_nonzero(HOLE)}
+    np.testing.assert_array_equal(result.normal_map.coverage > 0, SCENE.mask)
+    assert result.report.range_px == pytest.approx(20, rel=1e-2)
+
+
 @pytest.mark.parametrize("bits", [8, 16])
 def test_the_black_ground_of_a_height_map_is_no_missing_reading(bits: int) -> None:
     scene = ball(96, 30, 30)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from nmaptool.core.arrays import Mask
+from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.depth.meaning import Meaning, kind_of
 from nmaptool.depth.values import INFINITE, NOTHING, GreyValues, extremes
@@ -16,9 +16,11 @@ from nmaptool.types.picture import RasterImage
 
 # what elevation models store where there are no data
 _MISSING = (-9999.0, -32768.0, -32767.0, -99999.0)
-# a distance this many times the median means "empty"; so does the largest one if it is this many times as far from the
-# others as these are apart
+# a distance this many times that of the near pixels means "empty"; so does the largest one if it is this many times as
+# far from the others as these are apart
 _FAR, _ALONE = 1e3, 10.0
+# the near pixels: this percentile, because nothing or sky often fills more than half of a picture
+_NEAR = 5.0
 _SAMPLE = 1 << 17
 # depth cameras store mm: their largest code is below this share of the codes, and 0 is this far from the least distance
 _CAMERA_SHARE, _CAMERA_GAP, _CAMERA_STEPS = 0.25, 64, 16
@@ -98,10 +100,10 @@ def _without_marks(grey: GreyValues) -> GreyValues:
 def _without_far(grey: GreyValues, *, plate: bool) -> GreyValues:
     """Remove distances far beyond the others; with ``plate``, keep a flat ground that is merely far behind."""
     values, known = grey.values, grey.known
-    middle = middle_of(grey)
+    limit = _FAR * float(np.percentile(_sample(grey), _NEAR))
     high = extremes(values, known)[1]
-    if high > _FAR * middle:
-        found = known & (values > np.float32(_FAR * middle))
+    if high > limit:
+        found = known & (values > np.float32(limit))
         grey = _removed(grey, found, "far beyond the rest", dropouts=False)
         values, known = grey.values, grey.known
         high = extremes(values, known)[1]
@@ -117,9 +119,12 @@ def _without_far(grey: GreyValues, *, plate: bool) -> GreyValues:
 
 def middle_of(grey: GreyValues) -> float:
     """The median of the known values, from a sample."""
+    return float(np.median(_sample(grey)))
+
+
+def _sample(grey: GreyValues) -> Float32:
     stride = max(1, grey.values.size // _SAMPLE)
-    sample = grey.values[grey.known][::stride]
-    return float(np.median(sample))
+    return grey.values[grey.known][::stride]
 
 
 def _may_be_camera(image: RasterImage, meaning: Meaning, options: DepthOptions) -> bool:
