@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError
 from nmaptool.io.pictures.array_files import Archive, ArrayHeader, load_npy
-from nmaptool.io.pictures.layer_names import matching, obvious
+from nmaptool.io.pictures.layer_names import best_places, matching
 from nmaptool.io.pictures.request import Request
 from nmaptool.io.pictures.sample_types import as_pixels
 from nmaptool.types.picture import RasterImage
@@ -101,11 +101,11 @@ def _key(path: Path, headers: dict[str, ArrayHeader | None], request: Request) -
         for name, header in headers.items()
         if header is not None and _is_number(header.kind) and (found := picture_shape(header.shape)) is not None
     }
-    counts = (1,) if request.holds == "depth" else (2, 3, 4)
+    counts = (2, 3, 4) if request.holds == "normals" else (1,)
     for fitting in ([n for n, shape in shapes.items() if shape[2] in counts and min(shape[:2]) > 1], list(shapes)):
-        place = 0 if len(fitting) == 1 else obvious(fitting, request.holds)
-        if place is not None:
-            return fitting[place]
+        places = [0] if len(fitting) == 1 else best_places(fitting, request.holds)
+        if len(places) == 1:
+            return fitting[places[0]]
     example = f"{path.name}:{next(iter(shapes or headers))}"
     raise InputError(f"{path}: holds several arrays ({listing}); name one, such as {example}")
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.errors import InputError
-from nmaptool.io.pictures.layer_names import Holds, matching, obvious, rank
+from nmaptool.io.pictures.layer_names import Holds, best_places, matching, rank
 from nmaptool.io.pictures.request import Request
 
 # sets of component names that writers use for R, G, B; never mixed, since Z beside R, G, B is depth
@@ -24,6 +24,7 @@ _LUMINANCE = ("y", "ry", "by")
 _SINGLE = ("z", "y", "v", "x", "r", "l", "value")
 # the name of the unnamed layer in lists and requests
 _UNNAMED = "RGB"
+_MOST_NAMED = 5
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class Layer:
     aliases : tuple of str
         Further names under which it is found.
     minor : bool
-        Whether it is read only by name, or as depth: a single channel or a pair beside a layer of three.
+        Whether it is read only by name, or as a grey picture: a single channel or a pair beside a layer of three.
     notes : tuple of str
         As in `nmaptool.RasterImage`.
     """
@@ -235,31 +236,49 @@ def _named(path: Path, layers: list[Layer], specs: list[Any], wanted: str) -> La
 
 
 def _obvious(path: Path, layers: list[Layer], holds: Holds) -> Layer:
-    """The only layer, or the only one whose name says that it is sought."""
+    """The only layer, the only one whose name says that it is sought, or the unnamed one."""
     main = [layer for layer in layers if not layer.minor]
-    if holds == "depth":
-        fitting = [layer for layer in layers if len(layer.channels) - ("A" in layer.channels) == 1]
-        place = obvious([layer.shown for layer in fitting], holds)
-        if place is not None and len(layers) > 1:
-            return fitting[place]
-    elif len(layers) > 1:
-        place = obvious([layer.shown for layer in main], holds)
-        if place is not None and len(main) > 1:
-            return main[place]
+    single = [layer for layer in layers if _color_count(layer) == 1]
+    if len(layers) == 1 or (holds == "normals" and len(main) == 1):
+        return replace(main[0], name=None)
+    for fitting in (main,) if holds == "normals" else (single, main):
+        places = best_places([layer.shown for layer in fitting], holds)
+        if len(places) == 1:
+            return fitting[places[0]]
+        if places:
+            raise _several(path, layers, holds)
+    if holds == "depth" and single:
+        raise _several(path, layers, holds)
+    if len(main) == 1:
+        return replace(main[0], name=None)
     unnamed = [layer for layer in main if not layer.name]
-    if len(main) == 1 or unnamed:
-        return replace((unnamed or main)[0], name=None)
+    if not unnamed:
+        raise _several(path, layers, holds)
+    return replace(unnamed[0], name=None, notes=(*unnamed[0].notes, _others(main)))
+
+
+def _several(path: Path, layers: list[Layer], holds: Holds) -> InputError:
     names = ", ".join(one.shown for one in layers)
     best = _suggested(layers, holds)
-    raise InputError(f"{path}: holds several layers ({names}); name one, such as {path.name}:{best.shown}")
+    return InputError(f"{path}: holds several layers ({names}); name one, such as {path.name}:{best.shown}")
+
+
+def _others(layers: list[Layer]) -> str:
+    """The note on the layers beside the unnamed one."""
+    names = [layer.name for layer in layers if layer.name]
+    more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+    return f"is read from {_UNNAMED}; it also holds the layers {', '.join(names[:_MOST_NAMED])}{more}"
+
+
+def _color_count(layer: Layer) -> int:
+    return len(layer.channels) - ("A" in layer.channels)
 
 
 def _suggested(layers: list[Layer], holds: Holds) -> Layer:
     """The layer that the message about several proposes."""
-    width = 1 if holds == "depth" else 3
+    width = 3 if holds == "normals" else 1
 
     def unfit(layer: Layer) -> tuple[int, bool, bool]:
-        colors = len(layer.channels) - ("A" in layer.channels)
-        return rank(layer.shown, holds), colors != width, "combined" in layer.shown.lower()
+        return rank(layer.shown, holds), _color_count(layer) != width, "combined" in layer.shown.lower()
 
     return min(layers, key=unfit)

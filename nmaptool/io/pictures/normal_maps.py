@@ -44,8 +44,8 @@ def read_raster(path: str | Path, options: ReadOptions | None = None, *, holds: 
     options : ReadOptions, optional
         ``layer`` and ``max_megapixels`` are used.
     holds : str
-        What the picture is read for, "normals" or "depth": in a file with several layers, the one with such a name is
-        read if the options name none.
+        What the picture is read for, "normals", "depth" or "grey" (a mask): in a file with several layers, the one
+        with such a name is read if the options name none.
 
     Returns
     -------
