@@ -191,7 +191,7 @@ def find_all(specs: list[Any]) -> list[Layer]:
     return found
 
 
-def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0) -> Layer:
+def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0, names: tuple[str, ...] = ()) -> Layer:
     """Return the wanted layer, or the obvious one if none is named.
 
     Parameters
@@ -202,6 +202,8 @@ def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0) ->
     pages : int
         If the parts are pages of a document, of which the first is the obvious one: how many of them are not merely
         smaller versions of others.
+    names : tuple of str
+        The names of the pages.
 
     Raises
     ------
@@ -212,13 +214,30 @@ def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0) ->
     if not everything:
         raise InputError(f"{path}: holds no picture")
     if pages and len(specs) > 1:
-        everything = [replace(one, name=one.name or f"page {one.part + 1}") for one in everything]
+        everything = [_page_layer(one, names) for one in everything]
     if request.layer is not None:
         return _named(path, everything, specs, request.layer)
     if pages and len(specs) > 1:
-        note = f"holds {pages} pages, of which the first is read; another is {path.name}:{everything[-1].shown}"
-        return replace(everything[0], name=None, notes=(*everything[0].notes, *([note] if pages > 1 else [])))
+        return replace(everything[0], name=None, notes=(*everything[0].notes, *pages_note(path, pages, names)))
     return _obvious(path, everything, request.holds)
+
+
+def _page_layer(layer: Layer, names: tuple[str, ...]) -> Layer:
+    number = page_name(layer.part)
+    own = names[layer.part] if layer.part < len(names) else number
+    return replace(layer, name=own, aliases=(number,))
+
+
+def page_name(number: int) -> str:
+    """The name under which a page is found besides its own."""
+    return f"page {number + 1}"
+
+
+def pages_note(path: Path, pages: int, names: tuple[str, ...]) -> tuple[str, ...]:
+    """The note that a document has more pages than the one that is read."""
+    if pages < 2:
+        return ()
+    return (f"holds {pages} pages, of which the first is read; another is {path.name}:{names[-1]}",)
 
 
 def _named(path: Path, layers: list[Layer], specs: list[Any], wanted: str) -> Layer:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 from nmaptool.core.errors import InputError
@@ -21,26 +22,20 @@ def jpeg_facts(path: Path, request: Request) -> Facts:
     Raises
     ------
     InputError
-        Also for a CMYK picture that is not read as depth.
     """
     data = path.read_bytes()
     if data.find(b"\xff\xd9", max(data.rfind(b"\xff\xda"), 0)) < 0:
         raise damaged(path, "JPEG")
     if _components(data) == 4:
-        return Facts(lossy=True, notes=(cmyk_note(path, request),), coarse=True)
+        return replace(ink_facts(request), lossy=True)
     return Facts(lossy=True)
 
 
-def cmyk_note(path: Path, request: Request) -> str:
-    """The note on a picture in printing inks, which is refused unless it is read as depth.
-
-    Raises
-    ------
-    InputError
-    """
-    if request.holds != "depth":
-        raise InputError(f"{path}: stores CMYK inks, which bends the vectors of a normal map; export it as RGB")
-    return "stores CMYK inks, converted to RGB"
+def ink_facts(request: Request) -> Facts:
+    """The facts of a picture in printing inks, which is read only as depth."""
+    if request.holds == "normals":
+        return Facts(refusal="stores CMYK inks, which bends the vectors of a normal map; export it as RGB")
+    return Facts(notes=("stores CMYK inks, converted to RGB",), coarse=True)
 
 
 def _components(data: bytes) -> int:
