@@ -193,3 +193,18 @@ def read_tiff(path: Path, request: Request) -> RasterImage:
     if all(page.through_oiio for page in pages):
         return read_checked(path, request)
     return decoded(path, request, _facts(path, request, pages))
+
+
+def refuse_unusual(path: Path) -> None:
+    """Refuse a TIFF with pages that OpenImageIO does not decode.
+
+    Raises
+    ------
+    InputError
+    """
+    for page in _pages(path):
+        if page.packing not in _COMMON:
+            packing = tifffile.COMPRESSION(page.packing).name
+            raise InputError(f"{path}: its {page.name} is packed as {packing}; save it with LZW or Deflate")
+        if not page.through_oiio:
+            raise InputError(f"{path}: its {page.name} has {page.bits} bits per channel; save it with 8, 16 or 32 bits")
