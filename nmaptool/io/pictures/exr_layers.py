@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.errors import InputError
-from nmaptool.io.pictures.layer_names import Holds, best_places, matching, rank
+from nmaptool.io.pictures.layer_names import Holds, best_places, matching, page_name, pages_note, rank
 from nmaptool.io.pictures.request import Request
 
 # sets of component names that writers use for R, G, B; never mixed, since Z beside R, G, B is depth
@@ -18,6 +18,8 @@ _PAIRS = (("r", "g"), ("x", "y"), ("red", "green"))
 _ALPHA = ("a", "alpha")
 # a component at the end of a channel's name, without a dot: Nx, normal_X
 _ENDING = re.compile(r"(.+?)[_ ]?([xyzrgb])", re.IGNORECASE)
+# names that OpenImageIO makes for channels without one
+_NO_NAME = re.compile(r"channel\d+")
 # luminance and chroma: only the luminance is read, as a grey picture
 _LUMINANCE = ("y", "ry", "by")
 # names of the channel of a layer of one, which say nothing
@@ -218,7 +220,7 @@ def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0, na
     if request.layer is not None:
         return _named(path, everything, specs, request.layer)
     if pages and len(specs) > 1:
-        return replace(everything[0], name=None, notes=(*everything[0].notes, *pages_note(path, pages, names)))
+        return replace(everything[0], name=None, notes=(*everything[0].notes, *pages_note(path.name, pages, names)))
     return _obvious(path, everything, request.holds)
 
 
@@ -226,18 +228,6 @@ def _page_layer(layer: Layer, names: tuple[str, ...]) -> Layer:
     number = page_name(layer.part)
     own = names[layer.part] if layer.part < len(names) else number
     return replace(layer, name=own, aliases=(number,))
-
-
-def page_name(number: int) -> str:
-    """The name under which a page is found besides its own."""
-    return f"page {number + 1}"
-
-
-def pages_note(path: Path, pages: int, names: tuple[str, ...]) -> tuple[str, ...]:
-    """The note that a document has more pages than the one that is read."""
-    if pages < 2:
-        return ()
-    return (f"holds {pages} pages, of which the first is read; another is {path.name}:{names[-1]}",)
 
 
 def _named(path: Path, layers: list[Layer], specs: list[Any], wanted: str) -> Layer:
@@ -257,7 +247,7 @@ def _named(path: Path, layers: list[Layer], specs: list[Any], wanted: str) -> La
 def _obvious(path: Path, layers: list[Layer], holds: Holds) -> Layer:
     """The only layer, the only one whose name says that it is sought, or the unnamed one."""
     main = [layer for layer in layers if not layer.minor]
-    single = [layer for layer in layers if _color_count(layer) == 1]
+    single = [layer for layer in layers if _color_count(layer) == 1 and not _NO_NAME.fullmatch(layer.shown)]
     if len(layers) == 1 or (holds == "normals" and len(main) == 1):
         return replace(main[0], name=None)
     for fitting in (main,) if holds == "normals" else (single, main):

@@ -80,3 +80,15 @@ def matching(wanted: str, aliases: Sequence[Sequence[str]]) -> list[int]:
         if found:
             return found
     return []
+
+
+def page_name(number: int) -> str:
+    """The name under which a page is found besides its own."""
+    return f"page {number + 1}"
+
+
+def pages_note(file: str, pages: int, names: Sequence[str]) -> tuple[str, ...]:
+    """The note that a document has more pages than the one that is read."""
+    if pages < 2:
+        return ()
+    return (f"holds {pages} pages, of which the first is read; another is {file}:{names[-1]}",)

@@ -45,7 +45,7 @@ def as_pixels(name: str, values: NDArray[Any]) -> Pixels:
     if kind == "u" and size <= 2:
         return Pixels(values.astype(values.dtype.newbyteorder("="), copy=False), 8 * size)
     refuse_kind(name, values.dtype)
-    with np.errstate(over="ignore"):  # beyond the range is infinity, which depth pictures use for "nothing"
+    with np.errstate(over="ignore", invalid="ignore"):  # beyond the range is infinity: "nothing" in depth pictures
         floats = values.astype(np.float32)
     if kind == "f":
         return Pixels(floats, 16 if size == 2 else 32)

@@ -13,7 +13,7 @@ import tifffile
 
 from nmaptool.core.errors import InputError
 from nmaptool.io.pictures.facts import Facts
-from nmaptool.io.pictures.exr_layers import page_name
+from nmaptool.io.pictures.layer_names import page_name
 from nmaptool.io.pictures.photos import ink_facts
 from nmaptool.io.pictures.request import Request, damaged
 from nmaptool.io.pictures.through_oiio import read_checked

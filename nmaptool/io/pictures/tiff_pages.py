@@ -17,9 +17,8 @@ import tifffile
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, LimitError
-from nmaptool.io.pictures.exr_layers import page_name, pages_note
 from nmaptool.io.pictures.facts import Facts
-from nmaptool.io.pictures.layer_names import matching
+from nmaptool.io.pictures.layer_names import matching, page_name, pages_note
 from nmaptool.io.pictures.metadata import depth_facts, own_lines
 from nmaptool.io.pictures.request import Request, damaged
 from nmaptool.io.pictures.sample_types import as_pixels
@@ -33,8 +32,9 @@ _DAMAGE = (
 )
 _COLORS = {0: ("Y",), 1: ("Y",), 2: ("R", "G"), 3: ("R", "G", "B")}
 _ORIENTATION, _RGB, _PALETTE, _ALPHA, _WHOLE = 274, 2, 3, (1, 2), 16
-# inks, and luminance with chroma; the packings after which tifffile gives RGB
-_CONVERTED, _CONVERTING = (5, 6), (6, 7, 33003, 33005, 34712, 34892, 34927, 50001, 50002)
+# colours that must be converted, and the packings after which tifffile gives RGB
+_CONVERTED = {5: "CMYK inks", 6: "luminance and chroma"}
+_CONVERTING = (6, 7, 33003, 33005, 34712, 34892, 34927, 50001, 50002)
 
 
 @contextlib.contextmanager
@@ -85,7 +85,7 @@ def decoded(path: Path, request: Request, facts: Facts) -> RasterImage:
         values = np.iinfo(values.dtype).max - values
     pixels = as_pixels(str(path), values)
     attributes = {**own_lines(page.description), **own.attributes}
-    more = pages_note(path, facts.pages, facts.names) if request.layer is None else ()
+    more = pages_note(path.name, facts.pages, facts.names) if request.layer is None else ()
     return RasterImage(
         pixels=np.ascontiguousarray(pixels.values),
         channels=channels,
@@ -143,7 +143,7 @@ def _page(path: Path, number: int, filling: int) -> _Page:
         page = tiff.pages[number]
         page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
         if page.photometric in _CONVERTED and page.compression not in _CONVERTING:
-            words = f"{page.photometric.name} colours packed as {page.compression.name}"
+            words = f"{_CONVERTED[page.photometric]} packed as {page.compression.name}"
             raise InputError(f"{path}: stores {words}; save it as RGB or grey with LZW or Deflate")
         page.nodata = filling
         try:
