@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.errors import InputError
-from nmaptool.io.pictures.layer_names import UNFIT, Holds, best_places, matching, page_name, pages_note, rank
+from nmaptool.io.pictures import layer_names
+from nmaptool.io.pictures.layer_names import Holds
 from nmaptool.io.pictures.request import Request
 
 # sets of component names that writers use for R, G, B; never mixed, since Z beside R, G, B is depth
@@ -26,7 +27,6 @@ _LUMINANCE = ("y", "ry", "by")
 _SINGLE = ("z", "y", "v", "x", "r", "l", "value")
 # the name of the unnamed layer in lists and requests
 _UNNAMED = "RGB"
-_MOST_NAMED = 5
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ class _Part:
             note = ("stores luminance and chroma; only the luminance is read",)
         if len(rest) == 1:
             indices, channels = ((rest[0],), ("Y",)) if alpha is None else ((rest[0], alpha), ("Y", "A"))
-            return Layer(self.name, self.number, indices, channels, (names[rest[0]],), notes=note)
+            return Layer(self.name, self.number, indices, channels, _aliases(names[rest[0]]), notes=note)
         return Layer(self.name, self.number, tuple(range(len(names))), names)
 
     def singles(self, used: set[int]) -> list[Layer]:
@@ -144,10 +144,15 @@ class _Part:
             for index in rest.values():
                 channel = str(self.spec.channelnames[index])
                 full = self.label(channel)
-                alone = len(members) == 1 and prefix and full.rpartition(".")[2].lower() in _SINGLE
-                name = self.label(prefix) if alone else full
+                name = _aliases(full)[0] if len(members) == 1 and prefix else full
                 found.append(Layer(name, self.number, (index,), ("Y",), (full, channel), minor=True))
         return found
+
+
+def _aliases(channel: str) -> tuple[str, ...]:
+    """The names of a layer of one channel: ``ViewLayer.Depth`` and ``ViewLayer.Depth.Z``."""
+    prefix, _, component = channel.rpartition(".")
+    return (prefix, channel) if prefix and component.lower() in _SINGLE else (channel,)
 
 
 def _alpha(members: dict[str, int]) -> int | None:
@@ -220,18 +225,20 @@ def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0, na
     if request.layer is not None:
         return _named(path, everything, specs, request.layer)
     if pages and len(specs) > 1:
-        return replace(everything[0], name=None, notes=(*everything[0].notes, *pages_note(path.name, pages, names)))
+        return replace(
+            everything[0], name=None, notes=(*everything[0].notes, *layer_names.pages_note(path.name, pages, names))
+        )
     return _obvious(path, everything, request.holds)
 
 
 def _page_layer(layer: Layer, names: tuple[str, ...]) -> Layer:
-    number = page_name(layer.part)
+    number = layer_names.page_name(layer.part)
     own = names[layer.part] if layer.part < len(names) else number
     return replace(layer, name=own, aliases=(number,))
 
 
 def _named(path: Path, layers: list[Layer], specs: list[Any], wanted: str) -> Layer:
-    found = matching(wanted, [[layer.shown, *layer.aliases] for layer in layers])
+    found = layer_names.matching(wanted, [[layer.shown, *layer.aliases] for layer in layers])
     if len(found) > 1 and len({layers[place].shown.lower() for place in found}) > 1:
         names = ", ".join(layers[place].shown for place in found)
         raise InputError(f"{path}: several layers are called {wanted!r}: {names}; give the whole name of one")
@@ -251,7 +258,7 @@ def _obvious(path: Path, layers: list[Layer], holds: Holds) -> Layer:
     if len(layers) == 1 or (holds == "normals" and len(main) == 1):
         return _unnamed(main[0], holds)
     for fitting in (main,) if holds == "normals" else (single, main):
-        places = best_places([layer.shown for layer in fitting], holds)
+        places = layer_names.best_places([layer.shown for layer in fitting], holds)
         if len(places) == 1:
             return fitting[places[0]]
         if places:
@@ -263,12 +270,15 @@ def _obvious(path: Path, layers: list[Layer], holds: Holds) -> Layer:
     unnamed = [layer for layer in main if not layer.name]
     if not unnamed:
         raise _several(path, layers, holds)
-    return replace(_unnamed(unnamed[0], holds), notes=(*unnamed[0].notes, _others(main)))
+    return replace(
+        _unnamed(unnamed[0], holds),
+        notes=(*unnamed[0].notes, layer_names.others_note(_UNNAMED, [layer.name for layer in main if layer.name])),
+    )
 
 
 def _unnamed(layer: Layer, holds: Holds) -> Layer:
     """The layer without a name, unless the name of its only channel says what it holds, such as Z."""
-    telling = (name for name in (layer.shown, *layer.aliases) if rank(name, holds) < UNFIT)
+    telling = (name for name in (layer.shown, *layer.aliases) if layer_names.rank(name, holds) < layer_names.UNFIT)
     return replace(layer, name=next(telling, None) if holds == "depth" else None)
 
 
@@ -276,13 +286,6 @@ def _several(path: Path, layers: list[Layer], holds: Holds) -> InputError:
     names = ", ".join(one.shown for one in layers)
     best = _suggested(layers, holds)
     return InputError(f"{path}: holds several layers ({names}); name one, such as {path.name}:{best.shown}")
-
-
-def _others(layers: list[Layer]) -> str:
-    """The note on the layers beside the unnamed one."""
-    names = [layer.name for layer in layers if layer.name]
-    more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
-    return f"is read from {_UNNAMED}; it also holds the layers {', '.join(names[:_MOST_NAMED])}{more}"
 
 
 def _color_count(layer: Layer) -> int:
@@ -294,6 +297,6 @@ def _suggested(layers: list[Layer], holds: Holds) -> Layer:
     width = 3 if holds == "normals" else 1
 
     def unfit(layer: Layer) -> tuple[int, bool, bool]:
-        return rank(layer.shown, holds), _color_count(layer) != width, "combined" in layer.shown.lower()
+        return layer_names.rank(layer.shown, holds), _color_count(layer) != width, "combined" in layer.shown.lower()
 
     return min(layers, key=unfit)

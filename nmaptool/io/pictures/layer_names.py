@@ -17,6 +17,7 @@ _DEPTH_WORDS = (
     ("height", "heights", "heightmap", "displacement", "elevation", "dem"),
 )
 _MASK_WORDS = ("mask", "matte", "coverage", "alpha", "opacity")
+_MOST_NAMED = 5  # layers in a note
 # rank of a name that says nothing of what is sought
 UNFIT = 99
 # capitals before a word are a word of their own: V, Ray, Z, Depth
@@ -93,3 +94,9 @@ def pages_note(file: str, pages: int, names: Sequence[str]) -> tuple[str, ...]:
     if pages < 2:
         return ()
     return (f"holds {pages} pages, of which the first is read; another is {file}:{names[-1]}",)
+
+
+def others_note(read: str, names: Sequence[str]) -> str:
+    """The note on the layers beside the one that was read."""
+    more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+    return f"is read from {read}; it also holds the layers {', '.join(names[:_MOST_NAMED])}{more}"
