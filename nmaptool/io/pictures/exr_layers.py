@@ -225,9 +225,8 @@ def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0, na
     if request.layer is not None:
         return _named(path, everything, specs, request.layer)
     if pages and len(specs) > 1:
-        return replace(
-            everything[0], name=None, notes=(*everything[0].notes, *layer_names.pages_note(path.name, pages, names))
-        )
+        first, more = everything[0], layer_names.pages_note(path.name, pages, names)
+        return replace(first, name=None, notes=(*first.notes, *more))
     return _obvious(path, everything, request.holds)
 
 
@@ -270,10 +269,8 @@ def _obvious(path: Path, layers: list[Layer], holds: Holds) -> Layer:
     unnamed = [layer for layer in main if not layer.name]
     if not unnamed:
         raise _several(path, layers, holds)
-    return replace(
-        _unnamed(unnamed[0], holds),
-        notes=(*unnamed[0].notes, layer_names.others_note(_UNNAMED, [layer.name for layer in main if layer.name])),
-    )
+    note = layer_names.others_note(_UNNAMED, [layer.name for layer in main if layer.name])
+    return replace(_unnamed(unnamed[0], holds), notes=(*unnamed[0].notes, note))
 
 
 def _unnamed(layer: Layer, holds: Holds) -> Layer:
