@@ -1,0 +1,20 @@
+/* Inner loops of nmaptool; every function has a twin in NumPy beside this file, with the same signature. */
+
+#include "arrays.h"
+#include "pairs.h"
+
+static PyMethodDef methods[] = {
+    {"pair_sums", pair_sums, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
+    {"at_faces", at_faces, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
+    {NULL, NULL, 0, NULL},
+};
+
+static struct PyModuleDef module = {
+    .m_base = PyModuleDef_HEAD_INIT,
+    .m_name = "_compiled",
+    .m_doc = "Inner loops of nmaptool.",
+    .m_size = -1,
+    .m_methods = methods,
+};
+
+PyMODINIT_FUNC PyInit__compiled(void) { return PyModule_Create(&module); }

@@ -1,0 +1,81 @@
+/* Arrays of Python as C pointers, through the buffer protocol: works with the stable ABI and without NumPy's headers. */
+
+#ifndef NMAPTOOL_ARRAYS_H
+#define NMAPTOOL_ARRAYS_H
+
+#define Py_LIMITED_API 0x030B0000
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+#include <stdint.h>
+#include <string.h>
+
+/* sums may be added in any order, so that loops become vector instructions; fixed for a build, whatever the threads */
+#if defined(_MSC_VER)
+#pragma float_control(precise, off)
+#elif defined(__clang__)
+#pragma clang fp reassociate(on)
+#elif defined(__GNUC__)
+#pragma GCC optimize("O3", "associative-math", "no-signed-zeros", "no-trapping-math", "no-math-errno")
+#endif
+
+#if defined(_MSC_VER)
+#define restrict __restrict
+#define KERNEL static
+#elif defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
+/* the loader picks the version for the processor */
+#define KERNEL __attribute__((target_clones("arch=haswell", "default"))) static
+#else
+#define KERNEL static
+#endif
+
+typedef Py_buffer Array;
+
+#define FLOATS(array) ((float *)(array).buf)
+#define DOUBLES(array) ((double *)(array).buf)
+#define WHOLE(array) ((int64_t *)(array).buf)
+#define LENGTH(array) ((array).len / (array).itemsize)
+
+static void release(Array *arrays, int count) {
+    for (int i = 0; i < count; i++) PyBuffer_Release(&arrays[i]);
+}
+
+/* Whether the items of an array are of this kind: 'f' float32, 'd' float64, 'q' int64. */
+static int is_of(const Array *array, char kind) {
+    const char *format = array->format ? array->format : "B";
+    while (*format == '<' || *format == '=' || *format == '@') format++;
+    if (kind == 'q') return (*format == 'q' || *format == 'l') && array->itemsize == 8;
+    return *format == kind && array->itemsize == (kind == 'f' ? 4 : 8);
+}
+
+/* Takes contiguous arrays of these kinds, the last `written` of them to write to; 0 and a Python error if one is not. */
+static int take_arrays(PyObject **objects, Array *arrays, const char *kinds, int count, int written) {
+    for (int i = 0; i < count; i++) {
+        int flags = PyBUF_C_CONTIGUOUS | PyBUF_FORMAT | (i >= count - written ? PyBUF_WRITABLE : 0);
+        if (PyObject_GetBuffer(objects[i], &arrays[i], flags) != 0) {
+            release(arrays, i);
+            return 0;
+        }
+        if (!is_of(&arrays[i], kinds[i])) {
+            PyErr_Format(PyExc_TypeError, "array %d: expected numbers of kind '%c'", i, kinds[i]);
+            release(arrays, i + 1);
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static int all_below(const int64_t *values, Py_ssize_t count, int64_t limit) {
+    int inside = 1;
+    for (Py_ssize_t i = 0; i < count; i++) inside &= values[i] >= 0 && values[i] < limit;
+    return inside;
+}
+
+/* Releases the arrays; None, or NULL and a Python error. */
+static PyObject *finished(Array *arrays, int count, int fits) {
+    release(arrays, count);
+    if (!fits && !PyErr_Occurred()) PyErr_SetString(PyExc_ValueError, "the sizes of the arrays do not match");
+    if (PyErr_Occurred()) return NULL;
+    Py_RETURN_NONE;
+}
+
+#endif
