@@ -6,25 +6,31 @@ split the work into parts that do not depend on the number of threads, so result
 
 from __future__ import annotations
 
+import importlib
 import os
-from typing import TYPE_CHECKING
+from typing import Any
 
-_FORBIDDEN = os.environ.get("NMAPTOOL_KERNELS") == "numpy"
+from nmaptool.kernels import grid_twins, pair_twins
 
-if TYPE_CHECKING:
-    from nmaptool.kernels.pair_twins import at_faces, pair_sums
 
-    IS_COMPILED: bool
-else:
+def _extension() -> Any:
+    """The extension; None if it was not built, or the environment asks for NumPy."""
+    if os.environ.get("NMAPTOOL_KERNELS") == "numpy":
+        return None
     try:
-        if _FORBIDDEN:
-            raise ImportError
-        from nmaptool.kernels._compiled import at_faces, pair_sums
-
-        IS_COMPILED = True
+        return importlib.import_module("nmaptool.kernels._compiled")
     except ImportError:
-        from nmaptool.kernels.pair_twins import at_faces, pair_sums
+        return None
 
-        IS_COMPILED = False
 
-__all__ = ["IS_COMPILED", "at_faces", "pair_sums"]
+_FAST = _extension()
+IS_COMPILED = _FAST is not None
+
+pair_sums = getattr(_FAST, "pair_sums", pair_twins.pair_sums)
+at_faces = getattr(_FAST, "at_faces", pair_twins.at_faces)
+# for float32 only; for float64, `grid_twins` itself
+finest_product = getattr(_FAST, "finest_product", grid_twins.finest_product)
+finest_left = getattr(_FAST, "finest_left", grid_twins.finest_left)
+finest_finish = getattr(_FAST, "finest_finish", grid_twins.finest_finish)
+coarse_step = getattr(_FAST, "coarse_step", grid_twins.coarse_step)
+coarse_left = getattr(_FAST, "coarse_left", grid_twins.coarse_left)

@@ -1,10 +1,16 @@
 /* Inner loops of nmaptool; every function has a twin in NumPy beside this file, with the same signature. */
 
 #include "arrays.h"
+#include "grid.h"
 #include "pairs.h"
 
 static PyMethodDef methods[] = {
     {"pair_sums", pair_sums, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
+    {"finest_product", finest_product, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"finest_left", finest_left, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"finest_finish", finest_finish, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"coarse_step", coarse_step, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"coarse_left", coarse_left, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
     {"at_faces", at_faces, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
     {NULL, NULL, 0, NULL},
 };

@@ -39,12 +39,12 @@ static void release(Array *arrays, int count) {
     for (int i = 0; i < count; i++) PyBuffer_Release(&arrays[i]);
 }
 
-/* Whether the items of an array are of this kind: 'f' float32, 'd' float64, 'q' int64. */
+/* Whether the items of an array are of this kind: 'f' float32, 'd' float64, 'q' int64, '?' bool. */
 static int is_of(const Array *array, char kind) {
     const char *format = array->format ? array->format : "B";
     while (*format == '<' || *format == '=' || *format == '@') format++;
     if (kind == 'q') return (*format == 'q' || *format == 'l') && array->itemsize == 8;
-    return *format == kind && array->itemsize == (kind == 'f' ? 4 : 8);
+    return *format == kind && array->itemsize == (kind == '?' ? 1 : kind == 'f' ? 4 : 8);
 }
 
 /* Takes contiguous arrays of these kinds, the last `written` of them to write to; 0 and a Python error if one is not. */
@@ -70,12 +70,12 @@ static int all_below(const int64_t *values, Py_ssize_t count, int64_t limit) {
     return inside;
 }
 
-/* Releases the arrays; None, or NULL and a Python error. */
-static PyObject *finished(Array *arrays, int count, int fits) {
+/* Releases the arrays; a float, or NULL and a Python error. */
+static PyObject *finished_with(Array *arrays, int count, int fits, int has_memory, double value) {
     release(arrays, count);
-    if (!fits && !PyErr_Occurred()) PyErr_SetString(PyExc_ValueError, "the sizes of the arrays do not match");
-    if (PyErr_Occurred()) return NULL;
-    Py_RETURN_NONE;
+    if (!fits) PyErr_SetString(PyExc_ValueError, "the sizes of the arrays do not match");
+    else if (!has_memory) PyErr_NoMemory();
+    return fits && has_memory ? PyFloat_FromDouble(value) : NULL;
 }
 
 #endif

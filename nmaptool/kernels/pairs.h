@@ -140,8 +140,7 @@ static PyObject *pair_sums(PyObject *self, PyObject *args) {
         free(work);
         Py_END_ALLOW_THREADS
     }
-    if (!has_memory) PyErr_NoMemory();
-    return finished(arrays, 6, fits);
+    return finished_with(arrays, 6, fits, has_memory, 0);
 }
 
 /* at_faces(sums, places, node, where, lead, out): the sums at faces, extrapolated from their nodes. */
@@ -177,7 +176,7 @@ static PyObject *at_faces(PyObject *self, PyObject *args) {
         }
         Py_END_ALLOW_THREADS
     }
-    return finished(arrays, 6, fits);
+    return finished_with(arrays, 6, fits, 1, 0);
 }
 
 #endif
