@@ -9,23 +9,33 @@
 #include <stdint.h>
 #include <string.h>
 
-/* sums may be added in any order, so that loops become vector instructions; fixed for a build, whatever the threads */
-#if defined(_MSC_VER)
-#pragma float_control(precise, off)
-#elif defined(__clang__)
-#pragma clang fp reassociate(on)
-#elif defined(__GNUC__)
-#pragma GCC optimize("O3", "associative-math", "no-signed-zeros", "no-trapping-math", "no-math-errno")
+/* KERNEL: a loop that becomes vector instructions; the loader picks the version for the processor.
+   SUMMING: likewise, with its sums added in any order, fixed for a build. Differences elsewhere must keep their order. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
+#define PER_PROCESSOR , target_clones("arch=haswell", "default")
+#else
+#define PER_PROCESSOR
 #endif
-
 #if defined(_MSC_VER)
 #define restrict __restrict
 #define KERNEL static
-#elif defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
-/* the loader picks the version for the processor */
-#define KERNEL __attribute__((target_clones("arch=haswell", "default"))) static
-#else
+#define SUMMING static
+#define ANY_ORDER
+#elif defined(__clang__)
 #define KERNEL static
+#define SUMMING static
+#define ANY_ORDER _Pragma("clang fp reassociate(on)")
+#else
+#define KERNEL __attribute__((optimize("O3") PER_PROCESSOR)) static
+#define SUMMING                                                                                                                \
+    __attribute__((optimize("O3", "associative-math", "no-signed-zeros", "no-trapping-math", "no-math-errno") PER_PROCESSOR)) \
+        static
+#define ANY_ORDER
+#endif
+#if defined(__GNUC__) && !defined(__clang__)
+#define INLINE __attribute__((always_inline)) static inline
+#else
+#define INLINE static inline
 #endif
 
 typedef Py_buffer Array;

@@ -13,7 +13,8 @@ upper left vertex. */
 enum { CHUNK = 8192 };
 
 /* Sum of products, in float64 every so often. */
-KERNEL double dot(const float *restrict one, const float *restrict other, Py_ssize_t count) {
+SUMMING double dot(const float *restrict one, const float *restrict other, Py_ssize_t count) {
+    ANY_ORDER
     double total = 0;
     for (Py_ssize_t first = 0; first < count; first += 512) {
         Py_ssize_t last = first + 512 < count ? first + 512 : count;

@@ -9,7 +9,7 @@
 enum { SPACE = 6, SUMS = 4, MOMENTS = SUMS + SUMS * SPACE, LANES = 8, TARGETS = 4 };
 
 /* exp(x) for x <= 0, to 3e-7 of its value; 0 below -87 */
-static inline float exp_below(float x) {
+INLINE float exp_below(float x) {
     float clipped = x < -87.0f ? -87.0f : x;
     int32_t power_of_2 = (int32_t)(clipped * 1.44269504f - 0.5f); /* rounded: cut towards 0 */
     float whole = (float)power_of_2;
@@ -24,8 +24,9 @@ static inline float exp_below(float x) {
 }
 
 /* Weights of `count` sources (SPACE rows of floats) for one target: both Gaussians, 0 beyond the radius in the first three. */
-KERNEL void pair_weights(const float *restrict rows, Py_ssize_t count, const float *restrict target, float radius2,
-                         float *restrict weights) {
+SUMMING void pair_weights(const float *restrict rows, Py_ssize_t count, const float *restrict target, float radius2,
+                          float *restrict weights) {
+    ANY_ORDER
     const float *restrict x = rows, *restrict y = rows + count, *restrict z = rows + 2 * count;
     const float *restrict g = rows + 3 * count, *restrict h = rows + 4 * count, *restrict k = rows + 5 * count;
     float tx = target[0], ty = target[1], tz = target[2], tg = target[3], th = target[4], tk = target[5];
@@ -39,7 +40,8 @@ KERNEL void pair_weights(const float *restrict rows, Py_ssize_t count, const flo
 }
 
 /* Products of TARGETS rows of weights with two rows of values, into two rows of `out`. */
-KERNEL void dot_rows(const float *restrict weights, const float *restrict values, Py_ssize_t count, float *restrict out) {
+SUMMING void dot_rows(const float *restrict weights, const float *restrict values, Py_ssize_t count, float *restrict out) {
+    ANY_ORDER
     const float *restrict w0 = weights, *restrict w1 = weights + count;
     const float *restrict w2 = weights + 2 * count, *restrict w3 = weights + 3 * count;
     const float *restrict other = values + count;
