@@ -10,7 +10,7 @@ import importlib
 import os
 from typing import Any
 
-from nmaptool.kernels import grid_twins, pair_twins
+from nmaptool.kernels import grid_twins, pair_twins, transfer_twins
 
 
 def _extension() -> Any:
@@ -28,9 +28,13 @@ IS_COMPILED = _FAST is not None
 
 pair_sums = getattr(_FAST, "pair_sums", pair_twins.pair_sums)
 at_faces = getattr(_FAST, "at_faces", pair_twins.at_faces)
-# for float32 only; for float64, `grid_twins` itself
+# for float32 only; for float64, `grid_twins` and `transfer_twins` themselves
 finest_product = getattr(_FAST, "finest_product", grid_twins.finest_product)
 finest_left = getattr(_FAST, "finest_left", grid_twins.finest_left)
 finest_finish = getattr(_FAST, "finest_finish", grid_twins.finest_finish)
 coarse_step = getattr(_FAST, "coarse_step", grid_twins.coarse_step)
 coarse_left = getattr(_FAST, "coarse_left", grid_twins.coarse_left)
+restrict_rows = getattr(_FAST, "restrict_rows", transfer_twins.restrict_rows)
+prolong_rows = getattr(_FAST, "prolong_rows", transfer_twins.prolong_rows)
+steer = getattr(_FAST, "steer", transfer_twins.steer)
+move = getattr(_FAST, "move", transfer_twins.move)

@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "grid.h"
 #include "pairs.h"
+#include "transfer.h"
 
 static PyMethodDef methods[] = {
     {"pair_sums", pair_sums, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
@@ -11,6 +12,10 @@ static PyMethodDef methods[] = {
     {"finest_finish", finest_finish, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
     {"coarse_step", coarse_step, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
     {"coarse_left", coarse_left, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"restrict_rows", restrict_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
+    {"prolong_rows", prolong_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
+    {"steer", steer, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
+    {"move", move, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"at_faces", at_faces, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
     {NULL, NULL, 0, NULL},
 };

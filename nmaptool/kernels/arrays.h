@@ -10,7 +10,9 @@
 #include <string.h>
 
 /* KERNEL: a loop that becomes vector instructions; the loader picks the version for the processor.
-   SUMMING: likewise, with its sums added in any order, fixed for a build. Differences elsewhere must keep their order. */
+   SUMMING: likewise, with its sums added in any order, fixed for a build. Elsewhere, a fused or reordered operation would
+   give the two ends of a coupling different values, and the sum of a residual would drift. */
+#pragma STDC FP_CONTRACT OFF
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
 #define PER_PROCESSOR , target_clones("arch=haswell", "default")
 #else
@@ -26,7 +28,7 @@
 #define SUMMING static
 #define ANY_ORDER _Pragma("clang fp reassociate(on)")
 #else
-#define KERNEL __attribute__((optimize("O3") PER_PROCESSOR)) static
+#define KERNEL __attribute__((optimize("O3", "fp-contract=off") PER_PROCESSOR)) static
 #define SUMMING                                                                                                                \
     __attribute__((optimize("O3", "associative-math", "no-signed-zeros", "no-trapping-math", "no-math-errno") PER_PROCESSOR)) \
         static

@@ -117,14 +117,19 @@ def finest_finish(
     return float((out[start:stop] * residual[start:stop]).sum())
 
 
+def accumulate(one: Values, other: Values, out: Values) -> None:
+    """Add a product to ``out`` in one pass; all arrays are flat, contiguous and of the same type."""
+    cv2.accumulateProduct(one, other, out)
+
+
 def _add_neighbours(
     couplings: tuple[Values, Values, Values, Values], x: Values, out: Values, cols: int, start: int, stop: int
 ) -> None:
     """Add the sum of coupling times x over the eight neighbours to ``out``, which begins at ``start``."""
     first, last = cols + 1 + start, cols + 1 + stop
     for values, step in zip(couplings, (1, cols, cols + 1, cols - 1), strict=True):
-        cv2.accumulateProduct(values[first:last], x[first + step : last + step], out)
-        cv2.accumulateProduct(values[first - step : last - step], x[first - step : last - step], out)
+        accumulate(values[first:last], x[first + step : last + step], out)
+        accumulate(values[first - step : last - step], x[first - step : last - step], out)
 
 
 def coarse_step(
@@ -157,7 +162,7 @@ def coarse_step(
     _add_neighbours((e, s, se, sw), x, pull, cols, start, stop)
     pull *= length
     np.multiply(x[first:last], 1 - length, out=out[first:last])
-    cv2.accumulateProduct(pull, inverse[start:stop], out[first:last])
+    accumulate(pull, inverse[start:stop], out[first:last])
     return 0.0
 
 
