@@ -6,24 +6,12 @@ split the work into parts that do not depend on the number of threads, so result
 
 from __future__ import annotations
 
-import importlib
-import os
-from typing import Any
+import nmaptool.kernels.grid_twins as grid_twins
+import nmaptool.kernels.pair_twins as pair_twins
+import nmaptool.kernels.transfer_twins as transfer_twins
+from nmaptool.core.extension import load_extension
 
-from nmaptool.kernels import grid_twins, pair_twins, transfer_twins
-
-
-def _extension() -> Any:
-    """The extension; None if it was not built, or the environment asks for NumPy."""
-    if os.environ.get("NMAPTOOL_KERNELS") == "numpy":
-        return None
-    try:
-        return importlib.import_module("nmaptool.kernels._compiled")
-    except ImportError:
-        return None
-
-
-_FAST = _extension()
+_FAST = load_extension()
 IS_COMPILED = _FAST is not None
 
 pair_sums = getattr(_FAST, "pair_sums", pair_twins.pair_sums)

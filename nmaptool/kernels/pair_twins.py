@@ -45,7 +45,7 @@ def pair_sums(
     radius2 : float
         Squared distance of places beyond which the weight is 0.
     out : (K, 28) float32
-        4 sums, and 24 sums of their products with places; each row up to a factor of its own.
+        4 sums, and 24 sums of their products with places.
     """
     own = np.diff(start)
     reached = np.add.reduceat(np.append(own[near], 0), indptr[:-1]) * (np.diff(indptr) > 0)
@@ -119,7 +119,7 @@ def _ranges(begin: Whole, size: Whole) -> Whole:
 
 
 def _weights(targets: Float32, sources: Float32, radius2: float) -> NDArray[Any]:
-    """Return (B, T, S) float32: the product of both Gaussians, 0 beyond the radius; each row up to a constant factor.
+    """Return (B, T, S) float32: the product of both Gaussians, 0 beyond the radius.
 
     Places and guides are in the first six of eight columns; the other two of ``sources`` are overwritten.
     """
@@ -131,7 +131,7 @@ def _weights(targets: Float32, sources: Float32, radius2: float) -> NDArray[Any]
     sources[..., 6:] = np.square(sources) @ _HALVES
     product = left @ sources.swapaxes(-1, -2)
     own = np.square(targets) @ _HALVES
-    product[:, count:] += own[..., 1:]  # otherwise a small sigma_r overflows
+    product[:, count:] += own.sum(axis=-1, keepdims=True)
     weights = np.exp(product[:, count:])
     weights *= product[:, :count] >= -(own[..., :1] + np.float32(0.5 * radius2))
     return weights
