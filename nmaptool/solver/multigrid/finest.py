@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
+import nmaptool.kernels.grid_twins as grid_twins
 from nmaptool import kernels
 from nmaptool.core.parallel import for_each_band, map_parallel
-from nmaptool.kernels import grid_twins
 from nmaptool.solver.multigrid.level import Shape, band_size, inner, margin, new_field
 from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
 from nmaptool.solver.multigrid.values import Values

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import nmaptool.kernels.transfer_twins as transfer_twins
 from nmaptool import kernels
 from nmaptool.core.arrays import Float64
-from nmaptool.kernels import transfer_twins
 from nmaptool.solver.method import Report
 from nmaptool.solver.multigrid.hierarchy import Hierarchy
 from nmaptool.solver.multigrid.level import new_field

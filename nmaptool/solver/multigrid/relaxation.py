@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+import nmaptool.kernels.grid_twins as grid_twins
 from nmaptool import kernels
-from nmaptool.kernels import grid_twins
 from nmaptool.solver.multigrid.level import Stencil, in_bands, new_field
 from nmaptool.solver.multigrid.values import Values
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+import nmaptool.kernels.transfer_twins as transfer_twins
 from nmaptool import kernels
 from nmaptool.core.parallel import for_each_band
-from nmaptool.kernels import transfer_twins
 from nmaptool.solver.multigrid.interpolation import WEIGHTS
 from nmaptool.solver.multigrid.level import Shape, rows_at_once
 from nmaptool.solver.multigrid.off_grid import OffGridTransfer
