@@ -11,6 +11,7 @@ from typing import Any
 from cyclopts import App, Parameter
 
 from nmaptool._version import __version__
+from nmaptool.core.extension import kernels_in_use
 from nmaptool_cli.arguments import prepared
 from nmaptool_cli.command import Command, command_of
 from nmaptool_cli.compose import HELP as COMPOSE_HELP
@@ -24,11 +25,17 @@ From a mesh: nmap bake MESH -o maps, then nmap relief maps/original.exr --detail
 From a map: nmap inspect MAP, then nmap relief MAP -o relief.stl --preview relief.png
 """
 
+
+def _version() -> str:
+    """The version, and what runs the inner loops."""
+    return f"{__version__} ({kernels_in_use()} kernels)"
+
+
 app = App(
     name="nmap",
     help=HELP,
     help_format="markdown",
-    version=__version__,
+    version=_version,
     version_flags=["--version"],
     result_action="return_value",
     default_parameter=Parameter(negative=""),

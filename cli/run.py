@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from nmaptool._version import __version__
+from nmaptool.core.extension import kernels_in_use
 from nmaptool.core.progress import Progress
 from nmaptool.options.fields import Options, option
 from nmaptool.options.kinds import Switch
@@ -110,7 +111,7 @@ class Run:
     def header(self, **more: Any) -> dict[str, Any]:
         """The first entries of every report: the version and the files that were read."""
         files = {role: names for role, names in self.inputs.items() if names is not None}
-        return {"version": __version__, "files": files, **more}
+        return {"version": __version__, "kernels": kernels_in_use(), "files": files, **more}
 
     def finish(
         self,

@@ -42,7 +42,9 @@ def needs_index(done):
 def built(tmp_path_factory):
     """The sdist and the wheel, built from a copy of the checkout."""
     folder = tmp_path_factory.mktemp("built")
-    left = shutil.ignore_patterns(".*", "__pycache__", "*.egg-info", "build", "dist", "gallery", "docs", "*.ply")
+    left = shutil.ignore_patterns(
+        ".*", "__pycache__", "*.egg-info", "build", "dist", "gallery", "docs", "*.ply", "*.so", "*.pyd"
+    )
     shutil.copytree(ROOT, folder / "checkout", ignore=left)
     needs_index(run(sys.executable, "-m", "build", "--outdir", folder, folder / "checkout", folder=folder))
     (sdist,), (wheel,) = folder.glob("*.tar.gz"), folder.glob("*.whl")
@@ -73,15 +75,19 @@ def package_files():
     """Every file of the two packages, under its import path."""
     for folder, package in (("nmaptool", "nmaptool"), ("cli", "nmaptool_cli")):
         for path in (ROOT / folder).rglob("*"):
-            if path.is_file() and "__pycache__" not in path.parts:
+            if path.is_file() and "__pycache__" not in path.parts and path.suffix not in (".so", ".pyd"):
                 yield "/".join((package, *path.relative_to(ROOT / folder).parts))
 
 
 def test_the_wheel_holds_the_packages_with_their_data_and_nothing_else(built):
     with zipfile.ZipFile(built.wheel) as archive:
         names = archive.namelist()
-    assert built.wheel.name == f"nmaptool_relief-{__version__}-py3-none-any.whl"
-    assert sorted(name for name in names if not name.startswith(INFO)) == sorted(package_files())
+    # with a C compiler, one wheel for each platform serves all versions of Python
+    assert re.fullmatch(rf"nmaptool_relief-{__version__}-(py3-none-any|cp311-abi3-\w+)\.whl", built.wheel.name)
+    held = {name for name in names if not name.startswith(INFO)}
+    extension = {name for name in held if name.startswith("nmaptool/_compiled.")}
+    assert len(extension) == ("abi3" in built.wheel.name)
+    assert held - extension == {name for name in package_files() if not name.endswith((".c", ".h"))}
     data = {name for name in names if not name.startswith(INFO) and not name.endswith(".py")}
     assert {"nmaptool/py.typed", "nmaptool/__init__.pyi", "nmaptool/filters/learned/filter.npz"} < data
 
@@ -110,14 +116,29 @@ def test_the_sdist_holds_the_sources_and_no_tests(built):
     assert not [name for name in names if re.match(r"tests|samples|bench|docs", name)]
 
 
-def test_the_wheel_alone_runs_the_commands(installed):
+def test_a_build_without_a_compiler_gives_a_package_that_runs_on_numpy(built, tmp_path):
+    nothing = {"CC": "no-such-compiler", "CXX": "no-such-compiler", "LDSHARED": "no-such-compiler"}
+    words = (sys.executable, "-m", "build", "--wheel", "--outdir", tmp_path, built.sdist.parent / "checkout")
+    done = subprocess.run(
+        [str(word) for word in words], capture_output=True, check=False, text=True, env={**os.environ, **nothing}
+    )
+    needs_index(done)
+    (wheel,) = tmp_path.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+    assert not [name for name in names if "_compiled" in name]
+    assert "nmaptool/kernels/pair_twins.py" in names
+
+
+def test_the_wheel_alone_runs_the_commands(built, installed):
     where = installed.python("import nmaptool, nmaptool_cli; print(nmaptool.__file__); print(nmaptool_cli.__file__)")
     assert len(where.stdout.splitlines()) == 2, where.stderr
     assert all(Path(line).is_relative_to(installed.venv) for line in where.stdout.splitlines())
     shown = installed.nmap("--help")
     assert shown.returncode == 0, shown.stderr
     assert "bake" in shown.stdout
-    assert installed.nmaptool("--version").stdout.strip() == __version__
+    built_with = "compiled" if "abi3" in built.wheel.name else "numpy"
+    assert installed.nmaptool("--version").stdout.startswith(f"{__version__} ({built_with} kernels")
     stages = installed.python("import nmaptool as nm; print(len(nm.shipped_filter().stages))")
     assert stages.stdout.strip() == "3", stages.stderr
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -96,6 +97,11 @@ class Reach:
 
     patch: Labels
     near: Any
+
+    @cached_property
+    def rows(self) -> tuple[Labels, Labels]:
+        """The patches that each patch can reach, in compressed rows: (P + 1,) int64 and (N,) int64."""
+        return self.near.indptr.astype(np.int64), self.near.indices.astype(np.int64)
 
 
 def _within(pairs: Any, middle: Float64, radius: float) -> Any:

@@ -9,12 +9,14 @@ approximation.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
 
+from nmaptool import kernels
 from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.parallel import for_each_band, map_parallel
 from nmaptool.filters.cells import ConnectedFaces, Labels, Reach, face_neighbors
 from nmaptool.filters.principal import principal_axes
 from nmaptool.filters.rolling import Gather, weighted_normals
@@ -23,10 +25,9 @@ from nmaptool.types.mesh import Mesh, sum_by
 RADIUS = 2.5  # sigma_s
 _PATCH = 0.48  # sigma_s
 _COARSEST, _COARSER = 4.0, 1.3  # in sigma_r, and the factor of each step
-_WEIGHTS_AT_ONCE = 100_000
 _ROUNDING = 1e-9  # of the longest side
-# maps the squares of eight columns to -|place|^2 / 2 and -|guide|^2 / 2
-_HALVES = np.repeat(np.eye(3, 2, dtype=np.float32), (3, 3, 2), axis=0) * np.float32(-0.5)
+# parts of the pair sums, and faces at once, that threads share
+_PARTS, _FACES_AT_ONCE = 64, 1 << 15
 
 
 @dataclass(frozen=True)
@@ -166,25 +167,25 @@ def _nodes(cells: _Cells, large: Labels, where: Float64, lead: Float64, parts: F
 
 def _pair_sums(nodes: _Nodes, around: Reach) -> Float32:
     """Return (K, 28) float32: the weighted sums at each node (4), and their first moments in place and guide (24)."""
-    count = len(nodes.large)
-    moments = np.empty((count + 1, 28), np.float32)
-    moments[:count, :4] = nodes.weighted_normals
-    moments[:count, 4:] = (nodes.weighted_normals[:, :, None] * nodes.places[:, None, :]).reshape(count, 24)
-    moments[count] = 0  # an empty node that pads shorter lists of sources
-    places = np.zeros((count + 1, 8), np.float32)
-    places[:count, :6] = nodes.places
     own, reached = _counts(nodes, around)
     start = np.concatenate([[0], np.cumsum(own)])
-    out = np.empty((count, 28), np.float32)
-    for large in _batches(own, reached):
-        # the nodes of one large patch have the same sources, so their weights form a dense block
-        mine = start[large][:, None] + np.arange(own[large[0]])
-        others = _sources(start, around, large, reached[large], count)
-        sources = places.take(others, axis=0)
-        sources -= places.take(mine[:, :1], axis=0)
-        weights = _weights(places.take(mine, axis=0) - places.take(mine[:, :1], axis=0), sources)
-        out[mine] = weights @ moments.take(others, axis=0)
+    out = np.empty((len(nodes.large), 28), np.float32)
+    indptr, near = around.rows
+
+    def part(patches: tuple[int, int]) -> None:
+        kernels.pair_sums(nodes.places, nodes.weighted_normals, start, indptr, near, *patches, RADIUS * RADIUS, out)
+
+    # the twin in NumPy works on large batches of its own
+    map_parallel(_parts(own * reached, _PARTS if kernels.IS_COMPILED else 1), part)
     return out
+
+
+def _parts(pairs: Labels, count: int) -> list[tuple[int, int]]:
+    """Return runs of large patches with about as many pairs each; their number depends on the pairs alone."""
+    done = np.cumsum(pairs)
+    ends = np.searchsorted(done, np.arange(1, count) * (done[-1] / count))
+    bounds = np.unique(np.concatenate([[0], ends, [len(pairs)]]))
+    return [(int(first), int(last)) for first, last in itertools.pairwise(bounds)]
 
 
 def _counts(nodes: _Nodes, around: Reach) -> tuple[Labels, Labels]:
@@ -193,61 +194,12 @@ def _counts(nodes: _Nodes, around: Reach) -> tuple[Labels, Labels]:
     return own, np.asarray(around.near @ own, np.int64)
 
 
-def _batches(own: Labels, reached: Labels) -> Iterator[Labels]:
-    """Yield batches of large patches with equally many nodes and about as many sources; a batch fits the cache."""
-    order = np.lexsort([reached, own])
-    mine, others = own[order], reached[order]
-    first = 0
-    while first < len(order):
-        last = first + max(1, _WEIGHTS_AT_ONCE // int(mine[first] * others[first]))
-        last = min(last, int(np.searchsorted(mine, mine[first], side="right")))
-        last = first + int(np.searchsorted(others[first:last], 1.1 * others[first] + 4, side="right"))
-        yield order[first:last]
-        first = last
-
-
-def _sources(start: Labels, around: Reach, large: Labels, reached: Labels, filler: int) -> Labels:
-    """Return (B, S) int64: the nodes that each large patch of a batch reaches; shorter lists are padded."""
-    begin, end = around.near.indptr[large], around.near.indptr[large + 1]
-    near = around.near.indices.take(_ranges(begin, end - begin))
-    out = np.full((len(large), int(reached.max())), filler)
-    out[np.arange(out.shape[1]) < reached[:, None]] = _ranges(start[near], start[near + 1] - start[near])
-    return out
-
-
-def _ranges(begin: Labels, size: Labels) -> Labels:
-    """Return begin[0], begin[0] + 1, ... begin[0] + size[0] - 1, begin[1], ..."""
-    ends = np.cumsum(size)
-    return np.asarray(np.arange(ends[-1]) + np.repeat(begin - (ends - size), size), np.int64)
-
-
-def _weights(targets: Float32, sources: Float32) -> Float32:
-    """Return (B, T, S) float32: the product of both Gaussians, 0 beyond the radius; each row up to a constant factor.
-
-    Places and guides are in the first six of eight columns; the other two of ``sources`` are overwritten.
-    """
-    # -|t - s|^2 / 2 = t . s - |s|^2 / 2 - |t|^2 / 2; one matrix product gives the first two terms
-    count = targets.shape[1]
-    left = np.zeros((len(targets), 2 * count, 8), np.float32)
-    left[:, :count, :3], left[:, :count, 6] = targets[..., :3], 1
-    left[:, count:, :6], left[:, count:, 6:] = targets[..., :6], 1
-    sources[..., 6:] = np.square(sources) @ _HALVES
-    product = left @ sources.swapaxes(-1, -2)
-    own = np.square(targets) @ _HALVES
-    product[:, count:] += own[..., 1:]  # otherwise a small sigma_r overflows
-    weights: Float32 = np.exp(product[:, count:])
-    weights *= product[:, :count] >= -(own[..., :1] + np.float32(0.5 * RADIUS**2))
-    return weights
-
-
 def _at_faces(nodes: _Nodes, sums: Float32, where: Float64, lead: Float64) -> Float64:
-    """Return the sums at faces from those at nodes: for small steps u, the weights change by exp(u . (source - node)).
+    """Return the (M, 4) sums at faces from those at nodes."""
+    out = np.empty((len(where), 4))
 
-    The factor exp(-|u|^2 / 2) is omitted: it is the same for all sources of a face, and only directions matter.
-    """
-    value = sums[:, :4].astype(np.float64)
-    slope = sums[:, 4:].reshape(-1, 4, 6) - value[:, :, None] * nodes.places[:, None, :]
-    step = np.hstack([where, lead]) - nodes.places.take(nodes.of_face, axis=0)
-    return np.asarray(
-        value.take(nodes.of_face, axis=0) + np.einsum("ijk,ik->ij", slope.take(nodes.of_face, axis=0), step)
-    )
+    def part(band: slice) -> None:
+        kernels.at_faces(sums, nodes.places, nodes.of_face[band], where[band], lead[band], out[band])
+
+    for_each_band(len(where), _FACES_AT_ONCE, part)
+    return out

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 
+import nmaptool.kernels.grid_twins as grid_twins
+from nmaptool import kernels
 from nmaptool.core.parallel import for_each_band, map_parallel
 from nmaptool.solver.multigrid.level import Shape, band_size, inner, margin, new_field
 from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
@@ -44,7 +47,8 @@ class Finest:
         self.dtype = np.dtype(dtype)
         self.quarter = new_field(self.shape, dtype)
         np.multiply(system.weight, 0.25, out=inner(self.quarter, self.shape)[:-1, :-1], casting="unsafe")
-        self.beta = system.beta.reshape(-1)
+        self.beta = system.beta.reshape(-1).astype(dtype, copy=False)
+        self._loops: Any = kernels if self.dtype == np.float32 else grid_twins
         self.unknown = system.unknown.reshape(-1)
         self.holds = bool(system.held.any())
         self.step = np.zeros(self.size, dtype)
@@ -68,8 +72,10 @@ class Finest:
         """Write A x to ``out`` (no margins), for x with margins, and return x^T A x."""
 
         def band(start: int, stop: int) -> float:
-            out[start:stop] = self.apply(x, start, stop)
-            return inner_product(x[self.edge + start : self.edge + stop], out[start:stop])
+            product: float = self._loops.finest_product(
+                self.quarter, x, self.beta, self.unknown, out, self.shape[1], start, stop, self.holds
+            )
+            return product
 
         return self.sum_over_bands(band)
 
@@ -87,38 +93,6 @@ class Finest:
         unknown = self.unknown[band]
         np.divide(_STEP, total, out=self.step[band], where=unknown & (total > 0))
 
-    def mixed(self, x: Values, start: int, stop: int) -> Values:
-        """Return the pull of the means of the faces, corner_sum(weight * corner_mean(x)), for a range of vertices."""
-        cols, first = self.shape[1], self.edge + start - self.shape[1] - 1
-        count = stop - start + cols + 1  # faces
-        pair = x[first : first + count + cols] + x[first + 1 : first + count + cols + 1]
-        sums = pair[:count] + pair[cols:]
-        sums *= self.quarter[first : first + count]
-        np.add(sums[:-1], sums[1:], out=pair[: count - 1])
-        return pair[: stop - start] + pair[cols : cols + stop - start]
-
-    def apply(self, x: Values, start: int, stop: int) -> Values:
-        """Return A x for a range of vertices; computed from differences, as in `nmaptool.solver.operator`."""
-        cols, edge, inside = self.shape[1], self.edge, stop - start
-        first = edge + start - cols - 1
-        quarter = self.quarter[first : first + inside + cols + 1]  # of the faces around
-        # along rows: the edges left and right of each vertex, weighted by the faces above and below them
-        across = x[edge + start : edge + stop + 1] - x[edge + start - 1 : edge + stop]
-        across *= quarter[: inside + 1] + quarter[cols:]
-        out = across[:-1] - across[1:]
-        out *= 2
-        # between rows: the faces above and below
-        drop = x[edge + start - 1 : edge + stop + cols + 1] - x[first : edge + stop + 1]
-        along = drop[: inside + cols + 1] + drop[1:]
-        along *= quarter
-        pair = np.add(along[:-1], along[1:], out=drop[: inside + cols])
-        out += pair[:inside]
-        out -= pair[cols:]
-        out += self.beta[start:stop] * x[edge + start : edge + stop]
-        if self.holds:
-            out *= self.unknown[start:stop]
-        return out
-
     def start(self, residual: Values, z: Values) -> None:
         """Do the first smoothing step, from zero: z (with margins) from the residual."""
         edge = self.edge
@@ -131,22 +105,18 @@ class Finest:
     def left_rows(self, residual: Values, z: Values, first: int, last: int) -> Values:
         """Return the (last - first, cols) residual after `start`."""
         cols = self.shape[1]
-        left = self.mixed(z, first * cols, last * cols)
-        part = residual[first * cols : last * cols] * (1 - _STEP)
-        left += part
-        return left.reshape(-1, cols)
+        left = np.empty((last - first, cols), self.dtype)
+        self._loops.finest_left(self.quarter, z, residual, left.reshape(-1), cols, first * cols, last * cols, 1 - _STEP)
+        return left
 
     def finish(self, residual: Values, z: Values, out: Values) -> float:
         """Do the last smoothing step, from z to ``out`` (no margins); return the inner product of out and residual."""
-        edge = self.edge
 
         def band(start: int, stop: int) -> float:
-            moved = self.mixed(z, start, stop)
-            moved += residual[start:stop]
-            moved *= self.step[start:stop]
-            np.multiply(z[edge + start : edge + stop], 1 - _STEP, out=out[start:stop])
-            out[start:stop] += moved
-            return inner_product(out[start:stop], residual[start:stop])
+            product: float = self._loops.finest_finish(
+                self.quarter, z, residual, self.step, out, self.shape[1], start, stop, 1 - _STEP
+            )
+            return product
 
         return self.sum_over_bands(band)
 

@@ -15,7 +15,7 @@ from numpy.typing import DTypeLike
 from nmaptool.core.parallel import for_each_band
 from nmaptool.solver.multigrid.off_grid import OffGrid
 from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, Split, sorted_rows
-from nmaptool.solver.multigrid.values import Values, add_product
+from nmaptool.solver.multigrid.values import Values
 
 Shape = tuple[int, int]
 # most elements in a band: with smaller bands, threads wait for each other longer than they compute
@@ -100,12 +100,10 @@ class Stencil:
         cols = self.shape[1]
         return list(zip((self.couplings[d] for d in DIRECTIONS), (1, cols, cols + 1, cols - 1), strict=True))
 
-    def add_neighbours(self, x: Values, out: Values, start: int, stop: int) -> None:
-        """Add to ``out`` the sum of coupling times ``x`` (with margins) over the eight grid neighbours."""
-        first, last = self.edge + start, self.edge + stop
-        for values, step in self._steps():
-            add_product(out, values[first:last], x[first + step : last + step])
-            add_product(out, values[first - step : last - step], x[first - step : last - step])
+    @property
+    def ordered(self) -> list[Values]:
+        """The couplings to the east, south, south-east and south-west."""
+        return [self.couplings[direction] for direction in DIRECTIONS]
 
     def split(self, first: int, last: int) -> Split:
         """Return rows ``first`` to ``last`` of the next coarser grid, sorted by kind."""

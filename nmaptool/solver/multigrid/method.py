@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import nmaptool.kernels.transfer_twins as transfer_twins
+from nmaptool import kernels
 from nmaptool.core.arrays import Float64
 from nmaptool.solver.method import Report
-from nmaptool.solver.multigrid.finest import inner_product
 from nmaptool.solver.multigrid.hierarchy import Hierarchy
 from nmaptool.solver.multigrid.level import new_field
-from nmaptool.solver.multigrid.values import Values, add_scaled
+from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
 # down to this reduction the updated residual matches the heights; below it, it must be recomputed
@@ -132,25 +133,20 @@ class _Search:
         size : float
         """
         finest, left, other = self._hierarchy.finest, self._left, self._other
-        direction = self._direction[finest.edge : finest.edge + finest.size]
+        loops: Any = kernels if finest.dtype == np.float32 else transfer_twins
+        direction = self._direction
         product = self._hierarchy.cycle(left, self._work, other)
         turn = product / self._before
 
-        def steer(first: int, last: int) -> None:
-            direction[first:last] *= turn
-            direction[first:last] += other[first:last]
-
-        finest.in_bands(steer)
+        finest.in_bands(lambda first, last: loops.steer(other, direction, turn, first, last, finest.edge))
         self._before = product
-        curvature = finest.times(self._direction, other)
+        curvature = finest.times(direction, other)
         if not (product > 0 and curvature > 0):
             return None
         length = product / curvature
 
         def move(first: int, last: int) -> float:
-            # in float64: with a step rounded to float32, the heights would no longer match the residual
-            z[first:last] += np.multiply(direction[first:last], length * size, dtype=np.float64)
-            add_scaled(left[first:last], other[first:last], -length)
-            return inner_product(left[first:last], left[first:last])
+            norm2: float = loops.move(direction, other, z, left, length, size, first, last, finest.edge)
+            return norm2
 
         return finest.sum_over_bands(move)

@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 
+import nmaptool.kernels.grid_twins as grid_twins
+from nmaptool import kernels
 from nmaptool.solver.multigrid.level import Stencil, in_bands, new_field
-from nmaptool.solver.multigrid.values import Values, add_product
+from nmaptool.solver.multigrid.values import Values
 
 # the smoother damps modes whose eigenvalue is more than this share of the largest one
 _LOWEST = 0.35
@@ -29,6 +31,7 @@ class Relaxation:
 
     def __init__(self, level: Stencil) -> None:
         self.level = level
+        self._loops = kernels if level.dtype == np.float32 else grid_twins
         self.x, self._next = new_field(level.shape, level.dtype), new_field(level.shape, level.dtype)
         self.off_grid = np.zeros(level.off_grid.count, level.dtype)
         self._load: Values = self.x
@@ -94,12 +97,9 @@ class Relaxation:
         pulls = self._pull_of_off_grid()
 
         def band(start: int, stop: int) -> None:
-            pull = self._load[start:stop].copy()
-            level.add_neighbours(x, pull, start, stop)
-            pull *= factor
-            into = out[edge + start : edge + stop]
-            np.multiply(x[edge + start : edge + stop], 1 - factor, out=into)
-            add_product(into, pull, level.inverse[start:stop])
+            self._loops.coarse_step(
+                *level.ordered, x, out, self._load, level.inverse, level.shape[1], start, stop, factor
+            )
 
         in_bands(level.size, band)
         if pulls is not None:
@@ -114,10 +114,7 @@ class Relaxation:
         left = self._next[edge : edge + level.size]  # free until the next step
 
         def band(start: int, stop: int) -> None:
-            out = left[start:stop]
-            np.multiply(level.diagonal[start:stop], x[edge + start : edge + stop], out=out)
-            np.subtract(self._load[start:stop], out, out=out)
-            level.add_neighbours(x, out, start, stop)
+            self._loops.coarse_left(*level.ordered, x, self._load, level.diagonal, left, level.shape[1], start, stop)
 
         in_bands(level.size, band)
         pulls = self._pull_of_off_grid()

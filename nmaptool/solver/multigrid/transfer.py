@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+import nmaptool.kernels.transfer_twins as transfer_twins
+from nmaptool import kernels
 from nmaptool.core.parallel import for_each_band
-from nmaptool.solver.multigrid.level import Shape, inner, margin, rows_at_once
+from nmaptool.solver.multigrid.interpolation import WEIGHTS
+from nmaptool.solver.multigrid.level import Shape, rows_at_once
 from nmaptool.solver.multigrid.off_grid import OffGridTransfer
-from nmaptool.solver.multigrid.values import Values, add_product
+from nmaptool.solver.multigrid.values import Values
 
 
 @dataclass(eq=False)
@@ -31,6 +35,9 @@ class Transfer:
     weights: dict[str, Values]
     off_grid: OffGridTransfer | None
 
+    def __post_init__(self) -> None:
+        self._loops: Any = kernels if self.weights[WEIGHTS[0]].dtype == np.float32 else transfer_twins
+
     def restrict(self, rows_of: Callable[[int, int], Values], out: Values) -> None:
         """Write the coarse residual to ``out`` (flat); ``rows_of(first, last)`` gives (n, cols) fine rows."""
         rows, cols = self.coarse
@@ -39,60 +46,30 @@ class Transfer:
             first, last = part.start, part.stop
             above = max(2 * first - 1, 0)
             fine = rows_of(above, min(2 * last, self.fine[0]))
-            out[first * cols : last * cols] = self._restricted(fine, above - 2 * first, first, last)
+            self._loops.restrict_rows(
+                *self._ordered,
+                fine.reshape(-1),
+                out,
+                self.fine[1],
+                cols,
+                above - 2 * first,
+                first,
+                last,
+            )
 
         for_each_band(rows, rows_at_once(self.coarse), band)
 
-    def _restricted(self, fine: Values, top: int, first: int, last: int) -> Values:
-        """Return coarse rows ``first`` to ``last``; ``fine`` starts ``top`` (-1 or 0) rows from row 2 * first."""
-        cols = self.coarse[1]
-        start, stop = margin(self.coarse) + first * cols, margin(self.coarse) + last * cols
-        weight = self.weights
-
-        lead = -top
-
-        def part(down: int, across: int) -> Values:
-            """Return the rows of a kind, flat, after one zero; kinds below start one row higher."""
-            kind = np.zeros(1 + (down + last - first) * cols, fine.dtype)
-            skip = down * (1 - lead)
-            found = fine[(1 - lead if down else lead) :: 2, across::2][: down + last - first - skip]
-            kind[1:].reshape(-1, cols)[skip : skip + found.shape[0], : found.shape[1]] = found
-            return kind
-
-        beside, under, diagonal = part(0, 1), part(1, 0), part(1, 1)
-        out = fine[lead::2, ::2][: last - first].ravel()
-        for name, step, values in (
-            ("b_w", 0, beside[1:]),
-            ("b_e", 1, beside[:-1]),
-            ("u_n", 0, under[1 + cols :]),
-            ("u_s", cols, under[1:-cols]),
-            ("d_nw", 0, diagonal[1 + cols :]),
-            ("d_ne", 1, diagonal[cols:-1]),
-            ("d_sw", cols, diagonal[1:-cols]),
-            ("d_se", cols + 1, diagonal[: -cols - 1]),
-        ):
-            add_product(out, weight[name][start - step : stop - step], values)
-        return out
+    @property
+    def _ordered(self) -> list[Values]:
+        return [self.weights[name] for name in WEIGHTS]
 
     def prolong(self, coarse: Values, out: Values) -> None:
         """Add the interpolated coarse correction to ``out``; both fields have margins."""
         rows, cols = self.coarse
-        grid, edge, weight = inner(out, self.fine), margin(self.coarse), self.weights
 
         def band(part: slice) -> None:
-            first, last = part.start, part.stop
-            start, stop = edge + first * cols, edge + last * cols
-
-            def add(down: int, across: int, *parts: tuple[str, int]) -> None:
-                where = grid[2 * first + down : 2 * last : 2, across::2]
-                total = weight[parts[0][0]][start:stop] * coarse[start + parts[0][1] : stop + parts[0][1]]
-                for name, step in parts[1:]:
-                    add_product(total, weight[name][start:stop], coarse[start + step : stop + step])
-                where += total.reshape(-1, cols)[: where.shape[0], : where.shape[1]]
-
-            grid[2 * first : 2 * last : 2, ::2] += coarse[start:stop].reshape(-1, cols)
-            add(0, 1, ("b_w", 0), ("b_e", 1))
-            add(1, 0, ("u_n", 0), ("u_s", cols))
-            add(1, 1, ("d_nw", 0), ("d_ne", 1), ("d_sw", cols), ("d_se", cols + 1))
+            self._loops.prolong_rows(
+                *self._ordered, coarse, out, self.fine[1], cols, self.fine[0], part.start, part.stop
+            )
 
         for_each_band(rows, rows_at_once(self.coarse), band)

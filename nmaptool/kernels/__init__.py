@@ -1,0 +1,28 @@
+"""The inner loops that are compiled if a C compiler was there when the package was built.
+
+Every compiled function has a twin in NumPy with the same signature; without a compiler the twins are used. Callers
+split the work into parts that do not depend on the number of threads, so results do not either.
+"""
+
+from __future__ import annotations
+
+import nmaptool.kernels.grid_twins as grid_twins
+import nmaptool.kernels.pair_twins as pair_twins
+import nmaptool.kernels.transfer_twins as transfer_twins
+from nmaptool.core.extension import load_extension
+
+_FAST = load_extension()
+IS_COMPILED = _FAST is not None
+
+pair_sums = getattr(_FAST, "pair_sums", pair_twins.pair_sums)
+at_faces = getattr(_FAST, "at_faces", pair_twins.at_faces)
+# for float32 only; for float64, `grid_twins` and `transfer_twins` themselves
+finest_product = getattr(_FAST, "finest_product", grid_twins.finest_product)
+finest_left = getattr(_FAST, "finest_left", grid_twins.finest_left)
+finest_finish = getattr(_FAST, "finest_finish", grid_twins.finest_finish)
+coarse_step = getattr(_FAST, "coarse_step", grid_twins.coarse_step)
+coarse_left = getattr(_FAST, "coarse_left", grid_twins.coarse_left)
+restrict_rows = getattr(_FAST, "restrict_rows", transfer_twins.restrict_rows)
+prolong_rows = getattr(_FAST, "prolong_rows", transfer_twins.prolong_rows)
+steer = getattr(_FAST, "steer", transfer_twins.steer)
+move = getattr(_FAST, "move", transfer_twins.move)

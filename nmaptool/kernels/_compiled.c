@@ -1,0 +1,31 @@
+/* Inner loops of nmaptool; every function has a twin in NumPy beside this file, with the same signature. */
+
+#include "arrays.h"
+#include "grid.h"
+#include "pairs.h"
+#include "transfer.h"
+
+static PyMethodDef methods[] = {
+    {"pair_sums", pair_sums, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
+    {"finest_product", finest_product, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"finest_left", finest_left, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"finest_finish", finest_finish, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"coarse_step", coarse_step, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"coarse_left", coarse_left, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"restrict_rows", restrict_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
+    {"prolong_rows", prolong_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
+    {"steer", steer, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
+    {"move", move, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
+    {"at_faces", at_faces, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
+    {NULL, NULL, 0, NULL},
+};
+
+static struct PyModuleDef module = {
+    .m_base = PyModuleDef_HEAD_INIT,
+    .m_name = "_compiled",
+    .m_doc = "Inner loops of nmaptool.",
+    .m_size = -1,
+    .m_methods = methods,
+};
+
+PyMODINIT_FUNC PyInit__compiled(void) { return PyModule_Create(&module); }
