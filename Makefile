@@ -18,7 +18,8 @@ JOBS ?= auto
 
 setup: $(STAMP)
 
-$(STAMP): pyproject.toml setup.sh
+# also compiles the inner loops, if there is a C compiler
+$(STAMP): pyproject.toml setup.sh $(wildcard nmaptool/kernels/*.[ch])
 	@sh setup.sh $(VENV)
 	@touch $(STAMP)
 
@@ -57,4 +58,4 @@ bench: $(STAMP)
 	$(BIN)/python -m bench.compose
 
 clean:
-	rm -rf $(VENV) gallery build *.egg-info
+	rm -rf $(VENV) gallery build *.egg-info nmaptool/_compiled.*
