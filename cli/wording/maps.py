@@ -16,24 +16,17 @@ if TYPE_CHECKING:
 COMPONENTS = {"xyz": "x, y and z", "xy": "x and y, z computed from them", "octahedral": "octahedral codes"}
 
 
-def say_map(run: Run, normal_map: NormalMap) -> None:
-    """How an input was read, in one line, with warnings."""
-    share = float(normal_map.foreground.mean())
-    run.say(f"{normal_map.name}: {normal_map.frame}, {describe_decoding(normal_map.decoding, share)}")
-    run.say(*(f"{normal_map.name}: {note}" for note in normal_map.decoding.notes))
-    for warning in normal_map.decoding.warnings:
-        run.warn(f"{normal_map.name}: {warning}")
-
-
-def say_doubts(run: Run, normal_map: NormalMap) -> None:
-    """What is doubted, or was assumed, about the order of a map's channels."""
+def say_map(run: Run, normal_map: NormalMap, *, makes_heights: bool = False) -> None:
+    """How an input was read, in one line, with warnings and what was assumed about the order of its channels."""
     import nmaptool as nm
     from nmaptool.maps.order_doubts import order_notes
 
-    doubts = nm.diagnose(normal_map)
-    run.warn(*(f"{normal_map.name}: {doubt}" for doubt in doubts))
-    if not doubts:
-        run.say(*(f"  {note}" for note in order_notes(normal_map.decoding)))
+    share = float(normal_map.foreground.mean())
+    run.say(f"{normal_map.name}: {normal_map.frame}, {describe_decoding(normal_map.decoding, share)}")
+    run.say(*(f"{normal_map.name}: {note}" for note in normal_map.decoding.notes))
+    run.say(*(f"  {note}" for note in order_notes(normal_map.decoding, makes_heights=makes_heights)))
+    for warning in (*normal_map.decoding.warnings, *nm.diagnose(normal_map)):
+        run.warn(f"{normal_map.name}: {warning}")
 
 
 def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
@@ -62,7 +55,8 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
     yield f"  green        {d.green} ({d.green_from}; {sure})"
     order = f"x,y,z = {d.swizzle} ({d.swizzle_from})"
     yield f"  channels     {order}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
-    yield f"  order        {_order(d)}"
+    if seen.foreground_share:
+        yield f"  order        {_order(d)}"
     if d.components != "xyz":
         yield f"  components   {COMPONENTS[d.components]} ({d.components_from})"
     yield f"  background   {d.background} ({d.background_from}); motif {seen.foreground_share:.1%} of the picture"

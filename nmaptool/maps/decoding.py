@@ -158,7 +158,7 @@ def _normal_map(
     normals[covered.coverage <= 0] = FLAT
     foreground = (covered.coverage >= 0.5) & ~covered.background
     seen = find_evidence(normals, foreground, covered.coverage >= 0.5, channels.coding.step)
-    towards = find_directions(image, given, layout.options, seen)
+    towards = find_directions(image, given, layout.options, seen, background)
     signs = (-1 if towards.red_left else 1, -1 if towards.green == "down" else 1, 1)
     if -1 in signs:
         apply_signs(normals, signs, out=normals)
@@ -208,5 +208,5 @@ def _away_share(normals: Float32, foreground: Mask, components: str) -> float:
     """Share of the foreground with nz <= 0; never where z was computed from x and y."""
     if components == "xy":
         return 0.0
-    away = np.count_nonzero((normals[..., 2] <= 0) & foreground)
+    away = int(np.count_nonzero((normals[..., 2] <= 0) & foreground))
     return away / max(1, int(np.count_nonzero(foreground)))
