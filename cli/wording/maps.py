@@ -51,8 +51,7 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
         yield f"  file         {'; '.join(d.notes)}"
     if d.preset is not None:
         yield f"  preset       {d.preset} ({d.preset_from}): {NORMAL_PRESETS[d.preset].description}"
-    sure = "too little curl to tell" if d.curl_ratio is None else f"the other direction has {_ratio(d)} times the curl"
-    yield f"  green        {d.green} ({d.green_from}; {sure})"
+    yield f"  green        {d.green} ({d.green_from}; {_green_evidence(d)})"
     order = f"x,y,z = {d.swizzle} ({d.swizzle_from})"
     yield f"  channels     {order}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
     if seen.foreground_share:
@@ -95,9 +94,16 @@ def _order(decoding: Decoding) -> str:
     return f"{len(fits)} orders fit (too little curl to tell; {outline})"
 
 
-def _ratio(decoding: Decoding) -> str:
-    ratio = decoding.curl_ratio or 1.0
-    return f"{ratio if decoding.green == 'up' else 1 / ratio:.1f}"
+def _green_evidence(decoding: Decoding) -> str:
+    """What tells the direction of green."""
+    from nmaptool.maps.conventions import better_swizzle
+
+    if decoding.curl_ratio is None:
+        return "too little curl to tell"
+    if better_swizzle(decoding) is not None:
+        return "another order fits"
+    ratio = decoding.curl_ratio if decoding.green == "up" else 1 / decoding.curl_ratio
+    return f"the other direction has {ratio:.1f} times the curl"
 
 
 def describe_presets() -> Iterator[str]:
@@ -105,7 +111,7 @@ def describe_presets() -> Iterator[str]:
     yield "Normal maps (--from NAME, in every command that reads one):"
     width = max(map(len, (*NORMAL_PRESETS, *DEPTH_PRESETS))) + 1
     for name, preset in NORMAL_PRESETS.items():
-        green = "" if preset.green == "up" else f", green {preset.green}"
+        green = {"up": "", "auto": ", green detected"}.get(preset.green, f", green {preset.green}")
         zero = "" if preset.zero_code == "auto" else f", zero at {preset.zero_code}"
         yield f"  {name:{width}}{preset.description} [{preset.swizzle}{green}{zero}]"
     yield "Depth and height pictures (nmap compose depth --from NAME):"

@@ -30,8 +30,8 @@ class OrderDoubt(NamedTuple):
         Code of the finding.
     message, remedy : str
     told : str
-        Who tells of it besides an inspection: every command as a "warning", or as a "note" if the map is read as is most
-        likely; otherwise "inspection".
+        How commands tell of it: as a "warning", as a "note" because the map is read in the likelier way, or not at all
+        because it is certain ("inspection").
     """
 
     code: str
@@ -90,7 +90,7 @@ def _mirrored(decoding: Decoding) -> OrderDoubt | None:
         return OrderDoubt(
             "red-left",
             "red points left, or green points down and the motif is sunken: both have the same curl",
-            "it is read with red left, as estimators write it, so that it is raised; if it is sunken, use `green='down'`",
+            "it is read with red left, as estimators write it, so it is raised; if it is sunken, use `green='down'`",
             "note",
         )
     if decoding.green != "down":

@@ -204,8 +204,8 @@ def _telling(curl2: dict[_Axes, float]) -> float:
 def _curls(planes: Float32, mask: Mask, scale_px: float, rounding: float) -> dict[_Axes, float]:
     """Mean squared curl for every choice of axes, in units of the mean squared change per px; empty if nothing tells.
 
-    ``rounding`` is the root mean square curl that rounding makes: less counts as that much, and nothing tells if the curl
-    with y up and with y down is not several times that.
+    ``rounding`` is the root mean square curl that rounding makes. Less than that counts as that much; nothing tells if
+    neither y up nor y down gives several times as much.
 
     With y up, n . curl(n) = (nx dnz/dy - nz dnx/dy) + (nz dny/dx - ny dnz/dx): one wedge product along each direction,
     so all choices follow from the products of the six wedges. ``planes`` is (3, H, W) float32.

@@ -234,7 +234,7 @@ def _keep_grey(image: RasterImage, order: tuple[int, ...], three: NDArray[Any], 
     if not {"R", "G", "B"} <= set(image.channels):
         return
     blue = image.pixels[..., image.channels.index("RGB"[order[2]])]
-    if not np.ptp(blue):
+    if blue.min() == blue.max():
         return
     middle = 0.0 if signed else image.max_code / 2
     slack = _GREY_STEPS * image.max_code / 255
