@@ -223,7 +223,7 @@ def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Backgro
     if counts.max() < _ODD_EDGE_SHARE * len(edge):
         return None
     mask = _big_patches(_near(xyz, codes, _TOLERANCE * span.step))
-    if not _ODD_SHARE <= mask.mean() < _ALL_OVER:
+    if mask.mean() < _ODD_SHARE:
         return None
     name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - span.low) / span.step) for c in range(3)))
     if abs(np.linalg.norm(vector) - 1) >= _ODD_LENGTH:
