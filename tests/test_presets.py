@@ -148,3 +148,86 @@ def test_a_preset_is_a_flag_and_a_key(run, tmp_path, png):
     assert recipe.layers[0].read == {"from_": "dsine"}
     with pytest.raises(nm.UsageError, match=r"`from_='dsin'`: use one of auto, opengl, directx"):
         nm.ReadOptions(from_="dsin")
+
+
+def test_green_of_a_texture_with_x_in_alpha_is_detected(run, tmp_path, png):
+    """Unity writes green up, Unreal and Source write it down."""
+    true = MOTIFS["bust"]
+    picture = dxt5nm(true.normals * np.float32((1, -1, 1)))
+    for given in ({}, {"from_": "dxt5nm"}):
+        read = nm.decode_normal_map(picture, nm.ReadOptions(**given))
+        assert (read.decoding.green, read.decoding.green_from) == ("down", "found")
+        assert correlation(read.normals, true.normals, true.motif) > LEAST
+    assert (
+        "dxt5nm                Unity, Unreal and Source textures with x in alpha, y in green [a,g,b, green detected]"
+        in (run("inspect", "--presets").out)
+    )
+
+
+def test_a_swizzle_with_alpha_needs_no_components_if_red_holds_nothing():
+    true = MOTIFS["bust"]
+    read = nm.decode_normal_map(dxt5nm(true.normals * np.float32((-1, 1, 1))), nm.ReadOptions(swizzle="-a,g,b"))
+    assert (read.decoding.components, read.decoding.swizzle_from) == ("xy", "given")
+    assert correlation(read.normals, true.normals, true.motif) > LEAST
+
+
+def test_a_grey_picture_with_data_in_alpha_may_have_x_there():
+    true = MOTIFS["bust"]
+    codes = dxt5nm(true.normals)
+    grey = codes[..., [1, 1, 1, 3]]
+    (told, *_) = (
+        text for text in nm.decode_normal_map(grey, nm.ReadOptions(force=True)).decoding.warnings if "grey" in text
+    )
+    assert told.endswith("turn it into normals: nmap compose depth; or, if x is in alpha, use `from_='dxt5nm'`")
+    read = nm.decode_normal_map(grey, nm.ReadOptions(from_="dxt5nm"))
+    assert correlation(read.normals, true.normals, true.motif) > LEAST
+
+
+def test_a_picture_of_another_kind_is_refused_as_such():
+    """Most of a dark picture faces away if it is read as a map; the error names no other order."""
+    rng = np.random.default_rng(2)
+    grey = np.repeat(rng.integers(0, 100, (64, 64, 1), np.uint8), 3, axis=2)
+    color = rng.integers(0, 100, (64, 64, 3), np.uint8)
+    for picture, message in (
+        (grey, "is a grey picture: heights or depths"),
+        (color, "does not look like a normal map"),
+    ):
+        with pytest.raises(nm.InputError, match=rf"picture: {message}.*, or go on with `force`") as told:
+            nm.decode_normal_map(picture, nm.ReadOptions(background_color="none"))
+        assert "swizzle" not in str(told.value)
+
+
+@pytest.mark.parametrize("blue", [0, 64])
+def test_a_constant_blue_that_faces_away_is_not_z(blue):
+    """x and y of a shallow surface are so small that they have unit length whatever its sign."""
+    true = MOTIFS["bust"]
+    shallow = true.normals * np.float32((0.05, 0.05, 1))
+    codes = np.floor((shallow + 1) / 2 * 255 + 0.5).astype(np.uint8)
+    codes[..., 2] = blue
+    read = nm.decode_normal_map(codes)
+    assert (read.decoding.components, read.decoding.components_from) == ("xy", "found")
+    assert np.abs(read.normals[..., :2] - shallow[..., :2]).max() < 0.01
+
+
+def test_a_preset_is_named_in_errors_and_its_z_does_not_matter_for_two_components():
+    true = MOTIFS["bust"]
+    codes = np.floor((true.normals * np.float32((1, -1, 1)) + 1) / 2 * 255 + 0.5).astype(np.uint8)
+    with pytest.raises(
+        nm.UsageError, match=r"picture: `from_='dxt5nm'` uses alpha, but its channels are R, G, B; take x"
+    ):
+        nm.decode_normal_map(codes, nm.ReadOptions(from_="dxt5nm"))
+    read = nm.decode_normal_map(codes, nm.ReadOptions(from_="opencv", components="xy"))
+    assert (read.decoding.swizzle, read.decoding.green) == ("r,g,b", "down")
+    assert correlation(read.normals, true.normals, true.motif) > LEAST
+    with pytest.raises(nm.UsageError, match=r"`swizzle='r,g,-b'`: z is computed from x and y and is never negative"):
+        nm.decode_normal_map(codes, nm.ReadOptions(swizzle="r,g,-b", components="xy"))
+
+
+def test_a_curve_has_no_signed_values():
+    with pytest.raises(
+        nm.UsageError, match=r"`curve='srgb'`: applies to values from 0 to 1; leave out `encoding='signed'`"
+    ):
+        nm.ReadOptions(curve="srgb", encoding="signed")
+    floats = np.full((8, 8, 3), 1e30, np.float32)
+    with pytest.raises(nm.InputError, match=r"found 192 pixels? with NaN or infinite values|found 64 pixels with NaN"):
+        nm.decode_normal_map(floats, nm.ReadOptions(curve="srgb"))

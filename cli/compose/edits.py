@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from nmaptool_cli.inputs import map_header
 from nmaptool_cli.run import Run
-from nmaptool_cli.wording.maps import say_doubts, say_map
+from nmaptool_cli.wording.maps import say_map
 
 if TYPE_CHECKING:
     import nmaptool as nm
@@ -44,10 +44,8 @@ def finish_edit(
     from nmaptool.io.output.composition import composed_map
     from nmaptool_cli.wording.edits import describe_composition
 
-    for number, normal_map in enumerate(maps):
+    for normal_map in maps:
         say_map(run, normal_map)
-        if not number:
-            say_doubts(run, normal_map)
     run.say(*more)
     run.say(*describe_composition(composition))
     run.warn(*composition.report.warnings)

@@ -7,7 +7,7 @@ from nmaptool_cli.command import command
 from nmaptool_cli.inputs import map_header, read_map
 from nmaptool_cli.outputs import LayerOutputs, by_folder
 from nmaptool_cli.run import Run
-from nmaptool_cli.wording.maps import say_doubts, say_map
+from nmaptool_cli.wording.maps import say_map
 
 
 @command(LayerOutputs, SplitOptions, ReadOptions)
@@ -30,7 +30,6 @@ def split(run: Run, map: str, /) -> None:
         original = read_map(run, files["map"])
         layers = nm.split(original, run[SplitOptions], progress=progress)
     say_map(run, original)
-    say_doubts(run, original)
     run.say(*describe_split(layers.report))
     run.seconds(layers.report.seconds)
     metadata = map_header(run, original, layers=[layers.report.to_dict()])

@@ -16,24 +16,17 @@ if TYPE_CHECKING:
 COMPONENTS = {"xyz": "x, y and z", "xy": "x and y, z computed from them", "octahedral": "octahedral codes"}
 
 
-def say_map(run: Run, normal_map: NormalMap) -> None:
-    """How an input was read, in one line, with warnings."""
-    share = float(normal_map.foreground.mean())
-    run.say(f"{normal_map.name}: {normal_map.frame}, {describe_decoding(normal_map.decoding, share)}")
-    run.say(*(f"{normal_map.name}: {note}" for note in normal_map.decoding.notes))
-    for warning in normal_map.decoding.warnings:
-        run.warn(f"{normal_map.name}: {warning}")
-
-
-def say_doubts(run: Run, normal_map: NormalMap) -> None:
-    """What is doubted, or was assumed, about the order of a map's channels."""
+def say_map(run: Run, normal_map: NormalMap, *, makes_heights: bool = False) -> None:
+    """How an input was read, in one line, with warnings and what was assumed about the order of its channels."""
     import nmaptool as nm
     from nmaptool.maps.order_doubts import order_notes
 
-    doubts = nm.diagnose(normal_map)
-    run.warn(*(f"{normal_map.name}: {doubt}" for doubt in doubts))
-    if not doubts:
-        run.say(*(f"  {note}" for note in order_notes(normal_map.decoding)))
+    share = float(normal_map.foreground.mean())
+    run.say(f"{normal_map.name}: {normal_map.frame}, {describe_decoding(normal_map.decoding, share)}")
+    run.say(*(f"{normal_map.name}: {note}" for note in normal_map.decoding.notes))
+    run.say(*(f"  {note}" for note in order_notes(normal_map.decoding, makes_heights=makes_heights)))
+    for warning in (*normal_map.decoding.warnings, *nm.diagnose(normal_map)):
+        run.warn(f"{normal_map.name}: {warning}")
 
 
 def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
@@ -58,11 +51,11 @@ def describe_inspection(seen: Inspection) -> Iterator[str]:
         yield f"  file         {'; '.join(d.notes)}"
     if d.preset is not None:
         yield f"  preset       {d.preset} ({d.preset_from}): {NORMAL_PRESETS[d.preset].description}"
-    sure = "too little curl to tell" if d.curl_ratio is None else f"the other direction has {_ratio(d)} times the curl"
-    yield f"  green        {d.green} ({d.green_from}; {sure})"
+    yield f"  green        {d.green} ({d.green_from}; {_green_evidence(d)})"
     order = f"x,y,z = {d.swizzle} ({d.swizzle_from})"
     yield f"  channels     {order}; {d.encoding}; zero at {d.zero_code} ({d.zero_code_from})"
-    yield f"  order        {_order(d)}"
+    if seen.foreground_share:
+        yield f"  order        {_order(d)}"
     if d.components != "xyz":
         yield f"  components   {COMPONENTS[d.components]} ({d.components_from})"
     yield f"  background   {d.background} ({d.background_from}); motif {seen.foreground_share:.1%} of the picture"
@@ -101,9 +94,16 @@ def _order(decoding: Decoding) -> str:
     return f"{len(fits)} orders fit (too little curl to tell; {outline})"
 
 
-def _ratio(decoding: Decoding) -> str:
-    ratio = decoding.curl_ratio or 1.0
-    return f"{ratio if decoding.green == 'up' else 1 / ratio:.1f}"
+def _green_evidence(decoding: Decoding) -> str:
+    """What tells the direction of green."""
+    from nmaptool.maps.conventions import better_swizzle
+
+    if decoding.curl_ratio is None:
+        return "too little curl to tell"
+    if better_swizzle(decoding) is not None:
+        return "another order fits"
+    ratio = decoding.curl_ratio if decoding.green == "up" else 1 / decoding.curl_ratio
+    return f"the other direction has {ratio:.1f} times the curl"
 
 
 def describe_presets() -> Iterator[str]:
@@ -111,7 +111,7 @@ def describe_presets() -> Iterator[str]:
     yield "Normal maps (--from NAME, in every command that reads one):"
     width = max(map(len, (*NORMAL_PRESETS, *DEPTH_PRESETS))) + 1
     for name, preset in NORMAL_PRESETS.items():
-        green = "" if preset.green == "up" else f", green {preset.green}"
+        green = {"up": "", "auto": ", green detected"}.get(preset.green, f", green {preset.green}")
         zero = "" if preset.zero_code == "auto" else f", zero at {preset.zero_code}"
         yield f"  {name:{width}}{preset.description} [{preset.swizzle}{green}{zero}]"
     yield "Depth and height pictures (nmap compose depth --from NAME):"

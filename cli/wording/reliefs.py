@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from nmaptool.core.units import memory_text
 from nmaptool.types.relief import MOSTLY_FLAT
 from nmaptool.types.shown import counted
-from nmaptool_cli.wording.maps import say_doubts, say_map
+from nmaptool_cli.wording.maps import say_map
 
 if TYPE_CHECKING:
     from nmaptool import NormalMap, Relief, ReliefReport
@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 def describe_relief(run: Run, maps: Sequence[NormalMap], relief: Relief) -> None:
     """What was read and solved, with warnings."""
     for normal_map in maps:
-        say_map(run, normal_map)
-    say_doubts(run, maps[0])
+        say_map(run, normal_map, makes_heights=True)
     report = relief.report
     run.say(*describe_solve(report))
     run.warn(*report.warnings)

@@ -103,7 +103,7 @@ def _read(image: RasterImage, reading: ReadOptions) -> Decoded:
     Writers that round store flat as 128 although their zero code is the middle, 127.5.
     """
     decoded = decode_image(image, reading)
-    check_facing(decoded.normal_map, reading)
+    check_facing(decoded.normal_map, decoded.findings, reading)
     if decoded.normal_map.decoding.zero_code_from != "found" or not _middle_fits_better(decoded):
         return decoded
     decoded = decode_image(image, replace(reading, zero_code="127.5"))

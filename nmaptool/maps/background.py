@@ -229,6 +229,8 @@ def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Backgro
     if abs(np.linalg.norm(vector) - 1) >= _ODD_LENGTH:
         # where most vectors are not of unit length, an odd length proves nothing
         return None if _mostly_off_length(xyz[~mask], span) else Background(name, mask, codes)
+    if max(abs(code - span.middle) for code in codes[:2]) <= _FLAT_NOISE * span.step:
+        return None  # flat areas are an ordinary part of textures
     warning = f"{mask.mean():.0%} of the picture is {name}; if that is the background, use `background_color={name!r}`"
     return Background("none", np.zeros(mask.shape, bool), warning=warning)
 

@@ -12,6 +12,8 @@ _BLOCK = 8
 _LARGEST_STEP = 4
 # steps between blocks are this many times those inside them, and stand out this much from those at any other place
 _STANDS_OUT, _FROM_NEXT = 1.2, 1.15
+# blocks step at most of their edges; edges of a motif that lie at eighth pixels are few
+_LEAST_SHARE = 0.67
 _LEAST_BLOCKS = 6
 _WINDOW_PX = 1024
 
@@ -29,4 +31,9 @@ def _stands_out(steps: NDArray[np.int16], axis: int) -> bool:
     size = np.minimum(steps, _LARGEST_STEP).mean(axis=(1 - axis, 2))
     mean = np.array([size[place::_BLOCK].mean() for place in range(_BLOCK)])
     between, rest = mean[-1], mean[:-1]
-    return bool(between > _STANDS_OUT * np.median(rest) and between > _FROM_NEXT * rest.max())
+    if not (between > _STANDS_OUT * np.median(rest) and between > _FROM_NEXT * rest.max()):
+        return False
+    lines = size[: len(size) // _BLOCK * _BLOCK].reshape(-1, _BLOCK)
+    edge, inside = lines[:, -1], np.median(lines[:, :-1], axis=1)
+    steps_there = (edge > inside)[(edge > 0) | (inside > 0)]
+    return len(steps_there) >= _LEAST_BLOCKS and bool(steps_there.mean() > _LEAST_SHARE)

@@ -14,6 +14,7 @@ from nmaptool.maps.layouts import arranged, straightened
 from nmaptool.maps.two_channel import as_three_channels, find_components, is_unsigned_pair, pair_of_channels
 from nmaptool.maps.zero_code import ZERO_CODES, detect_zero_code
 from nmaptool.options import ReadOptions
+from nmaptool.options.presets import NORMAL_PRESETS
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.shown import counted
 
@@ -73,15 +74,17 @@ def find_channels(image: RasterImage, options: ReadOptions) -> Channels:
         As `nmaptool.decode_normal_map`.
     """
     asked = codec.parse_swizzle("r,g,b" if options.swizzle is None else options.swizzle)
-    image, swizzle = arranged(straightened(image, options.curve), asked, options.components)
+    from_preset = options.from_ != "auto" and options.swizzle == NORMAL_PRESETS[options.from_].swizzle
+    asked_by = f"`from_={options.from_!r}`" if from_preset else f"`swizzle={options.swizzle!r}`"
+    image, swizzle = arranged(straightened(image, options.curve), asked, options.components, asked_by)
     order = _order(swizzle)
     if options.encoding != "signed" and options.curve == "none":
         image = codec.narrowed(image)
     components, components_from = find_components(image, options.components, order)
     if components == "xy" and swizzle[2][1] < 0:
-        raise UsageError(
-            f"`swizzle={options.swizzle!r}`: z is computed from x and y and is never negative; remove its minus sign"
-        )
+        if not from_preset:
+            raise UsageError(f"{asked_by}: z is computed from x and y and is never negative; remove its minus sign")
+        swizzle, asked = ((*one[:2], (one[2][0], 1)) for one in (swizzle, asked))
     encoding: str = options.encoding if options.curve == "none" else "unsigned"
     if components != "xyz":
         if image.is_float and encoding == "auto":

@@ -35,7 +35,9 @@ class Directions(NamedTuple):
     red_left: bool = False
 
 
-def find_directions(image: RasterImage, given: ReadOptions, options: ReadOptions, seen: OrderEvidence) -> Directions:
+def find_directions(
+    image: RasterImage, given: ReadOptions, options: ReadOptions, seen: OrderEvidence, background: str
+) -> Directions:
     """Decide where red and green point.
 
     Parameters
@@ -45,6 +47,8 @@ def find_directions(image: RasterImage, given: ReadOptions, options: ReadOptions
         As given, and with the values of a preset.
     seen : OrderEvidence
         Of the map read with the swizzle and green up.
+    background : str
+        Its kind.
     """
     stated = image.attributes.get("green")
     if given.green != "auto":
@@ -60,8 +64,9 @@ def find_directions(image: RasterImage, given: ReadOptions, options: ReadOptions
         return Directions("up", "assumed")
     ratio = seen.curl_ratio(GREEN_DOWN, AS_READ)
     if ratio is not None and ratio < 1 / SURE_CURL_RATIO:
-        # the curl of red left is that of green down; only an outline tells them apart
-        red_left = fits == (_RED_LEFT,)
+        # the curl of red left is that of green down; only an outline tells them apart: a motif that was cut out is
+        # raised, but what stands on flat ground may be sunken, such as letters, panels and dents of DirectX textures
+        red_left = fits == (_RED_LEFT,) and background != "flat"
         return Directions("up" if red_left else "down", "found", red_left)
     if ratio is not None and ratio > SURE_CURL_RATIO:
         return Directions("up", "found")

@@ -118,9 +118,9 @@ def decode_normal_map(image: RasterLike, options: ReadOptions | None = None) -> 
     [0.0, 0.0, 1.0]
     """
     options = options or ReadOptions()
-    normal_map = _decode(as_raster(image), options).normal_map
-    check_facing(normal_map, options)
-    return normal_map
+    decoded = _decode(as_raster(image), options)
+    check_facing(decoded.normal_map, decoded.findings, options)
+    return decoded.normal_map
 
 
 def _decode(image: RasterImage, given: ReadOptions) -> Decoded:
@@ -158,7 +158,7 @@ def _normal_map(
     normals[covered.coverage <= 0] = FLAT
     foreground = (covered.coverage >= 0.5) & ~covered.background
     seen = find_evidence(normals, foreground, covered.coverage >= 0.5, channels.coding.step)
-    towards = find_directions(image, given, layout.options, seen)
+    towards = find_directions(image, given, layout.options, seen, background)
     signs = (-1 if towards.red_left else 1, -1 if towards.green == "down" else 1, 1)
     if -1 in signs:
         apply_signs(normals, signs, out=normals)
@@ -166,7 +166,7 @@ def _normal_map(
     decoding = Decoding(
         green=towards.green,
         green_from=towards.green_from,
-        curl_ratio=seen.curl_ratio(GREEN_DOWN, AS_READ),
+        curl_ratio=seen.curl_ratio(((0, signs[0]), *GREEN_DOWN[1:]), ((0, signs[0]), *AS_READ[1:])),
         swizzle=format_swizzle(with_signs(channels.asked, signs[0])),
         swizzle_from=_swizzle_from(given, layout, red_left=towards.red_left),
         preset=layout.preset,
@@ -208,5 +208,5 @@ def _away_share(normals: Float32, foreground: Mask, components: str) -> float:
     """Share of the foreground with nz <= 0; never where z was computed from x and y."""
     if components == "xy":
         return 0.0
-    away = np.count_nonzero((normals[..., 2] <= 0) & foreground)
+    away = int(np.count_nonzero((normals[..., 2] <= 0) & foreground))
     return away / max(1, int(np.count_nonzero(foreground)))

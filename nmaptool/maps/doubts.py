@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -60,13 +60,13 @@ def find_doubts(
     options: ReadOptions,
 ) -> tuple[Finding, ...]:
     """What a user must know about a map before using it."""
-    return (
+    found = (
         *_orientation_doubts(image),
         *_alpha_doubts(image, channels),
         *_background_doubts(channels, background, options.background_color),
         *_length_doubts(channels, covered, options, decoding.curl_ratio),
-        *facing_doubts(decoding.away_share, decoding),
     )
+    return (*found, *facing_doubts(decoding.away_share, decoding, found))
 
 
 def as_warning(found: Finding) -> str:
@@ -122,6 +122,11 @@ def _length_doubts(
     share = float((np.abs(lengths - 1) > LENGTH_OFF).mean()) if len(lengths) else 0.0
     if share < _LEAST_OFF:
         return
+    if _is_grey(channels):
+        remedy = "turn it into normals: nmap compose depth"
+        remedy += "; or, if x is in alpha, use `from_='dxt5nm'`" if alpha_is_data(channels.image) else ""
+        yield Finding("not-normals", "is a grey picture: heights or depths, not normals", remedy)
+        return
     if channels.components == "xyz" and options.curve == "none":
         curve = find_curve(channels.image, covered.background)
         if curve is not None:
@@ -132,13 +137,6 @@ def _length_doubts(
             )
             return
     if share < NOT_NORMALS_SHARE:
-        return
-    if _is_grey(channels):
-        yield Finding(
-            "not-normals",
-            "is a grey picture: heights or depths, not normals",
-            "turn it into normals: nmap compose depth",
-        )
         return
     low, middle, high = np.percentile(lengths, (25, 50, 75))
     is_surface = curl_ratio is not None and not 1 / SURE_CURL_RATIO <= curl_ratio <= SURE_CURL_RATIO
@@ -169,9 +167,11 @@ def _lengths(vectors: Float32, outside: Mask) -> NDArray[Any]:
     return np.asarray(np.linalg.norm(sample, axis=1))
 
 
-def facing_doubts(share: float, decoding: Decoding, most: float = MOST_AWAY) -> Iterator[Finding]:
-    """A motif of which more than ``most`` faces away."""
-    if share > most:
+def facing_doubts(
+    share: float, decoding: Decoding, others: Iterable[Finding], most: float = MOST_AWAY
+) -> Iterator[Finding]:
+    """A motif of which more than ``most`` faces away, unless other doubts say that the picture holds no normals."""
+    if share > most and _not_normals(others) is None:
         yield Finding("facing-away", _away(share), _facing_remedy(decoding))
 
 
@@ -188,8 +188,15 @@ def _facing_remedy(decoding: Decoding) -> str:
     return "their slopes are reduced to the slope cap; render the map again from the camera that sees the model"
 
 
-def check_facing(normal_map: NormalMap, options: ReadOptions) -> None:
+def check_facing(normal_map: NormalMap, findings: Iterable[Finding], options: ReadOptions) -> None:
     """Refuse a map of which more than half faces away, unless forced.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+    findings : iterable of Finding
+        The doubts about it. If it is another kind of picture, the error says that.
+    options : ReadOptions
 
     Raises
     ------
@@ -198,8 +205,13 @@ def check_facing(normal_map: NormalMap, options: ReadOptions) -> None:
     decoding = normal_map.decoding
     if options.force or decoding.away_share <= _REFUSED_AWAY:
         return
-    away = _away(decoding.away_share)
-    raise InputError(f"{normal_map.name}: {away}; {_facing_remedy(decoding)}, or go on with `force`")
+    other = _not_normals(findings)
+    told = f"{_away(decoding.away_share)}; {_facing_remedy(decoding)}" if other is None else as_warning(other)
+    raise InputError(f"{normal_map.name}: {told}, or go on with `force`")
+
+
+def _not_normals(findings: Iterable[Finding]) -> Finding | None:
+    return next((found for found in findings if found.code == "not-normals"), None)
 
 
 def _away(share: float) -> str:

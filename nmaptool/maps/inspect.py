@@ -96,7 +96,7 @@ def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: 
         color_chunks=image.color_chunks,
     )
     doubts = [found for found in decoded.findings if found.code != "facing-away"]
-    doubts += facing_doubts(facts.away_share, normal_map.decoding, _LEAST_AWAY)
+    doubts += facing_doubts(facts.away_share, normal_map.decoding, doubts, _LEAST_AWAY)
     return dataclasses.replace(facts, findings=(*doubts, *_findings(facts)))
 
 

@@ -51,7 +51,8 @@ def settle_layout(image: RasterImage, options: ReadOptions) -> Layout:
     """Apply the preset that was given, or that of an unmistakable layout."""
     if options.from_ != "auto":
         return Layout(options.as_written_by(options.from_), options.from_, "given")
-    if options.swizzle is None and options.components == "auto" and _is_dxt5nm(image):
+    uses_alpha = options.swizzle is None or "a" in options.swizzle.lower()
+    if uses_alpha and options.components == "auto" and _is_dxt5nm(image):
         return Layout(options.as_written_by("dxt5nm"), "dxt5nm", "found")
     return Layout(options, None, "assumed")
 
@@ -69,10 +70,12 @@ def _is_dxt5nm(image: RasterImage) -> bool:
     return bool((np.linalg.norm(codec.decode_shares(codes[:, [3, 1]]), axis=1) > _LONGEST).mean() <= _MOST_TOO_LONG)
 
 
-def arranged(image: RasterImage, swizzle: codec.Swizzle, components: str = "auto") -> tuple[RasterImage, codec.Swizzle]:
+def arranged(
+    image: RasterImage, swizzle: codec.Swizzle, components: str, asked_by: str = "the order of its channels"
+) -> tuple[RasterImage, codec.Swizzle]:
     """Move alpha to the colour channel that the swizzle leaves out, if it uses alpha; the result has no alpha.
 
-    With components "xy", the channel of z becomes 0: it holds nothing.
+    With components "xy", the channel of z becomes 0: it holds nothing. ``asked_by`` names the option for errors.
 
     Raises
     ------
@@ -84,8 +87,8 @@ def arranged(image: RasterImage, swizzle: codec.Swizzle, components: str = "auto
         return image, swizzle
     if image.channels != ("R", "G", "B", "A"):
         raise UsageError(
-            f"{image.name}: `swizzle={codec.format_swizzle(swizzle)!r}` uses alpha, but its channels are "
-            f"{', '.join(image.channels)}; take x, y and z from these"
+            f"{image.name}: {asked_by} uses alpha, but its channels are {', '.join(image.channels)}; "
+            "take x, y and z from these"
         )
     (free,) = {0, 1, 2} - set(used)
     places = [0, 1, 2]
@@ -110,7 +113,8 @@ def straightened(image: RasterImage, curve: str) -> RasterImage:
         return image
     shares = image.pixels.astype(np.float32) / np.float32(image.max_code)
     colors = [i for i, name in enumerate(image.channels) if name != "A"]
-    straight = _undone(shares[..., colors], curve)
+    with np.errstate(over="ignore"):  # infinity is refused later, if it matters
+        straight = _undone(shares[..., colors], curve)
     if not image.is_float:  # the code that 0 was rounded to is 0, so flat areas stay flat
         middle = np.floor(_applied(0.5, curve) * image.max_code + 0.5)
         straight[image.pixels[..., colors] == middle] = 0.5

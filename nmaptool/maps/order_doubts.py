@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from nmaptool.maps.codec import parse_swizzle
 from nmaptool.maps.conventions import (
@@ -16,7 +16,7 @@ from nmaptool.maps.conventions import (
     upright_swizzle,
     with_evidence,
 )
-from nmaptool.maps.orders import MOST_AWAY
+from nmaptool.maps.orders import MOST_AWAY, SURE_CURL_RATIO
 from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.normal_map import Decoding
 
@@ -29,14 +29,15 @@ class OrderDoubt(NamedTuple):
     code : str
         Code of the finding.
     message, remedy : str
-    is_settled : bool
-        Whether the map is read accordingly, so that only an inspection mentions it.
+    told : str
+        How commands tell of it: as a "warning", as a "note" because the map is read in the likelier way, or not at all
+        because it is certain ("inspection").
     """
 
     code: str
     message: str
     remedy: str
-    is_settled: bool = False
+    told: Literal["warning", "note", "inspection"] = "warning"
 
 
 def order_doubt(decoding: Decoding) -> OrderDoubt | None:
@@ -69,10 +70,16 @@ def _turned(decoding: Decoding, better: str) -> OrderDoubt | None:
             return None
         what = "its axes look like those of another camera or program: another order faces the viewer"
     elif own[0][0] == other[0][0]:
-        what = "its channels look mirrored: another sign has far less curl"
+        what = f"its channels look mirrored: another sign {_reason(decoding)}"
     else:
         what = "its channels look rotated or mirrored: another order has far less curl"
     return OrderDoubt("turned", what, better_remedy(decoding, better))
+
+
+def _reason(decoding: Decoding) -> str:
+    """Why another sign of y fits better."""
+    ratio = decoding.curl_ratio or 1.0
+    return "has far less curl" if max(ratio, 1 / ratio) > SURE_CURL_RATIO else "fits the outline"
 
 
 def _mirrored(decoding: Decoding) -> OrderDoubt | None:
@@ -82,9 +89,9 @@ def _mirrored(decoding: Decoding) -> OrderDoubt | None:
     if decoding.swizzle_from == "found":
         return OrderDoubt(
             "red-left",
-            "red points left, as estimators write it: the curl and the outline agree",
-            "it is read with red left; if it is an engraving with green down, use `green='down'`",
-            is_settled=True,
+            "red points left, or green points down and the motif is sunken: both have the same curl",
+            "it is read with red left, as estimators write it, so it is raised; if it is sunken, use `green='down'`",
+            "note",
         )
     if decoding.green != "down":
         return None
@@ -95,23 +102,34 @@ def _mirrored(decoding: Decoding) -> OrderDoubt | None:
             "green points down or red points left: both have the same curl, and no outline tells them apart",
             f"it is read with green down; if it comes out inside out, use `swizzle={inside_out!r}`; `green='down'` "
             "confirms",
+            "note",
         )
     ratio = 1 / decoding.curl_ratio if decoding.curl_ratio else float("inf")
     return OrderDoubt(
         "green-down",
         f"green points down (DirectX): green up would have {ratio:.1f} times the curl",
         "it is read with green down; to be certain, set `green='up'` or `green='down'`",
-        is_settled=True,
+        "inspection",
     )
 
 
-def order_notes(decoding: Decoding) -> tuple[str, ...]:
-    """What was assumed about the order of a map's channels because nothing tells."""
+def order_notes(decoding: Decoding, *, makes_heights: bool = True) -> tuple[str, ...]:
+    """What was assumed about the order of a map's channels because nothing tells.
+
+    Parameters
+    ----------
+    decoding : Decoding
+    makes_heights : bool
+        Whether the map becomes heights. If not, it need not be known whether a map in the usual order is raised.
+    """
+    doubt = order_doubt(decoding)
+    if doubt is not None:
+        return (f"{doubt.message}; {doubt.remedy}",) if doubt.told == "note" else ()
     stated = ("given", "preset", "file")
     if decoding.swizzle_from in stated or decoding.green_from in stated or not decoding.fits:
         return ()
     inside_out = inside_out_swizzle(decoding)
-    if inside_out is not None:
+    if inside_out is not None and makes_heights:
         return (f"raised is assumed: no outline tells; if it comes out inside out, use `swizzle={inside_out!r}`",)
     if decoding.green_from == "assumed" and len(decoding.fits) > MOST_FITS:
         return ("green up is assumed: too little curl to tell; if its forms look twisted, use `green='down'`",)
@@ -150,4 +168,4 @@ def diagnose(normal_map: NormalsLike) -> tuple[str, ...]:
     if normal_map.decoding.green_from == "file":  # the file states how to read it
         return ()
     doubt = order_doubt(with_evidence(normal_map))
-    return () if doubt is None or doubt.is_settled else (f"{doubt.message}; {doubt.remedy}",)
+    return (f"{doubt.message}; {doubt.remedy}",) if doubt is not None and doubt.told == "warning" else ()

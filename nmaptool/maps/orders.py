@@ -164,11 +164,12 @@ def find_evidence(normals: Float32, foreground: Mask, defined: Mask, step: float
     """
     window = _window(foreground)
     part, motif, inside = normals[window], foreground[window], np.ascontiguousarray(defined[window])
-    seen = part[motif] if motif.any() else np.zeros((1, 3), np.float32)
+    seen = part[motif] if motif.any() else normals[foreground]
+    seen = seen if len(seen) else np.zeros((1, 3), np.float32)
     planes = np.ascontiguousarray(part.transpose(2, 0, 1))
     away = np.stack([(seen <= 0).mean(axis=0), (seen >= 0).mean(axis=0)], axis=1)
     scales = [
-        _curls(planes, inside, scale, _TIMES_ROUNDING * rounding * step)
+        _curls(planes, inside, scale, rounding * step)
         for scale, rounding in zip(_SCALES_PX, _ROUNDING_CURL, strict=True)
     ]
     curl2 = max((found for found in scales if found), key=_telling, default={})
@@ -181,7 +182,9 @@ def _window(mask: Mask) -> tuple[slice, slice]:
     if sides == list(mask.shape):
         return slice(None), slice(None)
     step = max(1, min(sides) // 8)
-    coarse = mask[::step, ::step].astype(np.float32)
+    cells = tuple(-(-n // step) for n in mask.shape[::-1])
+    # means, not samples: a motif may be smaller than a step
+    coarse = cv2.resize(mask.view(np.uint8) * np.uint8(255), cells, interpolation=cv2.INTER_AREA).astype(np.float32)
     size = (max(1, sides[1] // step), max(1, sides[0] // step))
     held = cv2.boxFilter(coarse, -1, size, borderType=cv2.BORDER_CONSTANT)
     rows, cols = np.nonzero(held >= 0.999 * held.max())
@@ -198,10 +201,11 @@ def _telling(curl2: dict[_Axes, float]) -> float:
     return max(up, down) / max(min(up, down), 1e-12 * max(up, down), 1e-30)
 
 
-def _curls(planes: Float32, mask: Mask, scale_px: float, least: float) -> dict[_Axes, float]:
+def _curls(planes: Float32, mask: Mask, scale_px: float, rounding: float) -> dict[_Axes, float]:
     """Mean squared curl for every choice of axes, in units of the mean squared change per px; empty if nothing tells.
 
-    Nothing tells if the root mean square curl is below ``least`` with y up and with y down.
+    ``rounding`` is the root mean square curl that rounding makes. Less than that counts as that much; nothing tells if
+    neither y up nor y down gives several times as much.
 
     With y up, n . curl(n) = (nx dnz/dy - nz dnx/dy) + (nz dny/dx - ny dnz/dx): one wedge product along each direction,
     so all choices follow from the products of the six wedges. ``planes`` is (3, H, W) float32.
@@ -226,16 +230,16 @@ def _curls(planes: Float32, mask: Mask, scale_px: float, least: float) -> dict[_
     rows = wedges.reshape(len(wedges), -1)
     products = (rows @ rows.T).astype(np.float64)
     place = {pair: (n, 1) for n, pair in enumerate(pairs)} | {pair[::-1]: (n, -1) for n, pair in enumerate(pairs)}
-    curl2 = {}
+    curl2, least = {}, rounding**2 * vertices / total
     for x, y, z in permutations(range(3)):
         first, first_sign = place[x, z]
         second, second_sign = place[z, y]
         own = products[first, first] + products[3 + second, 3 + second]
         mixed = 2 * first_sign * second_sign * products[first, 3 + second]
         for sign in (1, -1):
-            curl2[_Axes(x, y, z, sign)] = max(0.0, float(own + sign * mixed)) / total
-    telling = max(curl2[_Axes(0, 1, 2, 1)], curl2[_Axes(0, 1, 2, -1)]) * total / vertices
-    return curl2 if telling > least**2 else {}
+            curl2[_Axes(x, y, z, sign)] = max(least, float(own + sign * mixed) / total)
+    telling = max(curl2[_Axes(0, 1, 2, 1)], curl2[_Axes(0, 1, 2, -1)])
+    return curl2 if telling > _TIMES_ROUNDING**2 * least else {}
 
 
 def _smoothed(planes: Float32, mask: Mask, scale_px: float) -> tuple[Float32, Mask]:

@@ -128,6 +128,10 @@ def _blue_is_not_z(image: RasterImage, order: tuple[int, ...]) -> bool:
     else:
         vectors = codes * (2 / image.max_code) - 1
         tolerance = 7 / image.max_code  # rounding or truncation of three codes
+    if (
+        vectors[0, 2] <= 0
+    ):  # then the whole picture would face away, also where x and y are so small that it has unit length
+        return True
     off = np.abs(np.einsum("ij,ij->i", vectors, vectors, dtype=np.float64) - 1) > tolerance
     return bool(off.mean() > _BLUE_OFF_SHARE)
 
@@ -230,7 +234,7 @@ def _keep_grey(image: RasterImage, order: tuple[int, ...], three: NDArray[Any], 
     if not {"R", "G", "B"} <= set(image.channels):
         return
     blue = image.pixels[..., image.channels.index("RGB"[order[2]])]
-    if not np.ptp(blue):
+    if blue.min() == blue.max():
         return
     middle = 0.0 if signed else image.max_code / 2
     slack = _GREY_STEPS * image.max_code / 255

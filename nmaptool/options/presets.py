@@ -69,7 +69,9 @@ NORMAL_PRESETS: dict[str, NormalPreset] = {
     "unity": NormalPreset("Unity, as PNG or TGA: green up"),
     "unreal": NormalPreset("Unreal: green down", green="down"),
     "substance": NormalPreset("Substance Painter and Designer with their default, DirectX: green down", green="down"),
-    "dxt5nm": NormalPreset("Unity, Unreal and Source textures with x in alpha, y in green", "a,g,b", components="xy"),
+    "dxt5nm": NormalPreset(
+        "Unity, Unreal and Source textures with x in alpha, y in green", "a,g,b", green="auto", components="xy"
+    ),
     "world": NormalPreset("world-space maps with z up, seen from the front", "r,b,-g"),
     "marigold": NormalPreset("Marigold normals, PNG or .npy", zero_code="127"),
     "dsine": NormalPreset("DSINE, PNG", "-r,g,b", zero_code="127"),

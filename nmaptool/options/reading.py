@@ -86,6 +86,10 @@ class ReadOptions(Options, group="Reading"):
                 f"`background_color={self.background_color!r}`: use one of {', '.join(_BACKGROUND_WORDS)}, "
                 "or a colour such as #7f7fff"
             )
+        if self.curve != "none" and self.encoding == "signed":
+            raise UsageError(
+                f"`curve={self.curve!r}`: applies to values from 0 to 1; leave out `encoding='signed'` or the curve"
+            )
 
     def as_written_by(self, name: str) -> ReadOptions:
         """The options with the values of a preset where they are not given.
