@@ -11,7 +11,7 @@ import nmaptool as nm
 from bench.order_maps import analytic, from_heights, storages, textures
 from bench.orders import DOUBTED, NAMED, OUTCOMES, RIGHT, SAID, SILENT, outcomes
 from nmaptool.maps.order_doubts import order_notes
-from nmaptool.maps.orders import AS_READ, find_evidence
+from nmaptool.maps.orders import AS_READ, find_evidence, repeats
 
 MAPS = {true.name: true for true in (*analytic(), *textures())}
 WITH_OUTLINE = [true.name for true in analytic()]
@@ -73,18 +73,29 @@ def test_a_quarter_turn_of_picture_and_vectors_turns_the_evidence():
     assert other.curl_ratio(down, AS_READ) == pytest.approx(one.curl_ratio(down, AS_READ), rel=1e-4)
 
 
-@pytest.mark.parametrize("name", ["letters", "stones"])
-def test_a_full_frame_with_green_down_names_both_readings(name):
+@pytest.mark.parametrize(("name", "tileable"), [("letters", True), ("stones", False)])
+def test_a_full_frame_with_green_down_names_both_readings(name, tileable):
+    """As a warning, unless it is a tileable texture, which was made for an engine."""
     (stored,) = (one for one in storages(MAPS[name]) if one.swizzle == "r,-g,b")
     read = nm.decode_normal_map(stored.pixels)
-    (doubt,) = order_notes(read.decoding)
-    assert nm.diagnose(read) == ()
+    said = (order_notes(read.decoding), nm.diagnose(read))
+    (doubt,) = said[0] if tileable else said[1]
+    assert said[1 if tileable else 0] == ()
     assert "green points down or red points left: both have the same curl, and no outline tells them apart" in doubt
     assert "it is read with green down; if it comes out inside out, use `swizzle='-r,g,b'`" in doubt
     assert (read.decoding.green, read.decoding.green_from) == ("down", "found")
     for confirmed in (nm.ReadOptions(green="down"), nm.ReadOptions(swizzle="r,-g,b"), nm.ReadOptions(from_="directx")):
         read = nm.decode_normal_map(stored.pixels, confirmed)
         assert (nm.diagnose(read), order_notes(read.decoding)) == ((), ())
+
+
+@pytest.mark.parametrize(("period", "tileable"), [(160 / 5, True), (160 / 4.3, False)])
+def test_a_texture_is_tileable_if_its_edges_continue_each_other(period, tileable):
+    y, x = np.mgrid[0:160, 0:160] * (2 * np.pi / period)
+    slopes = np.dstack([-np.cos(x) * np.cos(y), -np.sin(x) * np.sin(y), np.ones_like(x)])
+    waves = (slopes / np.linalg.norm(slopes, axis=2, keepdims=True)).astype(np.float32)
+    assert repeats(waves) == tileable
+    assert repeats(np.ascontiguousarray(waves.swapaxes(0, 1))) == tileable
 
 
 def test_a_full_frame_says_that_raised_is_assumed():

@@ -15,7 +15,7 @@ from nmaptool.maps.conventions import GREEN_DOWN, find_directions, fitting_swizz
 from nmaptool.maps.coverage import Covered, cover
 from nmaptool.maps.doubts import as_warning, check_facing, find_doubts
 from nmaptool.maps.layouts import Layout, settle_layout
-from nmaptool.maps.orders import AS_READ, find_evidence
+from nmaptool.maps.orders import AS_READ, find_evidence, repeats
 from nmaptool.maps.two_channel import completed
 from nmaptool.options import ReadOptions
 from nmaptool.types.inputs import RasterLike, as_raster
@@ -176,6 +176,7 @@ def _normal_map(
         away_share=_away_share(normals, foreground, channels.components),
         curve=layout.options.curve,
         notes=image.notes,
+        repeats=repeats(normals),
         zero_code=channels.zero_code,
         zero_code_from=_preset_or(channels.zero_code_from, given.zero_code, layout),
         encoding=channels.encoding,

@@ -102,7 +102,8 @@ def _mirrored(decoding: Decoding) -> OrderDoubt | None:
             "green points down or red points left: both have the same curl, and no outline tells them apart",
             f"it is read with green down; if it comes out inside out, use `swizzle={inside_out!r}`; `green='down'` "
             "confirms",
-            "note",
+            # a tileable texture was made for an engine; other full pictures may be those of an estimator
+            "note" if decoding.repeats else "warning",
         )
     ratio = 1 / decoding.curl_ratio if decoding.curl_ratio else float("inf")
     return OrderDoubt(

@@ -24,6 +24,8 @@ from nmaptool.core.vectors import inner_vertices
 SURE_CURL_RATIO = 1.5
 # z is a component that faces away in at most this share of the motif, and is at least this large on average
 MOST_AWAY, _LEAST_MEAN_Z = 0.1, 0.3
+# a seam is not wider than this many steps beside it, plus some noise of 8-bit codes
+_SEAM, _SEAM_NOISE, _LEAST_TILE_PX = 1.5, 0.01, 16
 # an outline decides if its sign is at least this, or this if curl leaves more than two orders, and this much more than
 # that of any other order
 SURE_OUTLINE, _SURE_ALONE, _OUTLINE_MARGIN = 0.3, 0.4, 0.15
@@ -174,6 +176,23 @@ def find_evidence(normals: Float32, foreground: Mask, defined: Mask, step: float
     ]
     curl2 = max((found for found in scales if found), key=_telling, default={})
     return OrderEvidence(curl2, outline_matrix(normals, foreground), away, seen.mean(axis=0, dtype=np.float64))
+
+
+def repeats(normals: Float32) -> bool:
+    """Whether opposite edges of a map continue each other, as those of a tileable texture do.
+
+    Parameters
+    ----------
+    normals : (H, W, 3) float32
+    """
+    if min(normals.shape[:2]) < _LEAST_TILE_PX:
+        return False
+    for turned in (normals, normals.swapaxes(0, 1)):
+        seam = float(np.abs(turned[0] - turned[-1]).mean())
+        beside = float((np.abs(turned[1] - turned[0]).mean() + np.abs(turned[-1] - turned[-2]).mean()) / 2)
+        if seam > _SEAM * beside + _SEAM_NOISE:
+            return False
+    return True
 
 
 def _window(mask: Mask) -> tuple[slice, slice]:

@@ -44,6 +44,8 @@ class Decoding:
         outline.
     notes : tuple of str
         What is unusual about the file, as in `nmaptool.RasterImage`.
+    repeats : bool
+        Whether opposite edges of the picture continue each other, as those of a tileable texture do.
     away_share : float
         Share of the motif that faces away from the viewer (nz <= 0).
     """
@@ -60,6 +62,7 @@ class Decoding:
     away_share: float = 0.0
     curve: str = "none"
     notes: tuple[str, ...] = ()
+    repeats: bool = False
     zero_code: str = "127.5"
     zero_code_from: str = "assumed"
     encoding: str = "unsigned"
