@@ -1,129 +1,110 @@
-"""A pass over the finest level in bands of NumPy, compared with Numba: ``python -m bench.kernels [--write]``.
-
-Numba is not a dependency; if it is not installed, its columns are empty.
-"""
+"""The compiled loops, compared with their twins in NumPy, on one thread: ``python -m bench.kernels [--write]``."""
 
 from __future__ import annotations
 
-import importlib.util
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from bench.masks import statue
 from bench.report import Report
 from bench.table import table
-from nmaptool.core.arrays import Float32
-from nmaptool.core.grid import corner_sum
-from nmaptool.solver import QuadSystem
-from nmaptool.solver.multigrid.finest import Finest
-from nmaptool.solver.multigrid.level import inner, new_field
+from nmaptool import kernels
+from nmaptool.core.errors import UsageError
+from nmaptool.kernels import grid_twins, pair_twins, transfer_twins
 
-SIZES = ((900, 1000), (2000, 1800), (4096, 4096))
-# as `nmaptool.solver.multigrid.finest.Finest.mixed` computes it
-_COMPILED = """
-import time
-started = time.perf_counter()
-import numpy
-loaded = time.perf_counter()
-import numba
-imported = time.perf_counter()
-
-@numba.njit(cache=True, parallel=True, fastmath=True)
-def mixed(x, quarter, out):
-    rows, cols = x.shape
-    for i in numba.prange(1, rows - 1):
-        for j in range(1, cols - 1):
-            top = x[i - 1, j] + x[i, j]
-            low = x[i, j] + x[i + 1, j]
-            out[i, j] = (
-                quarter[i, j] * (low + x[i, j + 1] + x[i + 1, j + 1])
-                + quarter[i, j - 1] * (low + x[i, j - 1] + x[i + 1, j - 1])
-                + quarter[i - 1, j] * (top + x[i - 1, j + 1] + x[i, j + 1])
-                + quarter[i - 1, j - 1] * (top + x[i - 1, j - 1] + x[i, j - 1])
-            )
-"""
-_ALONE = """
-few = numpy.ones((8, 8), numpy.float32)
-begun = time.perf_counter()
-mixed(few, few, few.copy())
-print(imported - loaded, time.perf_counter() - begun)
-"""
+SIZES = ((900, 1000), (4096, 4096))
+# as many vertices as the solver gives a loop at once
+_BAND = 3 << 16
+# large patches in a row, and nodes in each, as for a mesh of 300,000 faces
+_PATCHES, _NODES, _REACH = 400, 24, 4
 
 
 def best(work: Callable[[], object], repeats: int) -> float:
-    """Shortest time in milliseconds."""
+    """Shortest CPU time in milliseconds."""
     least = np.inf
     for _ in range(repeats):
-        started = time.perf_counter()
+        started = time.process_time()
         work()
-        least = min(least, time.perf_counter() - started)
+        least = min(least, time.process_time() - started)
     return least * 1e3
 
 
-def compiled(folder: Path) -> tuple[Callable[[Float32, Float32, Float32], None], float, float]:
-    """The pass by Numba; seconds to import Numba and to finish a first cached call, in a new process."""
-    alone = folder / "alone.py"
-    alone.write_text(_COMPILED + _ALONE, encoding="utf-8")
-    for _ in range(2):  # the first call fills the cache
-        stated = subprocess.run([sys.executable, str(alone)], check=True, stdout=subprocess.PIPE, text=True).stdout
-    module = folder / "compiled_pass.py"
-    module.write_text(_COMPILED, encoding="utf-8")
-    found = importlib.util.spec_from_file_location("compiled_pass", module)
-    assert found is not None and found.loader is not None
-    made = importlib.util.module_from_spec(found)
-    sys.modules["compiled_pass"] = made
-    found.loader.exec_module(made)
-    imported, called = map(float, stated.split())
-    return made.mixed, imported, called
+def grid_loops(rows: int, cols: int) -> dict[str, tuple[Any, tuple[Any, ...]]]:
+    """The loops over a grid: their twins, and their arguments without the range."""
+    random, size, edge = np.random.default_rng(0), rows * cols, cols + 1
+
+    def field() -> Any:
+        return random.random(size + 2 * edge, np.float32)
+
+    def plain() -> Any:
+        return random.random(size, np.float32)
+
+    quarter, x, one, two, out = field(), field(), plain(), plain(), plain()
+    couplings = (quarter, field(), field(), field())
+    return {
+        "finest_product": (grid_twins, (quarter, x, one, np.ones(size, bool), out, cols)),
+        "finest_finish": (grid_twins, (quarter, x, one, two, out, cols)),
+        "coarse_step": (grid_twins, (*couplings, x, field(), one, two, cols)),
+        "coarse_left": (grid_twins, (*couplings, x, one, two, out, cols)),
+        "move": (transfer_twins, (x, one, random.random(size), two, 0.5, 1.5)),
+    }
 
 
-def row_of(rows: int, cols: int, numba_pass: Callable[..., None] | None, repeats: int) -> list[str]:
-    """Milliseconds of both on one size, with the same inputs and outputs."""
-    weight = statue(rows, cols)
-    system = QuadSystem(weight, corner_sum(weight).astype(np.float32) / 4, np.zeros((rows + 1, cols + 1), bool))
-    finest = Finest(system, np.float32)
-    x, out = new_field(finest.shape, np.float32), np.empty(finest.size, np.float32)
-    inner(x, finest.shape)[:] = np.random.default_rng(0).normal(size=finest.shape)
+_AFTER = {"finest_product": (True,), "finest_finish": (-1 / 3,), "coarse_step": (0.7,), "coarse_left": ()}
 
-    def band(start: int, stop: int) -> None:
-        out[start:stop] = finest.mixed(x, start, stop)
 
-    ours = best(lambda: finest.in_bands(band), repeats)
-    if numba_pass is None:
-        return [f"{cols}x{rows}", f"{ours:.2f}", "", ""]
-    grid, quarter, other = inner(x, finest.shape), inner(finest.quarter, finest.shape), np.zeros_like(x)
-    theirs = inner(other, finest.shape)
-    took = best(lambda: numba_pass(grid, quarter, theirs), repeats)
-    apart = np.abs(theirs - out.reshape(finest.shape))[1:-1, 1:-1].max()
-    assert apart < 1e-5, apart
-    return [f"{cols}x{rows}", f"{ours:.2f}", f"{took:.2f}", f"{ours / took:.2f}"]
+def in_bands(loop: Callable[..., float], arguments: tuple[Any, ...], after: tuple[Any, ...], size: int) -> None:
+    """Call a loop for every band of vertices."""
+    for start in range(0, size, _BAND):
+        loop(*arguments, start, min(start + _BAND, size), *after)
+
+
+def grid_rows(rows: int, cols: int, repeats: int) -> list[list[str]]:
+    """A row of the table for each loop over a grid of this size."""
+    size = rows * cols
+    out = []
+    for name, (twins, arguments) in grid_loops(rows, cols).items():
+        after = _AFTER.get(name, (cols + 1,))
+        fast, slow = (
+            best(partial(in_bands, getattr(loops, name), arguments, after, size), repeats) for loops in (kernels, twins)
+        )
+        out.append([name, f"{cols}x{rows}", f"{fast:.2f}", f"{slow:.2f}", f"{slow / fast:.1f}"])
+    return out
+
+
+def pair_row(repeats: int) -> list[str]:
+    """The row of the pair sums of the surface filter."""
+    random = np.random.default_rng(0)
+    start = np.arange(_PATCHES + 1) * _NODES
+    places = random.normal(size=(_PATCHES * _NODES, 6)).astype(np.float32) * np.float32(0.3)
+    places[:, 0] += np.repeat(np.arange(_PATCHES), _NODES)
+    sums = random.random((_PATCHES * _NODES, 4), np.float32)
+    near = [np.arange(max(0, p - _REACH), min(_PATCHES, p + _REACH + 1)) for p in range(_PATCHES)]
+    indptr = np.concatenate([[0], np.cumsum([len(each) for each in near])])
+    out = np.empty((len(places), 28), np.float32)
+    arguments = (places, sums, start, indptr, np.concatenate(near), 0, _PATCHES, 6.25, out)
+    fast, slow = (best(partial(loops.pair_sums, *arguments), repeats) for loops in (kernels, pair_twins))
+    pairs = len(np.concatenate(near)) * _NODES**2
+    each = f"{fast / pairs * 1e6:.1f} ns a pair"
+    return ["pair_sums", each, f"{fast:.2f}", f"{slow:.2f}", f"{slow / fast:.1f}"]
 
 
 def main() -> None:
     """Measure, print the results and, with --write, store them."""
     report = Report("kernels", __doc__)
-    report.argument("--repeat", type=int, default=40, help="number of runs; the shortest time counts (default 40)")
+    report.argument("--repeat", type=int, default=20, help="number of runs; the shortest time counts (default 20)")
     options = report.begin()
-    body = ["One pass of two 2x2 box sums over the finest level in float32, in milliseconds; best of several runs."]
-    with tempfile.TemporaryDirectory() as name:
-        numba_pass = None
-        if importlib.util.find_spec("numba") is None:
-            body.append("Numba is not installed.")
-        else:
-            numba_pass, imported, called = compiled(Path(name))
-            body.append(
-                f"In a new process, importing Numba takes {imported:.2f} s, the first cached call of this function "
-                f"{called:.2f} s."
-            )
-        rows = [row_of(*size, numba_pass, options.repeat) for size in SIZES]
-    body.append(table(["pixels", "bands of NumPy", "Numba", "times"], rows))
-    report.end(*body)
+    if not kernels.IS_COMPILED:
+        raise UsageError("the loops are not compiled; install a C compiler, then run make setup")
+    rows = [row for size in SIZES for row in grid_rows(*size, options.repeat)]
+    rows.append(pair_row(options.repeat))
+    report.end(
+        "One thread, in bands as the solver uses them, CPU time in milliseconds; best of several runs.",
+        table(["loop", "size", "compiled", "NumPy", "times"], rows),
+    )
 
 
 if __name__ == "__main__":
