@@ -138,7 +138,8 @@ def _spooled(folder: Path) -> Path:
 def display_name(name: str) -> str:
     """The name of an input in messages: standard input if it came from there."""
     path = Path(name)
-    return STREAM if path.name == STREAM and path.parent.parent == Path(tempfile.gettempdir()) else name
+    file, mark, layer = path.name.partition(":")
+    return f"{STREAM}{mark}{layer}" if file == STREAM and path.parent.parent == Path(tempfile.gettempdir()) else name
 
 
 def refuse_inputs(targets: Iterable[Path], names: Iterable[str]) -> None:

@@ -52,6 +52,6 @@ def threemf(model: str = "", root: str = "3dmodel.model", **parts: str) -> bytes
         if relations:
             archive.writestr("_rels/.rels", relations)
         for name, text in parts.items():
-            archive.writestr(f"3D/{name}", text)
+            archive.writestr(name if name.startswith("Metadata/") else f"3D/{name}", text)
         archive.writestr(f"3D/{root}", model or model_xml())
     return stream.getvalue()

@@ -31,6 +31,7 @@ def test_map_jumps_curl_and_report_are_written(run: Any, tmp_path: Path, depth_p
     done = run("compose", "depth", depth_png, "-o", out, *words)
     assert done.code == 0, done.err
     assert "scale 60 px (given)" in done.err
+    assert "of the picture; --background flat keeps the flat patches at the lowest height" in done.err
     assert "jumps: 1 px or more, beside" in done.err
     assert f"wrote {out}" in done.err
     read = nm.read_normal_map(out)

@@ -92,6 +92,30 @@ def test_a_far_plane_is_background_unless_a_plate_is_wanted() -> None:
     assert (plate.report.empty, plate.report.background) == ({}, "flat")
 
 
+def test_zeros_that_the_user_or_the_file_names_are_not_doubted() -> None:
+    mm = holed(np.round(SCENE.mm), 0)
+    for image, empty in ((codes(mm, 16), "0"), (codes(mm, 16, nodata=0.0), "auto")):
+        report = nm.depth_to_normals(image, nm.DepthOptions(empty=empty)).report
+        assert (report.empty, report.warnings) == ({"0": np.count_nonzero(HOLE)}, ())
+
+
+def test_gaps_in_heights_that_look_like_missing_readings_stay_open() -> None:
+    mm = np.where(speckled(SCENE), 0, holed(np.round(SCENE.mm), 0))
+    assumed = nm.depth_to_normals(codes(mm, 16))
+    assert (assumed.report.filled_holes, assumed.report.empty) == (0, {"0": np.count_nonzero(mm == 0)})
+    np.testing.assert_array_equal(assumed.normal_map.coverage > 0, mm > 0)
+    assert nm.depth_to_normals(codes(mm, 16), nm.DepthOptions(values="distance")).report.filled_holes > 50
+
+
+def test_distances_of_many_values_far_beyond_the_rest_are_background() -> None:
+    y, x = np.mgrid[: HOLE.shape[0], : HOLE.shape[1]]
+    sky = np.where(HOLE, 1e5 + 700 * x + 300 * y, SCENE.mm / 1000)  # a far clip seen at an angle
+    result = nm.depth_to_normals(floats(sky), nm.DepthOptions(values="distance"))
+    assert result.report.empty == {"far beyond the rest": np.count_nonzero(HOLE)}
+    np.testing.assert_array_equal(result.normal_map.coverage > 0, SCENE.mask)
+    assert result.report.range_px == pytest.approx(20, rel=1e-2)
+
+
 @pytest.mark.parametrize("bits", [8, 16])
 def test_the_black_ground_of_a_height_map_is_no_missing_reading(bits: int) -> None:
     scene = ball(96, 30, 30)
@@ -204,6 +228,21 @@ def test_only_dropouts_are_filled() -> None:
     assert nm.depth_to_normals(floats(edge), options).report.filled_holes == 0
     own = floats(np.where(spot, np.nan, heights), depth_facts=nm.DepthFacts("height"), attributes={"pitch_mm": "1"})
     assert nm.depth_to_normals(own).report.filled_holes == 0
+
+
+def test_a_hole_that_takes_too_long_is_left_or_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("nmaptool.depth.fill.MOST_PIXELS", 30)
+    monkeypatch.setattr("nmaptool.depth.source.MOST_PIXELS", 30)
+    y, x = np.mgrid[:80, :200]
+    long = (np.abs(y - 20) < 2) & (np.abs(x - 40) < 10)
+    small = (np.abs(y - 60) < 2) & (np.abs(x - 40) < 2)
+    image = floats(np.where(long | small, np.nan, 60 + 0.1 * x), name="d.npy")
+    result = nm.depth_to_normals(image)
+    assert (result.report.filled_holes, result.report.filled_pixels) == (1, 9)
+    assert not result.normal_map.coverage[long].any()
+    message = r"`fill='6px'`: a hole of d\.npy has 57 pixels; at most 30 are filled; give a smaller `fill`"
+    with pytest.raises(nm.LimitError, match=message):
+        nm.depth_to_normals(image, nm.DepthOptions(fill="6px"))
 
 
 def test_a_named_value_beyond_floats_is_infinite() -> None:

@@ -63,6 +63,32 @@ def test_wrong_channels_are_refused() -> None:
         nm.depth_to_normals(odd)
 
 
+def test_grey_in_three_channels_may_hold_any_float() -> None:
+    values = RAMP.astype(np.float32)
+    values[2:5, 3], values[7, 7], values[9, 9] = np.nan, np.inf, -np.inf
+    grey = nm.depth_to_normals(picture(values))
+    stored = nm.RasterImage(np.repeat(values[..., None], 3, axis=2), ("R", "G", "B"), bits=32)
+    same = nm.depth_to_normals(stored)
+    assert same.report.warnings == grey.report.warnings == ()
+    np.testing.assert_array_equal(same.normal_map.normals, grey.normal_map.normals)
+    nearly = stored.pixels.copy()
+    nearly[..., 1] += np.float32(1e-3)
+    rounded = nm.depth_to_normals(nm.RasterImage(nearly, ("R", "G", "B"), bits=32))
+    assert "the colour channels differ slightly" in rounded.report.warnings[0]
+    assert rounded.report.empty == grey.report.empty
+
+
+def test_values_that_no_length_can_have_are_refused_or_equal() -> None:
+    with pytest.raises(nm.InputError, match=r"far\.npy: has heights of .* px, which cannot be computed with; give the"):
+        nm.depth_to_normals(picture(RAMP * 1e26, name="far.npy"), nm.DepthOptions(unit="1m", width="1mm"))
+    tiny = nm.depth_to_normals(picture(RAMP * 1e-42))
+    assert np.ptp(tiny.normal_map.normals[..., 2]) == 0
+    near = nm.depth_to_normals(picture(RAMP * 1e-42 + 1), nm.DepthOptions(values="disparity", unit="1m", fov=40))
+    assert np.ptp(near.normal_map.normals[..., 2]) == 0
+    with pytest.raises(nm.InputError, match="greater than 0; check that this is the depth picture"):
+        nm.depth_to_normals(picture(RAMP * 1e-42), nm.DepthOptions(values="disparity", unit="1m", fov=40))
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_an_image_without_any_depth_is_refused(value: float) -> None:
     with pytest.raises(nm.InputError, match="no pixel has a depth: all are transparent, NaN or infinite"):
@@ -106,6 +132,13 @@ def test_impossible_cameras_are_refused() -> None:
         nm.InputError, match=r"d\.exr: has a depth of -10; with `fov`, depths are distances from the eye"
     ):
         nm.depth_to_normals(depth, nm.DepthOptions(fov=40, background="none"))
+
+
+def test_negative_distances_are_heights() -> None:
+    with pytest.raises(
+        nm.InputError, match="greater than 0; read negative distances as heights, with `values='height'`"
+    ):
+        nm.depth_to_normals(picture(-1 - RAMP), nm.DepthOptions(values="distance"))
 
 
 def test_wrong_masks_are_refused() -> None:

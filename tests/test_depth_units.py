@@ -54,6 +54,8 @@ def test_a_width_sets_the_pitch_and_leaves_slopes_in_perspective() -> None:
     )
     np.testing.assert_allclose(wide.normal_map.normals, plain.normal_map.normals, atol=1e-6)
     assert (wide.report.pitch_mm, wide.report.pitch_from) == (pytest.approx(0.5), "given")
+    # px are those at the median distance
+    assert plain.report.scale_px == pytest.approx(np.ptp(scene.mm) * FOCAL / np.median(scene.mm), rel=1e-3)
 
 
 def test_a_focal_length_is_a_field_of_view() -> None:

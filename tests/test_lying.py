@@ -85,6 +85,7 @@ def test_the_flat_side_of_a_plate_is_its_back():
         points = box.vertices.copy()
         points[turn] *= [0.6, 1.5, 0.6]  # narrower in front
         assert said(nm.Mesh.from_arrays(points, box.faces)) == EDGE.format("y", remedy)
+    assert said(nm.Mesh.from_arrays(box.vertices, box.faces)) == EDGE.format("y", BOTH)  # both sides are flat
     assert said(nm.Mesh.from_arrays(box.vertices[:, [0, 2, 1]], box.faces[:, ::-1])) == ""
 
 

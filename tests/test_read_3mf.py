@@ -98,6 +98,50 @@ def test_what_is_left_out_is_said(read):
     )
 
 
+CUBES = mesh_xml(np.concatenate([VERTICES, VERTICES * 3, VERTICES * 9]), np.concatenate([FACES, FACES + 4, FACES + 8]))
+
+
+def volumes_xml(*kinds: str) -> str:
+    """The list of the volumes of an object, each of four triangles, as PrusaSlicer writes it."""
+    volumes = "".join(
+        f'<volume firstid="{4 * k}" lastid="{4 * k + 3}"><metadata type="volume" key="name" value="x"/>'
+        f'<metadata type="volume" key="{kind.partition("=")[0]}" value="{kind.partition("=")[2]}"/></volume>'
+        for k, kind in enumerate(kinds)
+    )
+    return f'<?xml version="1.0"?><config><object id="1" instances_count="1">{volumes}</object></config>'
+
+
+@pytest.mark.parametrize("name", ["Slic3r_PE_model.config", "Super_Slicer_model.config"])
+@pytest.mark.parametrize("kind", ["ParameterModifier", "NegativeVolume", "SupportBlocker", "SupportEnforcer"])
+def test_volumes_of_prusaslicer_that_are_no_parts_are_left_out(read, name, kind):
+    volumes = volumes_xml("volume_type=ModelPart", f"volume_type={kind}", "modifier=1")
+    mesh = read(threemf(model_xml(object_xml(1, CUBES)), **{f"Metadata/{name}": volumes}))
+    assert mesh.faces.tolist() == FACES.tolist()
+    assert mesh.notes == ("ignored 2 volumes that only modify others in a slicer",)
+    parts = volumes_xml("volume_type=ModelPart", "extruder=2")
+    all_parts = read(threemf(model_xml(object_xml(1, CUBES)), **{f"Metadata/{name}": parts}))
+    assert (len(all_parts.faces), all_parts.notes) == (12, ())
+
+
+@pytest.mark.parametrize("volumes", ["<config", volumes_xml("volume_type=ModelPart").replace('"0"', '"x"')])
+def test_a_damaged_list_of_volumes_is_said(read, volumes):
+    mesh = read(threemf(model_xml(object_xml(1, CUBES)), **{"Metadata/Slic3r_PE_model.config": volumes}))
+    assert len(mesh.faces) == 12
+    assert mesh.notes == (
+        "did not read Metadata/Slic3r_PE_model.config, which tells modifiers from parts: the mesh may hold both",
+    )
+
+
+def test_modifiers_of_bambu_studio_are_left_out(read):
+    other = model_xml(object_xml(1) + object_xml(2, mesh_xml(VERTICES * 2), kind="other"), "")
+    uses = [f'p:path="/3D/Objects/object_1.model" objectid="{k}"' for k in (1, 2)]
+    mesh = read(threemf(model_xml(object_xml(1, components_xml(*uses))), **{"Objects/object_1.model": other}))
+    assert mesh.vertices.tolist() == VERTICES.tolist()
+    assert mesh.notes == ("ignored 1 volume that only modifies others in a slicer",)
+    alone = read(threemf(model_xml(object_xml(1, kind="other"))))
+    assert (len(alone.faces), alone.notes) == (4, ())
+
+
 def test_a_model_without_a_build_gives_its_objects(read):
     objects = object_xml(1) + object_xml(2, components_xml('objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 7"'))
     mesh = read(threemf(model_xml(objects, "")))

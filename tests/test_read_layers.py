@@ -106,9 +106,13 @@ def test_depth_is_found_under_every_usual_name(exr, name):
     image = nm.read_raster(path, holds="depth")
     assert np.array_equal(image.pixels[..., 0], stored[name])
     assert ":" in image.name.removeprefix(str(path))
-    if name != "Z":
-        path, stored = exr([name])
-        assert np.array_equal(nm.read_raster(path, holds="depth").pixels[..., 0], stored[name])
+    path, stored = exr([name])
+    alone = nm.read_raster(path, holds="depth")
+    assert np.array_equal(alone.pixels[..., 0], stored[name])
+    assert alone.layer == name.removesuffix(".Y").removesuffix(".V").removesuffix(".Z")
+    assert nm.read_raster(path).layer is None
+    is_distance = nm.depth_to_normals(alone).report.inverted_from == "found"
+    assert is_distance == (name in {"Z", "depth.Y", "depth.V", "Depth.Z", "depth", "main.depth"})
 
 
 def test_of_two_depths_the_better_name_is_taken_and_equals_are_an_error(exr):

@@ -118,6 +118,21 @@ def test_inks_in_a_jpeg_are_refused_as_vectors(tmp_path):
     assert nm.read_raster(tmp_path / "a.jpg", holds="depth").notes == ("stores CMYK inks, converted to RGB",)
 
 
+@pytest.mark.parametrize("progressive", [False, True])
+def test_what_follows_a_jpeg_does_not_count(tmp_path, progressive):
+    path = tmp_path / "a.jpg"
+    Image.fromarray(COLOR).save(path, progressive=progressive)
+    whole, pixels = path.read_bytes(), nm.read_raster(path).pixels
+    path.write_bytes(whole + b"video \xff\xda with marks")  # as a phone appends it to a photograph
+    assert np.array_equal(nm.read_raster(path).pixels, pixels)
+    thumbnail = b"\xff\xe1\x00\x08" + b"\xff\xd8\xff\xda\xff\xd9"
+    path.write_bytes(whole[:2] + thumbnail + whole[2:])
+    assert np.array_equal(nm.read_raster(path).pixels, pixels)
+    path.write_bytes(whole[:2] + thumbnail + whole[2 : len(whole) * 2 // 3])
+    with pytest.raises(nm.InputError, match=r"the JPEG file is truncated or damaged"):
+        nm.read_raster(path)
+
+
 @pytest.mark.parametrize("channels", [1, 3])
 def test_a_pfm_is_as_opencv_wrote_it(tmp_path, channels):
     values = FLOATS[..., :channels]

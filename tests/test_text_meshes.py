@@ -65,6 +65,8 @@ def test_texts_with_a_byte_order_mark_are_read(same, name, code):
 def test_line_ends_of_every_system_are_read(same, name, end):
     same(name, TEXTS[name].replace(b"\n", end), with_trimesh=False)
     same(name, TEXTS[name].rstrip(b"\n").replace(b"\n", end), with_trimesh=False)
+    if name in ("a.obj", "a.off"):
+        same(name, (b"# made by hand\n" + TEXTS[name]).replace(b"\n", end), with_trimesh=False)
 
 
 @pytest.mark.parametrize("name", ["a.obj", "a.off", "a.ply", "a.stl"])

@@ -45,7 +45,10 @@ def describe_depth_report(report: DepthReport) -> Iterator[str]:
     else:
         mixed = f", {counted(report.mixed_pixels, 'mixed pixel')} assigned to one side" if report.mixed_pixels else ""
         yield f"  jumps: {report.jump_px:.3g} px or more, beside {report.jump_share:.1%} of the surface{mixed}"
-    yield f"  background {report.background}, {report.background_share:.0%} of the picture"
+    keep = (
+        "; --background flat keeps the flat patches at the lowest height" if report.background.endswith("cut") else ""
+    )
+    yield f"  background {report.background}, {report.background_share:.0%} of the picture{keep}"
     yield f"  mean |curl| {report.curl:.4f} slope per px"
     yield from _describe_scale(report)
 

@@ -9,7 +9,7 @@ import numpy as np
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.units import Length
 from nmaptool.depth.meaning import Meaning, kind_of
-from nmaptool.depth.values import GreyValues
+from nmaptool.depth.values import INFINITE, GreyValues
 from nmaptool.options import DepthOptions
 from nmaptool.options.depth import NARROWEST_FOV, WIDEST_FOV
 from nmaptool.types.picture import RasterImage
@@ -71,7 +71,7 @@ def measured_eye(
             return None
         eye = grey.top + facts.white_mm / mm_per_value
     nearest = eye - grey.top if is_own_code else float(grey.values.min(where=grey.known, initial=np.inf))
-    if nearest <= 0:
+    if nearest <= 1 / INFINITE:
         raise InputError(
             f"{image.name}: has a depth of {nearest:g}; with `fov`, depths are distances from the eye and must be "
             "greater than 0"

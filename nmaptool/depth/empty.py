@@ -7,18 +7,20 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from nmaptool.core.arrays import Mask
+from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.depth.meaning import Meaning, kind_of
-from nmaptool.depth.values import NOTHING, GreyValues, extremes
+from nmaptool.depth.values import INFINITE, NOTHING, GreyValues, extremes
 from nmaptool.options import DepthOptions
 from nmaptool.types.picture import RasterImage
 
 # what elevation models store where there are no data
 _MISSING = (-9999.0, -32768.0, -32767.0, -99999.0)
-# a distance this many times the median means "empty"; so does the largest one if it is this many times as far from the
-# others as these are apart
+# a distance this many times that of the near pixels means "empty"; so does the largest one if it is this many times as
+# far from the others as these are apart
 _FAR, _ALONE = 1e3, 10.0
+# the near pixels: this percentile, because nothing or sky often fills more than half of a picture
+_NEAR = 5.0
 _SAMPLE = 1 << 17
 # depth cameras store mm: their largest code is below this share of the codes, and 0 is this far from the least distance
 _CAMERA_SHARE, _CAMERA_GAP, _CAMERA_STEPS = 0.25, 64, 16
@@ -32,6 +34,7 @@ def depths_of(image: RasterImage, grey: GreyValues, meaning: Meaning, options: D
     InputError
         If no value remains.
     """
+    lowest = extremes(grey.values, grey.known)[0]
     finds = options.empty == "auto"
     is_whole = options.background == "none"
     kind = kind_of(image)
@@ -41,15 +44,21 @@ def depths_of(image: RasterImage, grey: GreyValues, meaning: Meaning, options: D
         grey = _without_readings(image, grey, meaning)
     inverse = meaning.values == "disparity" and meaning.absolute
     if inverse or (finds and meaning.absolute and not is_whole):
-        grey = _removed(grey, grey.known & (grey.values <= 0), "0 or less" if grey.is_float else "0", dropouts=True)
+        least = np.float32(1 / INFINITE if inverse else 0)
+        grey = _removed(grey, grey.known & (grey.values <= least), "0 or less" if grey.is_float else "0", dropouts=True)
     if inverse:
-        with np.errstate(divide="ignore"):
-            values = np.where(grey.known, np.float32(1) / grey.values, np.float32(0))
+        values = np.zeros_like(grey.values)
+        np.divide(np.float32(1), grey.values, out=values, where=grey.known)
         grey = replace(grey, values=values, is_float=True)
     if finds and grey.is_float and meaning.absolute and not is_whole and grey.known.any():
         grey = _without_far(grey, plate=kind != "grey" or options.background == "flat")
     if not grey.known.any():
-        raise InputError(f"{image.name}: no pixel has a depth greater than 0")
+        remedy = (
+            "read negative distances as heights, with `values='height'`"
+            if lowest < 0
+            else "check that this is the depth picture"
+        )
+        raise InputError(f"{image.name}: no pixel has a depth greater than 0; {remedy}")
     return grey
 
 
@@ -91,10 +100,10 @@ def _without_marks(grey: GreyValues) -> GreyValues:
 def _without_far(grey: GreyValues, *, plate: bool) -> GreyValues:
     """Remove distances far beyond the others; with ``plate``, keep a flat ground that is merely far behind."""
     values, known = grey.values, grey.known
-    middle = middle_of(grey)
+    limit = _FAR * float(np.percentile(_sample(grey), _NEAR))
     high = extremes(values, known)[1]
-    if high > _FAR * middle:
-        found = known & (values > np.float32(_FAR * middle))
+    if high > limit:
+        found = known & (values > np.float32(limit))
         grey = _removed(grey, found, "far beyond the rest", dropouts=False)
         values, known = grey.values, grey.known
         high = extremes(values, known)[1]
@@ -110,9 +119,12 @@ def _without_far(grey: GreyValues, *, plate: bool) -> GreyValues:
 
 def middle_of(grey: GreyValues) -> float:
     """The median of the known values, from a sample."""
+    return float(np.median(_sample(grey)))
+
+
+def _sample(grey: GreyValues) -> Float32:
     stride = max(1, grey.values.size // _SAMPLE)
-    sample = grey.values[grey.known][::stride]
-    return float(np.median(sample))
+    return grey.values[grey.known][::stride]
 
 
 def _may_be_camera(image: RasterImage, meaning: Meaning, options: DepthOptions) -> bool:
@@ -136,8 +148,8 @@ def _without_readings(image: RasterImage, grey: GreyValues, meaning: Meaning) ->
     gaps = np.diff(rest)
     usual = float(np.median(gaps)) if len(gaps) else 1.0
     is_camera = rest[-1] < most and rest[0] >= max(_CAMERA_GAP, _CAMERA_STEPS * usual)
-    if used[0] == 0 and (is_camera or (meaning.is_distance and meaning.absolute)):
-        grey = _removed(grey, grey.known & (grey.values == 0), "0", dropouts=True)
+    if used[0] == 0 and (is_camera or (meaning.is_distance and meaning.absolute)):  # gaps in a plate of heights stay
+        grey = _removed(grey, grey.known & (grey.values == 0), "0", dropouts=meaning.is_distance)
     if saturated:
         grey = _removed(grey, grey.known & (grey.values == np.float32(grey.top)), f"{grey.top:g}", dropouts=False)
     return grey

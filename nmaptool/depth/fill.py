@@ -40,6 +40,8 @@ _STRETCHES: tuple[_Stencil, ...] = (
 _ANCHOR = 1e-9
 # pixels solved for at once, and the largest offset in the equations
 _PART, _MARGIN = 20_000, 2
+# larger holes are not filled: this many pixels take 15 s and 1 GB
+MOST_PIXELS = 200_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,15 +55,20 @@ class Filled:
         The pixels that were filled; None if there are none.
     count : int
         Number of holes.
+    too_large : int
+        Pixels of the largest hole that is narrow enough but has more than `MOST_PIXELS`; 0 if there is none.
     """
 
     heights: Float32
     pixels: Mask | None = None
     count: int = 0
+    too_large: int = 0
 
 
 def fill_holes(heights: Float32, known: Mask, dropouts: Mask, most_px: float, jump_px: float) -> Filled:
     """Fill holes that consist of dropouts alone, are no wider than ``most_px``, and do not touch the picture's edge.
+
+    Holes of more than `MOST_PIXELS` are left.
 
     Parameters
     ----------
@@ -74,19 +81,18 @@ def fill_holes(heights: Float32, known: Mask, dropouts: Mask, most_px: float, ju
     jump_px : float
         Smallest jump.
     """
-    holes = _small_holes(known, dropouts, most_px)
-    if holes is None:
-        return Filled(heights)
-    labels, count = holes
+    labels, count, too_large = _small_holes(known, dropouts, most_px)
+    if not count:
+        return Filled(heights, too_large=too_large)
     out = heights.copy()
     _Holes(heights, known, labels, count).fill(out, jump_px)
-    return Filled(out, labels > 0, count)
+    return Filled(out, labels > 0, count, too_large)
 
 
-def _small_holes(known: Mask, dropouts: Mask, most_px: float) -> tuple[NDArray[np.int32], int] | None:
-    """Return the numbers of the holes to fill, from 1, and how many there are; None if there are none."""
+def _small_holes(known: Mask, dropouts: Mask, most_px: float) -> tuple[NDArray[np.int32], int, int]:
+    """Return the numbers of the holes to fill, from 1, how many there are, and `Filled.too_large`."""
     unknown = (~known).view(np.uint8)
-    count, labels = cv2.connectedComponents(unknown, connectivity=8, ltype=cv2.CV_32S)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(unknown, connectivity=8, ltype=cv2.CV_32S)
     # distances to the nearest known pixel: a hole of w pixels has (w + 1) / 2
     depth = cv2.distanceTransform(unknown, cv2.DIST_L2, 5)
     keep = np.ones(count, bool)
@@ -95,9 +101,12 @@ def _small_holes(known: Mask, dropouts: Mask, most_px: float) -> tuple[NDArray[n
     for edge in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
         keep[edge] = False
     keep[0] = False
+    sizes = stats[:, cv2.CC_STAT_AREA]
+    too_large = keep & (sizes > MOST_PIXELS)
+    keep &= ~too_large
     number = np.zeros(count, np.int32)
     number[keep] = np.arange(1, int(keep.sum()) + 1)
-    return (number[labels], int(keep.sum())) if keep.any() else None
+    return number[labels], int(keep.sum()), int(sizes.max(where=too_large, initial=0))
 
 
 class _Holes:

@@ -14,8 +14,8 @@ from nmaptool.options import DepthOptions
 from nmaptool.options.presets import DEPTH_PRESETS, DepthPreset, DepthValues
 from nmaptool.types.picture import RasterImage
 
-# names of layers that hold distances from the camera
-_DISTANCE_LAYERS = ("z", "depth")
+# names of layers that hold distances from the camera; "zdepth" is not one, since V-Ray stores near as white there
+_DISTANCE_LAYERS = ("z", "depth", "pz", "denoising depth")
 _DECLARED: dict[str, DepthValues] = {"depth": "distance", "height": "height"}
 
 

@@ -12,7 +12,7 @@ from nmaptool.core.units import Length
 from nmaptool.depth.camera import check_in_front, focal_px, fov_of, measured_eye
 from nmaptool.depth.empty import middle_of
 from nmaptool.depth.meaning import Meaning, kind_of
-from nmaptool.depth.values import GreyValues, extremes
+from nmaptool.depth.values import INFINITE, GreyValues, extremes
 from nmaptool.options import DepthOptions
 from nmaptool.types.picture import RasterImage
 
@@ -136,7 +136,7 @@ def settle_scale(image: RasterImage, grey: GreyValues, meaning: Meaning, options
     else:
         scale_px = in_px(DEFAULT_SHARE, cols, pitch, "depth_scale", image.name)
         source = "range" if ends.in_use else "assumed"
-    per_value = scale_px / ends.span if ends.span > 0 else 0.0
+    per_value = scale_px / ends.span if ends.span > 1 / INFINITE else 0.0  # no overflow
     per_value = -per_value if inverted else per_value
     if fov and eye is None and per_value:
         check_in_front(scale_px, focal, fov, options)

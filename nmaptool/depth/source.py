@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
-from nmaptool.core.errors import InputError
+from nmaptool.core.errors import InputError, LimitError
 from nmaptool.core.units import Length
 from nmaptool.depth.empty import depths_of
-from nmaptool.depth.fill import fill_holes
+from nmaptool.depth.fill import MOST_PIXELS, fill_holes
 from nmaptool.depth.meaning import Meaning, kind_of, meaning_of
 from nmaptool.depth.scale import Scale, in_px, settle_scale
 from nmaptool.depth.values import GreyValues, extremes, grey_values, noise_of, step_of
@@ -23,6 +23,8 @@ from nmaptool.types.plain_arrays import check_sizes
 _LOSSY_NOISE = 1.25
 # with smaller errors of the slopes, no fit is needed
 FINE_SLOPE = 0.012
+# slopes of larger heights overflow
+_MOST_PX = 1e18
 # largest hole that is filled by itself: a share of the longer side, and in px
 _HOLE_SHARE, _HOLE_PX = 0.015, 3.0
 # smallest jump: in px, in steps of the codes, and in standard deviations of the noise
@@ -91,9 +93,15 @@ def read_source(image: RasterImage, options: DepthOptions, mask: Float32 | None)
     scale = settle_scale(image, grey, meaning, options)
     step = step_of(grey)
     size = abs(scale.px_per_value)
+    in_use = extremes(grey.values, grey.known)
+    most = size * max(map(abs, in_use))
+    if most > _MOST_PX:
+        raise InputError(
+            f"{image.name}: has heights of {most:.3g} px, which cannot be computed with; give the values that mean "
+            '"no depth" with `empty`, or check `unit`, `width` and `depth_scale`'
+        )
     noise = noise_of(grey.values, grey.known, step)
     noise = noise if noise * size >= FINE_SLOPE else 0.0
-    in_use = extremes(grey.values, grey.known)
     heights = grey.values
     heights *= np.float32(scale.px_per_value)  # the values are a copy
     lowest = extremes(heights, grey.known)[0]
@@ -137,6 +145,11 @@ def _without_holes(source: DepthSource, options: DepthOptions) -> DepthSource:
     if not dropouts.any():
         return source
     found = fill_holes(source.heights, grey.known, dropouts, most, source.least_jump_px)
+    if found.too_large and isinstance(options.fill, Length):
+        raise LimitError(
+            f"`fill='{options.fill}'`: a hole of {image.name} has {found.too_large} pixels; at most {MOST_PIXELS} are "
+            "filled; give a smaller `fill`, or fill it in the program that wrote the picture"
+        )
     if found.pixels is None:
         return replace(source, fill_px=most)
     grey = replace(grey, known=grey.known | found.pixels, nothing=grey.nothing - int(found.pixels.sum()))

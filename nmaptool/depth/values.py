@@ -27,8 +27,8 @@ _LEAST_LEVELS, _UNEVEN, _FILLED = 48, 0.05, 0.5
 # what renderers store where there is nothing: the largest half float, and Blender's value
 BLENDER_NOTHING = 1e10
 NOTHING = (65504.0, BLENDER_NOTHING)
-# larger floats mean "empty", such as the 3.4e38 of elevation models
-_INFINITE = 1e30
+# larger floats mean "empty", such as the 3.4e38 of elevation models; less than 1 over it counts as 0
+INFINITE = 1e30
 # a picture in false colours has at most this many of them; a photograph has far more
 _FALSE_COLORS = 300
 _BLOCK = 16
@@ -102,7 +102,7 @@ def grey_values(image: RasterImage, empty: tuple[float, ...] = ()) -> GreyValues
     dropouts = None
     if image.is_float:
         np.isfinite(values, out=known)
-        known &= np.abs(values) < _INFINITE
+        known &= np.abs(values) < INFINITE
         if not known.all():
             dropouts = np.isnan(values)
             _count(counts, "NaN", int(np.count_nonzero(dropouts)))
@@ -149,7 +149,7 @@ def _count(counts: dict[str, int], name: str, number: int) -> int:
 def _fits(value: float, kind: np.dtype[Any]) -> bool:
     """Whether a picture of this type can store the value."""
     if kind.kind == "f":
-        return abs(value) < _INFINITE  # others count as infinite
+        return abs(value) < INFINITE  # others count as infinite
     return value == int(value) and 0 <= value <= np.iinfo(kind).max
 
 
@@ -173,21 +173,27 @@ def _one_channel(image: RasterImage) -> tuple[Float32, bool]:
             "name its layer, such as FILE.exr:depth"
         )
     red, green, blue = (image.pixels[..., i] for i in names)
-    if np.array_equal(red[::7], green[::7]) and np.array_equal(red, green) and np.array_equal(red, blue):
+    if _same(red[::7], green[::7]) and _same(red, green) and _same(red, blue):
         return red.astype(np.float32), False
     first = red.astype(np.float32)
     total = first.copy()
     code = image.max_code / 255
-    for other in (green, blue):
-        apart = np.abs(other - first)
-        few = np.count_nonzero(apart > _GREY_MOST * code) > _GREY_FEW * apart.size
-        if few or not float(apart.mean()) <= _GREY_MEAN * code:
-            raise InputError(
-                f"{image.name}: is a colour picture, but depth and height pictures are grey; {_remedy(image)}"
-            )
-        total += other
+    with np.errstate(invalid="ignore", over="ignore"):  # NaN and infinite values
+        for other in (green, blue):
+            apart = np.abs(other - first)
+            apart[np.isnan(apart)] = 0
+            few = np.count_nonzero(apart > _GREY_MOST * code) > _GREY_FEW * apart.size
+            if few or float(apart.mean()) > _GREY_MEAN * code:
+                raise InputError(
+                    f"{image.name}: is a colour picture, but depth and height pictures are grey; {_remedy(image)}"
+                )
+            total += other
     total /= np.float32(3)
     return total, True
+
+
+def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
+    return np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
 
 
 def _remedy(image: RasterImage) -> str:

@@ -31,7 +31,7 @@ def warnings_of(source: DepthSource, options: DepthOptions, range_px: float) -> 
             f"{range_px:.3g} px deep, because `depth_scale` is the height of all codes; leave it out, or give "
             f"`depth_scale='{deeper}'` for {scale.scale_px:.4g} px"
         )
-    if "0" in grey.empty and meaning.values_from == "assumed":
+    if "0" in grey.empty and meaning.values_from == "assumed" and options.empty == "auto" and 0 not in meaning.empty:
         yield (
             "0 is read as no reading, as depth cameras write it, but large values as near; if they are distances, give "
             "`values='distance'` or `from_='realsense'`, and if 0 is a height, `empty='none'`"

@@ -18,6 +18,8 @@ _TALL = 1.15
 # a bottom is flat if this share of the footprint faces down at the lowest level, within the next two
 _FLAT_SHARE, _LEVEL, _LARGEST_TILT = 0.2, 0.02, math.cos(math.radians(5))
 _ON_GROUND = 0.002
+# one side of a plate is its back if its flat part is larger than that of the other side by this factor
+_FLATTER = 1.1
 
 
 def lying(mesh: Mesh, up: str, views: Iterable[str]) -> list[str]:
@@ -56,7 +58,7 @@ def _edge_on(mesh: Mesh, up: str) -> str:
         return "the mesh is thin along z, so this view shows its edge; use `up='y'` or `view='top'`"
     behind, below = _flat_share(mesh, 1, 1), _flat_share(mesh, 1, -1)
     remedy = "`up='z'` or `view='top'`"
-    if max(behind, below) > _FLAT_SHARE:  # the flat side is the back
+    if max(behind, below) > max(_FLAT_SHARE, _FLATTER * min(behind, below)):  # the flat side is the back
         remedy = "`up='z'`" if behind > below else "`view='top'`"
     return f"the mesh is thin along y, so this view shows its edge; use {remedy}"
 

@@ -34,7 +34,7 @@ class ReadOptions(Options, group="Reading"):
     Parameters
     ----------
     layer:
-        Read this layer of an EXR that holds several, such as "detail". FILE.exr:detail does the same.
+        Layer of an EXR, page of a TIFF or array of an .npz to read, such as "detail". FILE.exr:detail does the same.
     from_:
         Program that wrote the map: sets the channels, green, the zero code and the components as that program writes
         them, unless they are given. nmap inspect --presets lists the programs. "auto" recognises only what is

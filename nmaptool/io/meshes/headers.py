@@ -41,7 +41,7 @@ _MAGIC = {
 _BINARY = ("ply", "glb", "usd")
 _JSON = re.compile(rb"\s*\{")
 _COUNTS = re.compile(rb"(?:\s*#[^\r\n]*[\r\n])*\s*\d+[ \t]+\d+(?:[ \t]+\d+)?[ \t]*[\r\n]")
-_OBJ_LINE = re.compile(rb"^[ \t]*v[nt]?[ \t]+[-+.\d]", re.MULTILINE)
+_OBJ_LINE = re.compile(rb"(?:\A|[\r\n])[ \t]*v[nt]?[ \t]+[-+.\d]")
 
 
 @dataclass(frozen=True)

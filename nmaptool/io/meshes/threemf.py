@@ -16,6 +16,7 @@ from nmaptool.io.meshes.headers import MeshFile
 from nmaptool.io.meshes.polygons import Integers
 from nmaptool.io.meshes.surface import Surface
 from nmaptool.io.meshes.threemf_model import Key, Model, Object, Use, read_model, root_of
+from nmaptool.io.meshes.threemf_modifiers import modifiers_note, remove_modifiers
 from nmaptool.types.shown import counted
 
 _MM = {"micron": 0.001, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
@@ -55,6 +56,7 @@ class _Package:
     models: dict[str, Model] = field(default_factory=dict)
     faces: dict[Key, int] = field(default_factory=dict)
     skipped: set[Key] = field(default_factory=set)
+    modifiers: set[Key] = field(default_factory=set)
 
     def model(self, name: str) -> Model:
         """The model in one part of the archive."""
@@ -79,6 +81,16 @@ class _Package:
             raise InputError(f"{self.file.path}: lacks its object {key[1]!r}; export it again")
         return found
 
+    def components(self, found: Object) -> list[Use]:
+        """The components of an object, without those of the type "other": slicers use it for modifiers."""
+        kept = []
+        for use in found.components:
+            if self.object(use.key).kind == "other":
+                self.modifiers.add(use.key)
+            else:
+                kept.append(use)
+        return kept
+
     def count(self, key: Key, above: tuple[Key, ...] = ()) -> int:
         """Number of faces of an object with its components; 0 for supports."""
         if key in above:
@@ -89,7 +101,7 @@ class _Package:
                 self.skipped.add(key)
                 self.faces[key] = 0
             else:
-                parts = sum(self.count(use.key, (*above, key)) for use in found.components)
+                parts = sum(self.count(use.key, (*above, key)) for use in self.components(found))
                 self.faces[key] = len(found.triangles) + parts
         return self.faces[key]
 
@@ -105,12 +117,13 @@ class _Package:
             found = self.object(here.key)
             if len(found.triangles):
                 yield found, inner, offset
-            waiting += [(each, inner, offset) for each in reversed(found.components)]
+            waiting += [(each, inner, offset) for each in reversed(self.components(found))]
 
     def surface(self) -> Surface:
         """All objects of the build; of a file without a build, those that are in no other."""
         root = root_of(self.file, self.archive)
         model = self.model(root)
+        notes = remove_modifiers(self.file, self.archive, model)
         build = model.build
         if not build:
             used = {use.key for each in model.objects.values() for use in each.components}
@@ -137,7 +150,7 @@ class _Package:
         return Surface(
             np.concatenate(points),
             np.concatenate(triangles),
-            notes=self._notes(root),
+            notes=(*notes, *self._notes(root)),
             mm_per_unit=self._unit(model.unit),
         )
 
@@ -150,7 +163,10 @@ class _Package:
         notes = []
         if self.skipped:
             notes.append(f"ignored {counted(len(self.skipped), 'support')}")
-        left = {(root, n) for n, o in self.models[root].objects.items() if len(o.triangles)} - self.faces.keys()
+        if self.modifiers:
+            notes.append(modifiers_note(len(self.modifiers)))
+        everything = {(root, number) for number, each in self.models[root].objects.items() if len(each.triangles)}
+        left = everything - self.faces.keys() - self.modifiers
         if left:
             notes.append(f"ignored {counted(len(left), 'object')} outside the build")
         lattices = sum(model.lattices for model in self.models.values())

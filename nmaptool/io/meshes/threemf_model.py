@@ -84,7 +84,7 @@ def root_of(file: MeshFile, archive: zipfile.ZipFile) -> str:
             found.append(attributes.get("Target", "").lstrip("/"))
 
     if _RELATIONS in names and archive.getinfo(_RELATIONS).file_size < _LARGEST_LIST:
-        _parse(file, _RELATIONS, archive.open(_RELATIONS), start, lambda _: None)
+        parse_xml(file, _RELATIONS, archive.open(_RELATIONS), start, lambda _: None)
     models = [name for name in names if name.lower().endswith(".model")]
     for name in (*found, _USUAL_ROOT, *models):
         if name in names:
@@ -103,7 +103,7 @@ def read_model(file: MeshFile, name: str, stream: IO[bytes], max_faces: int) -> 
         If it has more than ``max_faces`` triangles.
     """
     reader = _Reader(file, name, max_faces)
-    _parse(file, name, stream, reader.start, reader.end)
+    parse_xml(file, name, stream, reader.start, reader.end)
     return reader.model
 
 
@@ -156,7 +156,7 @@ class _Reader:
         return Use((part, attributes["objectid"]), matrix)
 
 
-def _parse(file: MeshFile, name: str, stream: IO[bytes], start: Any, end: Any) -> None:
+def parse_xml(file: MeshFile, name: str, stream: IO[bytes], start: Any, end: Any) -> None:
     """Call ``start`` and ``end`` for each element of some XML; documents with definitions of their own are refused."""
     parser = expat.ParserCreate()
     last = 0

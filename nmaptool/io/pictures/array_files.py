@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import tokenize
 import zipfile
 import zlib
@@ -18,6 +19,7 @@ from nmaptool.io.pictures.request import damaged
 
 _ARRAYS = ".npy"
 _MOST_ENTRIES = 1000
+_MOST_HEADER = 16384  # NumPy reads headers of up to 10000 characters
 _ZIP_DAMAGE = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError)
 
 
@@ -51,14 +53,18 @@ def read_header(name: str, stream: Any) -> ArrayHeader:
     InputError
     """
     broken = InputError(f"{name}: is not a NumPy array file, or is truncated; save it again")
+    begin = io.BytesIO(stream.read(_MOST_HEADER))  # a header may claim to be 4 GB long
     try:
-        version = np.lib.format.read_magic(stream)
+        version = np.lib.format.read_magic(begin)
         if version == (1, 0):
-            shape, by_columns, kind = np.lib.format.read_array_header_1_0(stream)
+            shape, by_columns, kind = np.lib.format.read_array_header_1_0(begin)
         elif version in ((2, 0), (3, 0)):
-            shape, by_columns, kind = np.lib.format.read_array_header_2_0(stream)
+            shape, by_columns, kind = np.lib.format.read_array_header_2_0(begin)
         else:
             raise broken
+        if not all(type(side) is int and side >= 0 for side in shape):
+            raise broken
+        stream.seek(begin.tell())
     except InputError:
         raise
     except (ValueError, EOFError, TypeError, SyntaxError, RecursionError, MemoryError, tokenize.TokenError):

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError
 from nmaptool.io.pictures.array_files import Archive, ArrayHeader, load_npy
-from nmaptool.io.pictures.layer_names import matching, obvious
+from nmaptool.io.pictures.layer_names import best_places, matching
 from nmaptool.io.pictures.request import Request
-from nmaptool.io.pictures.sample_types import as_pixels
+from nmaptool.io.pictures.sample_types import as_pixels, refuse_kind
 from nmaptool.types.picture import RasterImage
 
 _CHANNELS = {1: ("Y",), 2: ("R", "G"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
@@ -55,7 +55,7 @@ def read_npy(path: Path, request: Request) -> RasterImage:
     InputError, LimitError
     """
     request.refuse_layer(path, ".npy")
-    return _picture(str(path), load_npy(path, _check(path, request)), None)
+    return _picture(str(path), load_npy(path, _check(path, request)), request, None)
 
 
 def read_npz(path: Path, request: Request) -> RasterImage:
@@ -67,7 +67,7 @@ def read_npz(path: Path, request: Request) -> RasterImage:
     """
     archive = Archive(path)
     key = _key(path, archive.headers, request)
-    image = _picture(f"{path}:{key}", archive.load(key, _check(path, request)), key)
+    image = _picture(f"{path}:{key}", archive.load(key, _check(path, request)), request, key)
     others = [name for name in archive.headers if name != key]
     also = (f"also holds the arrays {', '.join(others)}",) if others else ()
     return replace(image, notes=(*image.notes, *also))
@@ -80,6 +80,7 @@ def _check(path: Path, request: Request) -> Any:
         found = picture_shape(header.shape)
         if header.kind.names is not None:
             raise InputError(f"{name}: holds records ({', '.join(header.kind.names)}), not a picture; save one field")
+        refuse_kind(name, header.kind)
         if found is None:
             raise InputError(f"{name}: holds an array of shape {header.shape}; accepted are {_ACCEPTED}")
         request.check_size(path, found[0][1], found[0][0])
@@ -96,21 +97,25 @@ def _key(path: Path, headers: dict[str, ArrayHeader | None], request: Request) -
         if len(wanted) == 1:
             return names[wanted[0]]
         raise InputError(f"{path}: has no array {request.layer!r}; it holds: {listing}")
+    if len(headers) == 1:  # the checks before loading say what is wrong with it
+        return next(iter(headers))
     shapes = {
         name: found[0]
         for name, header in headers.items()
         if header is not None and _is_number(header.kind) and (found := picture_shape(header.shape)) is not None
     }
-    counts = (1,) if request.holds == "depth" else (2, 3, 4)
+    counts = (2, 3, 4) if request.holds == "normals" else (1,)
     for fitting in ([n for n, shape in shapes.items() if shape[2] in counts and min(shape[:2]) > 1], list(shapes)):
-        place = 0 if len(fitting) == 1 else obvious(fitting, request.holds)
-        if place is not None:
-            return fitting[place]
-    example = f"{path.name}:{next(iter(shapes or headers))}"
+        places = [0] if len(fitting) == 1 else best_places(fitting, request.holds)
+        if len(places) == 1:
+            return fitting[places[0]]
+    if not shapes:
+        raise InputError(f"{path}: none of its arrays ({listing}) is a picture; accepted are {_ACCEPTED}")
+    example = f"{path.name}:{next(iter(shapes))}"
     raise InputError(f"{path}: holds several arrays ({listing}); name one, such as {example}")
 
 
-def _picture(name: str, values: NDArray[Any], layer: str | None) -> RasterImage:
+def _picture(name: str, values: NDArray[Any], request: Request, layer: str | None) -> RasterImage:
     """The picture of an array that passed the check."""
     found = picture_shape(values.shape)
     assert found is not None
@@ -120,7 +125,7 @@ def _picture(name: str, values: NDArray[Any], layer: str | None) -> RasterImage:
         values = np.moveaxis(values.reshape(count, rows, cols), 0, -1)
         notes = ("its first axis holds the channels",)
     values = values.reshape(rows, cols, count)
-    codes = _as_codes(values)
+    codes = _as_mask(values) if request.holds == "grey" and count == 1 else _as_codes(values)
     if codes is not None:
         values, notes = codes, (*notes, "its numbers are whole and go from 0 to 255: they are read as 8-bit codes")
     pixels = as_pixels(name, values)
@@ -136,6 +141,16 @@ def _picture(name: str, values: NDArray[Any], layer: str | None) -> RasterImage:
 
 def _is_alpha(values: NDArray[Any]) -> bool:
     return bool(values.min() >= 0 and values.max() <= 1)
+
+
+def _as_mask(values: NDArray[Any]) -> NDArray[np.uint8] | None:
+    """A mask as 8-bit codes, if integers of any size hold only 0 and 1, or wider numbers only 0 to 255."""
+    if values.dtype.kind == "b" or values.min() != 0:
+        return None
+    if values.dtype.kind in "iu" and values.max() == 1:
+        return values.astype(np.uint8) * np.uint8(255)
+    codes = values.astype(np.uint8) if values.max() == 255 else None
+    return codes if codes is not None and np.array_equal(codes, values) else None
 
 
 def _as_codes(values: NDArray[Any]) -> NDArray[np.uint8] | None:

@@ -13,18 +13,18 @@ def unpack_runs(data: bytes, cols: int, rows: int, bits: int) -> NDArray[np.uint
 
     Pixels that the data skip are 0, as the format says.
     """
-    out = np.zeros((rows, cols), np.uint8)
+    out = bytearray(rows * cols)
     at, row, col = 0, 0, 0
     while at + 1 < len(data):
         count, value = data[at], data[at + 1]
         at += 2
         if count:
-            codes = np.resize(_codes(bytes([value]), bits), count)
+            codes = bytes([value]) * count if bits == 8 else (bytes([value >> 4, value & 15]) * 128)[:count]
         elif value == _END_OF_ROW:
             row, col = row + 1, 0
             continue
         elif value == _END:
-            return out
+            return np.frombuffer(out, np.uint8).reshape(rows, cols)
         elif value == _STEP:
             if at + 1 >= len(data):
                 return None
@@ -39,11 +39,15 @@ def unpack_runs(data: bytes, cols: int, rows: int, bits: int) -> NDArray[np.uint
         if row >= rows or col + len(codes) > cols + (bits == 4):  # an odd width may end in half a byte
             return None
         room = min(len(codes), cols - col)
-        out[row, col : col + room] = codes[:room]
+        start = row * cols + col
+        out[start : start + room] = codes[:room]
         col += room
     return None
 
 
-def _codes(packed: bytes, bits: int) -> NDArray[np.uint8]:
+def _codes(packed: bytes, bits: int) -> bytes:
+    """The places in a palette, one per byte."""
+    if bits == 8:
+        return packed
     values = np.frombuffer(packed, np.uint8)
-    return values if bits == 8 else np.column_stack([values >> 4, values & 15]).ravel()
+    return np.column_stack([values >> 4, values & 15]).tobytes()

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.errors import InputError
-from nmaptool.io.pictures.layer_names import Holds, matching, obvious, rank
+from nmaptool.io.pictures import layer_names
+from nmaptool.io.pictures.layer_names import Holds
 from nmaptool.io.pictures.request import Request
 
 # sets of component names that writers use for R, G, B; never mixed, since Z beside R, G, B is depth
@@ -18,6 +19,8 @@ _PAIRS = (("r", "g"), ("x", "y"), ("red", "green"))
 _ALPHA = ("a", "alpha")
 # a component at the end of a channel's name, without a dot: Nx, normal_X
 _ENDING = re.compile(r"(.+?)[_ ]?([xyzrgb])", re.IGNORECASE)
+# names that OpenImageIO makes for channels without one
+_NO_NAME = re.compile(r"channel\d+")
 # luminance and chroma: only the luminance is read, as a grey picture
 _LUMINANCE = ("y", "ry", "by")
 # names of the channel of a layer of one, which say nothing
@@ -42,7 +45,7 @@ class Layer:
     aliases : tuple of str
         Further names under which it is found.
     minor : bool
-        Whether it is read only by name, or as depth: a single channel or a pair beside a layer of three.
+        Whether it is read only by name, or as a grey picture: a single channel or a pair beside a layer of three.
     notes : tuple of str
         As in `nmaptool.RasterImage`.
     """
@@ -130,7 +133,7 @@ class _Part:
             note = ("stores luminance and chroma; only the luminance is read",)
         if len(rest) == 1:
             indices, channels = ((rest[0],), ("Y",)) if alpha is None else ((rest[0], alpha), ("Y", "A"))
-            return Layer(self.name, self.number, indices, channels, (names[rest[0]],), notes=note)
+            return Layer(self.name, self.number, indices, channels, _aliases(names[rest[0]]), notes=note)
         return Layer(self.name, self.number, tuple(range(len(names))), names)
 
     def singles(self, used: set[int]) -> list[Layer]:
@@ -141,10 +144,15 @@ class _Part:
             for index in rest.values():
                 channel = str(self.spec.channelnames[index])
                 full = self.label(channel)
-                alone = len(members) == 1 and prefix and full.rpartition(".")[2].lower() in _SINGLE
-                name = self.label(prefix) if alone else full
+                name = _aliases(full)[0] if len(members) == 1 and prefix else full
                 found.append(Layer(name, self.number, (index,), ("Y",), (full, channel), minor=True))
         return found
+
+
+def _aliases(channel: str) -> tuple[str, ...]:
+    """The names of a layer of one channel: ``ViewLayer.Depth`` and ``ViewLayer.Depth.Z``."""
+    prefix, _, component = channel.rpartition(".")
+    return (prefix, channel) if prefix and component.lower() in _SINGLE else (channel,)
 
 
 def _alpha(members: dict[str, int]) -> int | None:
@@ -190,7 +198,7 @@ def find_all(specs: list[Any]) -> list[Layer]:
     return found
 
 
-def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0) -> Layer:
+def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0, names: tuple[str, ...] = ()) -> Layer:
     """Return the wanted layer, or the obvious one if none is named.
 
     Parameters
@@ -201,6 +209,8 @@ def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0) ->
     pages : int
         If the parts are pages of a document, of which the first is the obvious one: how many of them are not merely
         smaller versions of others.
+    names : tuple of str
+        The names of the pages.
 
     Raises
     ------
@@ -211,17 +221,23 @@ def choose(path: Path, specs: list[Any], request: Request, *, pages: int = 0) ->
     if not everything:
         raise InputError(f"{path}: holds no picture")
     if pages and len(specs) > 1:
-        everything = [replace(one, name=one.name or f"page {one.part + 1}") for one in everything]
+        everything = [_page_layer(one, names) for one in everything]
     if request.layer is not None:
         return _named(path, everything, specs, request.layer)
     if pages and len(specs) > 1:
-        note = f"holds {pages} pages, of which the first is read; another is {path.name}:{everything[-1].shown}"
-        return replace(everything[0], name=None, notes=(*everything[0].notes, *([note] if pages > 1 else [])))
+        first, more = everything[0], layer_names.pages_note(path.name, pages, names)
+        return replace(first, name=None, notes=(*first.notes, *more))
     return _obvious(path, everything, request.holds)
 
 
+def _page_layer(layer: Layer, names: tuple[str, ...]) -> Layer:
+    number = layer_names.page_name(layer.part)
+    own = names[layer.part] if layer.part < len(names) else number
+    return replace(layer, name=own, aliases=(number,))
+
+
 def _named(path: Path, layers: list[Layer], specs: list[Any], wanted: str) -> Layer:
-    found = matching(wanted, [[layer.shown, *layer.aliases] for layer in layers])
+    found = layer_names.matching(wanted, [[layer.shown, *layer.aliases] for layer in layers])
     if len(found) > 1 and len({layers[place].shown.lower() for place in found}) > 1:
         names = ", ".join(layers[place].shown for place in found)
         raise InputError(f"{path}: several layers are called {wanted!r}: {names}; give the whole name of one")
@@ -235,31 +251,49 @@ def _named(path: Path, layers: list[Layer], specs: list[Any], wanted: str) -> La
 
 
 def _obvious(path: Path, layers: list[Layer], holds: Holds) -> Layer:
-    """The only layer, or the only one whose name says that it is sought."""
+    """The only layer, the only one whose name says that it is sought, or the unnamed one."""
     main = [layer for layer in layers if not layer.minor]
-    if holds == "depth":
-        fitting = [layer for layer in layers if len(layer.channels) - ("A" in layer.channels) == 1]
-        place = obvious([layer.shown for layer in fitting], holds)
-        if place is not None and len(layers) > 1:
-            return fitting[place]
-    elif len(layers) > 1:
-        place = obvious([layer.shown for layer in main], holds)
-        if place is not None and len(main) > 1:
-            return main[place]
+    single = [layer for layer in layers if _color_count(layer) == 1 and not _NO_NAME.fullmatch(layer.shown)]
+    if len(layers) == 1 or (holds == "normals" and len(main) == 1):
+        return _unnamed(main[0], holds)
+    for fitting in (main,) if holds == "normals" else (single, main):
+        places = layer_names.best_places([layer.shown for layer in fitting], holds)
+        if len(places) == 1:
+            return fitting[places[0]]
+        if places:
+            raise _several(path, layers, holds)
+    if holds == "depth" and single:
+        raise _several(path, layers, holds)
+    if len(main) == 1:
+        return _unnamed(main[0], holds)
     unnamed = [layer for layer in main if not layer.name]
-    if len(main) == 1 or unnamed:
-        return replace((unnamed or main)[0], name=None)
+    if not unnamed:
+        raise _several(path, layers, holds)
+    note = layer_names.others_note(_UNNAMED, [layer.name for layer in main if layer.name])
+    return replace(_unnamed(unnamed[0], holds), notes=(*unnamed[0].notes, note))
+
+
+def _unnamed(layer: Layer, holds: Holds) -> Layer:
+    """The layer without a name, unless the name of its only channel says what it holds, such as Z."""
+    telling = (name for name in (layer.shown, *layer.aliases) if layer_names.rank(name, holds) < layer_names.UNFIT)
+    return replace(layer, name=next(telling, None) if holds == "depth" else None)
+
+
+def _several(path: Path, layers: list[Layer], holds: Holds) -> InputError:
     names = ", ".join(one.shown for one in layers)
     best = _suggested(layers, holds)
-    raise InputError(f"{path}: holds several layers ({names}); name one, such as {path.name}:{best.shown}")
+    return InputError(f"{path}: holds several layers ({names}); name one, such as {path.name}:{best.shown}")
+
+
+def _color_count(layer: Layer) -> int:
+    return len(layer.channels) - ("A" in layer.channels)
 
 
 def _suggested(layers: list[Layer], holds: Holds) -> Layer:
     """The layer that the message about several proposes."""
-    width = 1 if holds == "depth" else 3
+    width = 3 if holds == "normals" else 1
 
     def unfit(layer: Layer) -> tuple[int, bool, bool]:
-        colors = len(layer.channels) - ("A" in layer.channels)
-        return rank(layer.shown, holds), colors != width, "combined" in layer.shown.lower()
+        return layer_names.rank(layer.shown, holds), _color_count(layer) != width, "combined" in layer.shown.lower()
 
     return min(layers, key=unfit)

@@ -26,8 +26,14 @@ class Facts:
         The file does not say that its last channel is alpha: it counts as alpha only if it varies.
     white_is_zero : bool
         The file stores the negative of unsigned integers.
+    refusal : str
+        Why its numbers are not read, with the remedy; empty if they are.
     pages : int
         The number of pages if its parts are pages of a document, of which the first is read, not layers.
+    names : tuple of str
+        The names of these pages, those of smaller versions too.
+    parts : tuple of Facts
+        The facts of each page, if they differ.
     """
 
     color_chunks: tuple[str, ...] = ()
@@ -39,4 +45,11 @@ class Facts:
     channels: tuple[str, ...] = ()
     spare_alpha: bool = False
     white_is_zero: bool = False
+    refusal: str = ""
     pages: int = 0
+    names: tuple[str, ...] = ()
+    parts: tuple[Facts, ...] = ()
+
+    def of_part(self, number: int) -> Facts:
+        """What the check found about a part."""
+        return self.parts[number] if number < len(self.parts) else self

@@ -78,6 +78,13 @@ def way_of(path: Path, head: bytes) -> str | None:
     return None if found is None else f"{found.what}; {found.way}"
 
 
+def zip_way(path: Path) -> str:
+    """What a ZIP archive is that holds no arrays, and the way to a picture."""
+    if path.suffix.lower() in (".3mf", ".usdz"):
+        return "is a mesh; render its maps first with nmap bake"
+    return "is a ZIP archive; unpack it and give the picture in it"
+
+
 def _is_svg(head: bytes) -> bool:
     text = head.removeprefix(b"\xef\xbb\xbf").lstrip()
     return text.startswith(b"<svg") or (text.startswith((b"<?xml", b"<!DOCTYPE svg")) and b"<svg" in text)

@@ -12,7 +12,7 @@ from typing import Any, cast
 from nmaptool.core.errors import InputError
 from nmaptool.core.text import listed
 from nmaptool.io.opening import read_head
-from nmaptool.io.pictures.foreign import way_of
+from nmaptool.io.pictures.foreign import way_of, zip_way
 from nmaptool.io.pictures.truevision import is_tga
 
 _HEAD_BYTES = 4096
@@ -73,6 +73,16 @@ def _is_pfm(_: Path, head: bytes) -> bool:
 
 def _is_pnm(_: Path, head: bytes) -> bool:
     return re.match(rb"P[56] \d+ \d+\s", head) is not None
+
+
+_ZIP = b"PK\x03\x04"
+_ZIP_NAME = 30  # place of the first member's name
+
+
+def _is_npz(path: Path, head: bytes) -> bool:
+    """A ZIP archive whose first member is an array, or that is called .npz."""
+    name = head[_ZIP_NAME : _ZIP_NAME + int.from_bytes(head[26:28], "little")]
+    return head.startswith(_ZIP) and (path.suffix.lower() == ".npz" or name.endswith(b".npy"))
 
 
 _HEIF_BRANDS = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
@@ -147,7 +157,12 @@ NPY = PictureFormat(
     reader="arrays:read_npy",
 )
 NPZ = PictureFormat(
-    "NumPy .npz", "the same, several arrays: `out.npz:normal`", (".npz",), _first(b"PK\x03\x04"), "arrays:read_npz"
+    "NumPy .npz",
+    "the same, several arrays: `out.npz:normal`",
+    (".npz",),
+    (),
+    "arrays:read_npz",
+    recognise=_is_npz,
 )
 HEIC = PictureFormat(
     "HEIC",
@@ -190,5 +205,7 @@ def find_format(path: Path) -> PictureFormat:
                 right = path.with_suffix(one.endings[0]).name
                 raise InputError(f"{path}: holds {one.name} data; rename it to {right}")
             return one
+    if head.startswith(_ZIP):
+        raise InputError(f"{path}: {zip_way(path)}")
     advised = listed(one.name for one in READ_FORMATS if one.advised)
     raise InputError(f"{path}: is not a picture in a supported format; export it as {advised}")

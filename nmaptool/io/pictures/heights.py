@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
+from nmaptool.depth.meaning import is_distance_layer
 from nmaptool.io.pictures.height_arrays import is_height_array, read_height_array, write_centers, write_corners
 from nmaptool.io.pictures.height_samples import (
     Samples,
@@ -21,7 +22,7 @@ from nmaptool.io.pictures.height_samples import (
     height_of_corners,
     lower_right_of,
 )
-from nmaptool.io.pictures.normal_maps import options_like, read_raster
+from nmaptool.io.pictures.normal_maps import options_like, read_raster, split_layer
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.maps.background import alpha_is_data
 from nmaptool.maps.codec import encode_grey, grey_codes
@@ -193,6 +194,12 @@ def _height_of(path: Path, image: RasterImage, pitch_mm: float | None) -> Height
     if image.channels[0] != "Y":
         raise InputError(f"{path}: has channels {', '.join(image.channels)}; a height file has one grey channel")
     facts = image.depth_facts if image.depth_facts is not None else DepthFacts("height")
+    named = split_layer(str(path))[0].suffix.lower() != ".npz"  # arrays called z often hold heights
+    if image.depth_facts is None and named and is_distance_layer(image):
+        raise InputError(
+            f"{image.name}: the name of its layer says that it holds distances from the camera, not heights; make a "
+            "normal map of it with nmap compose depth, or save heights in mm"
+        )
     z_mm, pitch_mm = _in_mm(image, facts), image.frame.pitch_mm or pitch_mm
     if facts.at == "corners":
         return height_of_corners(str(path), z_mm, lower_right_of(image.alpha, z_mm.shape), pitch_mm)
@@ -204,6 +211,11 @@ def _height_of(path: Path, image: RasterImage, pitch_mm: float | None) -> Height
 def _in_mm(image: RasterImage, facts: DepthFacts) -> Float64:
     """The (h, w) stored heights in mm, regardless of alpha."""
     values = image.pixels[..., 0].astype(np.float64)
+    if image.nodata is not None and (image.pixels[..., 0] == np.float32(image.nodata)).any():
+        raise InputError(
+            f"{image.name}: holds the value {image.nodata:g} for no data; fill these pixels, since heights must be "
+            "defined everywhere"
+        )
     if image.is_float:
         return values
     low, high = facts.black_mm, facts.white_mm

@@ -23,11 +23,16 @@ _ENDS: dict[Literal["depth", "height"], tuple[str, str]] = {
 def own_attributes(spec: Any) -> dict[str, str]:
     """Return nmaptool's own metadata in an OpenImageIO ImageSpec, with keys without the prefix."""
     own = {a.name[len(PREFIX) :]: str(a.value) for a in spec.extra_attribs if a.name.startswith(PREFIX)}
-    if not own:  # TIFF has no free-form attributes, so its description holds them, one per line
-        for line in str(spec.getattribute("ImageDescription") or "").split("\n"):
-            key, mark, value = line.removesuffix("\r").partition("=")
-            if mark and key.startswith(PREFIX):
-                own[key[len(PREFIX) :]] = _ESCAPED.sub(lambda found: _BREAKS[found[1]], value)
+    return own or own_lines(str(spec.getattribute("ImageDescription") or ""))
+
+
+def own_lines(description: str) -> dict[str, str]:
+    """Return nmaptool's own metadata in the description of a TIFF, which has no free-form attributes: one per line."""
+    own: dict[str, str] = {}
+    for line in description.split("\n"):
+        key, mark, value = line.removesuffix("\r").partition("=")
+        if mark and key.startswith(PREFIX):
+            own[key[len(PREFIX) :]] = _ESCAPED.sub(lambda found: _BREAKS[found[1]], value)
     return own
 
 

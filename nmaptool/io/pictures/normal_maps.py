@@ -44,8 +44,8 @@ def read_raster(path: str | Path, options: ReadOptions | None = None, *, holds: 
     options : ReadOptions, optional
         ``layer`` and ``max_megapixels`` are used.
     holds : str
-        What the picture is read for, "normals" or "depth": in a file with several layers, the one with such a name is
-        read if the options name none.
+        What the picture is read for, "normals", "depth" or "grey" (a mask): in a file with several layers, the one
+        with such a name is read if the options name none.
 
     Returns
     -------
@@ -113,7 +113,8 @@ def options_like(image: RasterImage, options: ReadOptions, like: NormalMap | Non
 def read_grey(path: str | Path, *, max_megapixels: float = 270.0, upright: bool = False) -> Float32:
     """Read a grey control picture: a mask, or a map of weights.
 
-    Integer codes become 0..1; floats are not changed. A picture whose colour channels are equal counts as grey. If
+    Integer codes become 0..1; floats are not changed. Integer arrays of 0 and 1 are masks, whole numbers from 0 to 255
+    are codes. A picture whose colour channels are equal counts as grey. If
     only alpha varies, alpha is returned.
 
     Parameters
@@ -132,7 +133,7 @@ def read_grey(path: str | Path, *, max_megapixels: float = 270.0, upright: bool 
     Raises
     ------
     InputError
-        If it cannot be read, is coloured, or holds NaN or infinite values.
+        If it cannot be read, is coloured, holds only the codes 0 and 1, or holds NaN or infinite values.
 
     Examples
     --------
@@ -140,7 +141,7 @@ def read_grey(path: str | Path, *, max_megapixels: float = 270.0, upright: bool 
     >>> mask.dtype, float(mask.min()), float(mask.max())
     (dtype('float32'), 0.0, 1.0)
     """
-    image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
+    image = read_raster(path, ReadOptions(max_megapixels=max_megapixels), holds="grey")
     image = image.upright() if upright else image
     colors = [i for i, name in enumerate(image.channels) if name != "A"] or [0]  # alpha alone is also a mask
     grey = image.pixels[..., colors[0]]
@@ -151,6 +152,9 @@ def read_grey(path: str | Path, *, max_megapixels: float = 270.0, upright: bool 
             raise InputError(
                 f"{image.name}: is a colour picture; a mask or weight map must be grey, or alpha on a single colour"
             )
+    if not image.is_float and not image.lossy and grey.max() == 1:
+        white = image.max_code
+        raise InputError(f"{image.name}: holds only the codes 0 and 1 of {white}; save white as {white}")
     values = grey.astype(np.float32) / np.float32(image.max_code)
     if not np.isfinite(values).all():
         raise InputError(f"{image.name}: holds NaN or infinite values; repair them")

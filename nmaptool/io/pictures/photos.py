@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 from nmaptool.core.errors import InputError
@@ -11,6 +12,7 @@ from nmaptool.io.pictures.request import Request, damaged
 
 # markers of a JPEG's frame header: every way of coding except the tables at C4, C8 and CC
 _FRAMES = {0xC0 + n for n in range(16)} - {0xC4, 0xC8, 0xCC}
+_SCAN = 0xDA
 _SIZE = re.compile(rb"^[+-]([XY]) (\d{1,9}) [+-]([XY]) (\d{1,9})$")
 _MOST_HEADER = 65536
 
@@ -21,40 +23,40 @@ def jpeg_facts(path: Path, request: Request) -> Facts:
     Raises
     ------
     InputError
-        Also for a CMYK picture that is not read as depth.
     """
     data = path.read_bytes()
-    if data.find(b"\xff\xd9", max(data.rfind(b"\xff\xda"), 0)) < 0:
+    components, scan = _frame_and_scan(data)
+    if data.find(b"\xff\xd9", scan) < 0:
         raise damaged(path, "JPEG")
-    if _components(data) == 4:
-        return Facts(lossy=True, notes=(cmyk_note(path, request),), coarse=True)
+    if components == 4:
+        return replace(ink_facts(request), lossy=True)
     return Facts(lossy=True)
 
 
-def cmyk_note(path: Path, request: Request) -> str:
-    """The note on a picture in printing inks, which is refused unless it is read as depth.
+def ink_facts(request: Request) -> Facts:
+    """The facts of a picture in printing inks, which is read only as depth."""
+    if request.holds == "normals":
+        return Facts(refusal="stores CMYK inks, which bends the vectors of a normal map; export it as RGB")
+    return Facts(notes=("stores CMYK inks, converted to RGB",), coarse=True)
 
-    Raises
-    ------
-    InputError
+
+def _frame_and_scan(data: bytes) -> tuple[int, int]:
+    """The number of components that the frame header of a JPEG declares, 0 if none, and where its data begin.
+
+    An end mark may stand before that, in a thumbnail; what follows the picture, such as a video, may hold any marks.
     """
-    if request.holds != "depth":
-        raise InputError(f"{path}: stores CMYK inks, which bends the vectors of a normal map; export it as RGB")
-    return "stores CMYK inks, converted to RGB"
-
-
-def _components(data: bytes) -> int:
-    """The number of components that the frame header of a JPEG declares; 0 if there is none."""
-    place = 2
+    place, components = 2, 0
     while place + 9 < len(data) and data[place] == 0xFF:
         marker = data[place + 1]
-        if marker in _FRAMES:
-            return data[place + 9]
+        if marker == _SCAN:
+            break
+        if marker in _FRAMES and not components:
+            components = data[place + 9]
         if marker == 0xFF or 0xD0 <= marker <= 0xD8 or marker == 0x01:
             place += 1 if marker == 0xFF else 2
         else:
             place += 2 + int.from_bytes(data[place + 2 : place + 4], "big")
-    return 0
+    return components, place
 
 
 def webp_facts(path: Path, request: Request) -> Facts:

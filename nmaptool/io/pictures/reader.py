@@ -27,7 +27,7 @@ def read_image(
     max_megapixels : float
         Refuse larger pictures, before anything is allocated.
     holds : str
-        What the picture is read for, ``normals`` or ``depth``: chooses between layers if none is named.
+        What the picture is read for, ``normals``, ``depth`` or ``grey``: chooses between layers if none is named.
 
     Raises
     ------

@@ -20,7 +20,8 @@ class Request:
         The layer, part, page or array to read; None for the obvious one.
     max_megapixels : float
     holds : str
-        What the reader is about to do with it, ``normals`` or ``depth``: decides which layer is the obvious one.
+        What the reader is about to do with it, ``normals``, ``depth`` or ``grey`` (a mask or weight map): decides
+        which layer is the obvious one.
     """
 
     layer: str | None = None

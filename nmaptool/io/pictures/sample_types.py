@@ -44,11 +44,8 @@ def as_pixels(name: str, values: NDArray[Any]) -> Pixels:
         return Pixels(values.astype(np.uint8) * np.uint8(255), 8)
     if kind == "u" and size <= 2:
         return Pixels(values.astype(values.dtype.newbyteorder("="), copy=False), 8 * size)
-    if kind == "c":
-        raise InputError(f"{name}: stores complex numbers; save their real part or their magnitude")
-    if kind not in "iuf":
-        raise InputError(f"{name}: stores {values.dtype} values; save plain integers or floats")
-    with np.errstate(over="ignore"):  # beyond the range is infinity, which depth pictures use for "nothing"
+    refuse_kind(name, values.dtype)
+    with np.errstate(over="ignore", invalid="ignore"):  # beyond the range is infinity: "nothing" in depth pictures
         floats = values.astype(np.float32)
     if kind == "f":
         return Pixels(floats, 16 if size == 2 else 32)
@@ -59,6 +56,19 @@ def as_pixels(name: str, values: NDArray[Any]) -> Pixels:
     )
     rounding = "" if exact else "; those beyond 16777216 are rounded to floats"
     return Pixels(floats, 32, (f"{stated}, read as numbers{rounding}",))
+
+
+def refuse_kind(name: str, kind: np.dtype[Any]) -> None:
+    """Refuse what is not a number.
+
+    Raises
+    ------
+    InputError
+    """
+    if kind.kind == "c":
+        raise InputError(f"{name}: stores complex numbers; save their real part or their magnitude")
+    if kind.kind not in "biuf":
+        raise InputError(f"{name}: stores {kind} values; save plain integers or floats")
 
 
 def _is_exact(floats: NDArray[np.float32], values: NDArray[Any]) -> bool:

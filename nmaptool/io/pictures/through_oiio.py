@@ -112,7 +112,7 @@ def read_checked(path: Path, request: Request) -> RasterImage:
         for spec in parts:
             cols, rows = max(spec.width, spec.full_width), max(spec.height, spec.full_height)
             request.check_size(path, cols, rows)
-        chosen = layers.choose(path, parts, request, pages=source.facts.pages)
+        chosen = layers.choose(path, parts, request, pages=source.facts.pages, names=source.facts.names)
         refuse_deep(path, parts[chosen.part])
         return read_layer(source, chosen)
     finally:
@@ -137,7 +137,9 @@ def read_layer(source: Source, chosen: layers.Layer, *, placed: bool = False) ->
     ------
     InputError, LimitError
     """
-    path, facts = source.path, source.facts
+    path, facts = source.path, source.facts.of_part(chosen.part)
+    if facts.refusal:
+        raise InputError(f"{path}: {facts.refusal}")
     source.reader.seek_subimage(chosen.part, 0)
     spec = source.reader.spec()
     values, stored = _samples(source, spec, chosen)

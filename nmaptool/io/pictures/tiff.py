@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +13,15 @@ import tifffile
 
 from nmaptool.core.errors import InputError
 from nmaptool.io.pictures.facts import Facts
-from nmaptool.io.pictures.photos import cmyk_note
+from nmaptool.io.pictures.layer_names import page_name
+from nmaptool.io.pictures.photos import ink_facts
 from nmaptool.io.pictures.request import Request, damaged
 from nmaptool.io.pictures.through_oiio import read_checked
 from nmaptool.io.pictures.tiff_pages import decoded, tiff_damage_named
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.shown import counted
 
-_NODATA, _PIXEL_SCALE, _GEO_KEYS = 42113, 33550, 34735
+_NODATA, _PIXEL_SCALE, _GEO_KEYS, _PAGE_NAME = 42113, 33550, 34735, 285
 _WHITE_IS_ZERO, _PALETTE, _INKS, _YCBCR, _LAB = 0, 3, 5, 6, (8, 9, 10)
 _MASK_PAGE, _MOST_PAGES, _MOST_CHANNELS = 4, 10_000, 64
 # packings that every libtiff decodes: none, CCITT, LZW, JPEG, Deflate, PackBits
@@ -33,6 +34,9 @@ _LOSSY = {
     34712: "JPEG 2000",
     34892: "JPEG",
     34887: "LERC",
+    34927: "WebP",
+    50001: "WebP",
+    50002: "JPEG XL",
 }
 _UNSIGNED, _SIGNED, _FLOAT, _COMPLEX = 1, 2, 3, (5, 6)
 _MODEL_TYPE, _LINEAR_UNIT, _PROJECTED, _METRE = 1024, 3076, 1, 9001
@@ -52,6 +56,7 @@ class _Page:
     nodata: float | None
     metres_per_px: float | None
     reduced: bool
+    name: str
 
     @property
     def through_oiio(self) -> bool:
@@ -87,17 +92,22 @@ def _page(page: tifffile.TiffPage) -> _Page:
         nodata=_nodata(tags.valueof(_NODATA, None)),
         metres_per_px=_metres(tags.valueof(_PIXEL_SCALE, None), tags.valueof(_GEO_KEYS, None)),
         reduced=bool(int(tags.valueof(254, 0)) & (1 | _MASK_PAGE)),
+        name=_text(tags.valueof(_PAGE_NAME, "")) or page_name(page.index),
     )
 
 
 def _nodata(value: object) -> float | None:
     """The value that means "no data", as the nearest float32, because pixels are compared with it."""
-    text = value.decode("latin-1") if isinstance(value, bytes) else str(value)
     try:
         with np.errstate(over="ignore"):
-            return float(np.float32(float(text.strip("\0 \n"))))
+            return float(np.float32(float(_text(value))))
     except ValueError:
         return None
+
+
+def _text(value: object) -> str:
+    text = value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+    return text.partition("\0")[0].strip()
 
 
 def _metres(scale: Any, keys: Any) -> float | None:
@@ -112,51 +122,64 @@ def _metres(scale: Any, keys: Any) -> float | None:
 
 
 def tiff_facts(path: Path, request: Request) -> Facts:
-    """What the tags of a TIFF say about its numbers and colours.
+    """What the tags of a TIFF say about the numbers and colours of its pages.
 
     Raises
     ------
     InputError, LimitError
-        Also for colours that are no vectors: inks, unless read as depth, and CIELAB.
     """
     return _facts(path, request, _pages(path))
 
 
 def _facts(path: Path, request: Request, pages: list[_Page]) -> Facts:
-    first = pages[0]
     for page in pages:
         request.check_size(path, page.cols, page.rows)
-    if first.samples > _MOST_CHANNELS:
-        raise InputError(f"{path}: has {first.samples} channels; a picture has 1 to 4")
-    notes = []
-    if first.colors in _LAB:
-        raise InputError(f"{path}: stores CIELAB colours; export it as RGB")
-    if first.sample_format in _COMPLEX:
-        raise InputError(f"{path}: stores complex numbers; save their real part or their magnitude")
-    if first.colors == _INKS:
-        notes.append(cmyk_note(path, request))
-    if first.colors == _PALETTE:
-        notes.append(f"its colours are a palette of {2**first.bits}")
-    elif first.bits < 8:
-        notes.append(f"has only {counted(first.bits, 'bit')} per channel")
-    elif first.bits in (10, 12, 14):
-        notes.append(f"has {first.bits} bits per channel, widened to 16")
-    inverted = first.colors == _WHITE_IS_ZERO and first.sample_format == _UNSIGNED
+    parts = tuple(_page_facts(page, request) for page in pages)
+    if len(pages) == 1:
+        return parts[0]
+    count = sum(not page.reduced for page in pages)
+    return replace(parts[0], parts=parts, pages=count, names=tuple(page.name for page in pages))
+
+
+def _page_facts(page: _Page, request: Request) -> Facts:
+    refusal = _refusal(page)
+    if refusal:
+        return Facts(refusal=refusal)
+    inks = ink_facts(request) if page.colors == _INKS else Facts()
+    notes = list(inks.notes)
+    if page.colors == _PALETTE:
+        notes.append(f"its colours are a palette of {2**page.bits}")
+    elif page.bits < 8:
+        notes.append(f"has only {counted(page.bits, 'bit')} per channel")
+    elif page.bits in (10, 12, 14):
+        notes.append(f"has {page.bits} bits per channel, widened to 16")
+    inverted = page.colors == _WHITE_IS_ZERO and page.sample_format == _UNSIGNED
     if inverted:
         notes.append("states that 0 is white: shown, and read, as the negative of its numbers")
-    if first.packing in _LOSSY:
-        notes.append(f"is packed as {_LOSSY[first.packing]}, which changes its numbers")
-    elif first.colors == _YCBCR:
+    if page.packing in _LOSSY:
+        notes.append(f"is packed as {_LOSSY[page.packing]}, which may change its numbers")
+    elif page.colors == _YCBCR:
         notes.append("stores luminance and chroma, converted to RGB")
     return Facts(
-        lossy=first.packing in _LOSSY or first.colors == _YCBCR,
-        nodata=first.nodata,
+        lossy=page.packing in _LOSSY or page.colors == _YCBCR,
+        nodata=page.nodata,
         notes=tuple(notes),
-        coarse=first.colors in (_PALETTE, _INKS) or first.bits < 8,
-        attributes={} if first.metres_per_px is None else {"metres_per_px": repr(first.metres_per_px)},
+        coarse=page.colors in (_PALETTE, _INKS) or page.bits < 8,
+        attributes={} if page.metres_per_px is None else {"metres_per_px": repr(page.metres_per_px)},
         white_is_zero=inverted,
-        pages=sum(not page.reduced for page in pages) if len(pages) > 1 else 0,
+        refusal=inks.refusal,
     )
+
+
+def _refusal(page: _Page) -> str:
+    """Why the numbers of a page are not read; empty if they are."""
+    if page.samples > _MOST_CHANNELS:
+        return f"has {page.samples} channels; a picture has 1 to 4"
+    if page.colors in _LAB:
+        return "stores CIELAB colours; export it as RGB"
+    if page.sample_format in _COMPLEX:
+        return "stores complex numbers; save their real part or their magnitude"
+    return ""
 
 
 def read_tiff(path: Path, request: Request) -> RasterImage:
@@ -170,3 +193,18 @@ def read_tiff(path: Path, request: Request) -> RasterImage:
     if all(page.through_oiio for page in pages):
         return read_checked(path, request)
     return decoded(path, request, _facts(path, request, pages))
+
+
+def refuse_unusual(path: Path) -> None:
+    """Refuse a TIFF with pages that OpenImageIO does not decode.
+
+    Raises
+    ------
+    InputError
+    """
+    for page in _pages(path):
+        if page.packing not in _COMMON:
+            packing = tifffile.COMPRESSION(page.packing).name
+            raise InputError(f"{path}: its {page.name} is packed as {packing}; save it with LZW or Deflate")
+        if not page.through_oiio:
+            raise InputError(f"{path}: its {page.name} has {page.bits} bits per channel; save it with 8, 16 or 32 bits")

@@ -10,7 +10,7 @@ import warnings
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import tifffile
@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.io.pictures.facts import Facts
+from nmaptool.io.pictures.layer_names import matching, page_name, pages_note
+from nmaptool.io.pictures.metadata import depth_facts, own_lines
 from nmaptool.io.pictures.request import Request, damaged
 from nmaptool.io.pictures.sample_types import as_pixels
 from nmaptool.types.picture import RasterImage
@@ -28,7 +30,11 @@ _DAMAGE = (
     # of imagecodecs, and of Python's own unpackers without it
     *(RuntimeError, zlib.error, lzma.LZMAError),
 )
-_CHANNELS = {1: ("Y",), 2: ("Y", "A"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
+_COLORS = {0: ("Y",), 1: ("Y",), 2: ("R", "G"), 3: ("R", "G", "B")}
+_ORIENTATION, _RGB, _PALETTE, _ALPHA, _WHOLE = 274, 2, 3, (1, 2), 16
+# colours that must be converted, and the packings after which tifffile gives RGB
+_CONVERTED = {5: "CMYK inks", 6: "luminance and chroma"}
+_CONVERTING = (6, 7, 33003, 33005, 34712, 34892, 34927, 50001, 50002)
 
 
 @contextlib.contextmanager
@@ -65,47 +71,80 @@ def decoded(path: Path, request: Request, facts: Facts) -> RasterImage:
         Also if imagecodecs is needed and not installed.
     LimitError
     """
+    number = _page_number(path, request, facts)
+    own = facts.of_part(number)
+    if own.refusal:
+        raise InputError(f"{path}: {own.refusal}")
     with tiff_damage_named(path):
-        number = _page_number(path, request)
-        values = _values(path, number, 0)
+        page = _page(path, number, 0)
         # tifffile fills what is missing; what differs between two fillings is missing
-        if not np.array_equal(values, _values(path, number, 1), equal_nan=values.dtype.kind in "fc"):
+        if not np.array_equal(page.values, _page(path, number, 1).values, equal_nan=page.values.dtype.kind in "fc"):
             raise damaged(path, "TIFF")
-    if values.shape[2] not in _CHANNELS:
-        raise InputError(f"{path}: has {values.shape[2]} channels; a picture has 1 to 4")
-    if facts.white_is_zero:
+    values, channels = _named(path, page)
+    if own.white_is_zero:
         values = np.iinfo(values.dtype).max - values
     pixels = as_pixels(str(path), values)
-    channels = _CHANNELS[values.shape[2]]
+    attributes = {**own_lines(page.description), **own.attributes}
+    more = pages_note(path.name, facts.pages, facts.names) if request.layer is None else ()
     return RasterImage(
         pixels=np.ascontiguousarray(pixels.values),
         channels=channels,
         name=str(path) if request.layer is None else f"{path}:{request.layer}",
         bits=pixels.bits,
-        lossy=facts.lossy,
-        attributes=facts.attributes,
+        lossy=own.lossy,
+        attributes=attributes,
+        color_chunks=("ICC profile",) if page.profile else (),
         layer=request.layer,
-        nodata=facts.nodata,
-        notes=(*facts.notes, *pixels.notes),
-        coarse=facts.coarse,
+        depth_facts=depth_facts(attributes),
+        nodata=own.nodata,
+        orientation=page.orientation,
+        notes=(*own.notes, *more, *pixels.notes),
+        coarse=own.coarse,
     )
 
 
-def _page_number(path: Path, request: Request) -> int:
+def _page_number(path: Path, request: Request, facts: Facts) -> int:
     if request.layer is None:
         return 0
-    with tifffile.TiffFile(path) as tiff:
-        names = [f"page {number + 1}" for number in range(len(tiff.pages))]
-    if request.layer.lower() not in names:
+    names = facts.names or (page_name(0),)
+    found = matching(request.layer, [[name, page_name(number)] for number, name in enumerate(names)])
+    if not found:
         raise InputError(f"{path}: has no layer {request.layer!r}; it holds: {', '.join(names)}")
-    return names.index(request.layer.lower())
+    return found[0]
 
 
-def _values(path: Path, number: int, filling: int) -> NDArray[Any]:
-    """(H, W, C): the numbers of a page."""
+class _Page(NamedTuple):
+    """A decoded page.
+
+    Attributes
+    ----------
+    values : (H, W, C)
+        Its numbers, with colours in place of places in a palette, and codes of few bits widened.
+    alpha : int or None
+        Position of the channel that the file calls alpha.
+    colored : bool
+        Whether the first three channels are red, green and blue by the file's own words.
+    description : str
+    profile : bool
+        Whether it has an ICC profile.
+    orientation : int
+    """
+
+    values: NDArray[Any]
+    alpha: int | None
+    colored: bool
+    description: str
+    profile: bool
+    orientation: int
+
+
+def _page(path: Path, number: int, filling: int) -> _Page:
     with tifffile.TiffFile(path) as tiff:
         page = tiff.pages[number]
         page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
+        if page.photometric in _CONVERTED and page.compression not in _CONVERTING:
+            words = f"{_CONVERTED[page.photometric]} packed as {page.compression.name}"
+            raise InputError(f"{path}: stores {words}; save it as RGB or grey with LZW or Deflate")
         page.nodata = filling
         try:
             values: NDArray[Any] = page.asarray()
@@ -117,7 +156,35 @@ def _values(path: Path, number: int, filling: int) -> NDArray[Any]:
                 ) from None
             raise
         planes, slices, rows, cols, count = page.shaped
+        extra, depth = tuple(page.extrasamples), page.bitspersample
+        palette, orientation = page.colormap, int(page.tags.valueof(_ORIENTATION, 1))
+        description, profile = str(page.description), page.iccprofile is not None
+        colored = page.photometric in (_RGB, *_CONVERTED)
     if slices != 1:
         raise InputError(f"{path}: holds a volume; save one slice of it")
     values = values.reshape(planes, rows, cols, count)
-    return values[0] if planes == 1 else np.moveaxis(values[..., 0], 0, -1)
+    values = values[0] if planes == 1 else np.moveaxis(values[..., 0], 0, -1)
+    if palette is not None and page.photometric == _PALETTE:
+        values, colored = (palette >> 8).astype(np.uint8).T[values[..., 0]], True
+    elif values.dtype.kind == "u" and depth < _WHOLE:
+        values = _widened(values, depth)
+    alpha = next((values.shape[2] - len(extra) + i for i, kind in enumerate(extra) if kind in _ALPHA), None)
+    return _Page(values, alpha, colored, description, profile, orientation if 1 <= orientation <= 8 else 1)
+
+
+def _widened(values: NDArray[Any], depth: int) -> NDArray[Any]:
+    """Codes of less than 8 or 16 bits as codes of these."""
+    full = 255 if depth <= 8 else 65535
+    wide = np.rint(values.astype(np.float64) * (full / ((1 << depth) - 1)))
+    return wide.astype(np.uint8 if full == 255 else np.uint16)
+
+
+def _named(path: Path, page: _Page) -> tuple[NDArray[Any], tuple[str, ...]]:
+    """The channels to use and their names, as OpenImageIO chooses them from other files."""
+    colors = [channel for channel in range(page.values.shape[2]) if channel != page.alpha]
+    if page.colored or len(colors) >= 3:
+        colors = colors[:3]
+    names = _COLORS[len(colors)]
+    if page.alpha is not None and colors:
+        colors, names = [*colors, page.alpha], (*names, "A")
+    return page.values[..., colors or [0]], names

@@ -8,10 +8,11 @@ from nmaptool.core.errors import InputError, LimitError, reason_of
 from nmaptool.io.opening import read_head
 from nmaptool.types.workspace import Workspace
 
+_ORA = b"image/openraster"
 _KINDS = {
+    _ORA: ("ORA", (".ora",)),
     b"8BPS\0\1": ("PSD", (".psd",)),
     b"8BPS\0\2": ("PSB", (".psb", ".psd")),
-    b"PK\3\4": ("ORA", (".ora",)),
     b"II*\0": ("TIFF", (".tif", ".tiff")),
     b"MM\0*": ("TIFF", (".tif", ".tiff")),
     b"II+\0": ("TIFF", (".tif", ".tiff")),
@@ -22,7 +23,9 @@ _ACCEPTED = "PSD, PSB, ORA, TIFF or EXR"
 
 
 def _kind(path: Path) -> str:
-    head, _ = read_head(path, 8, "a workspace file", "give a file")
+    head, _ = read_head(path, 64, "a workspace file", "give a file")
+    if head.startswith(b"PK\3\4") and (path.suffix.lower() == ".ora" or head[38:].startswith(_ORA)):
+        head = _ORA
     for magic, (kind, endings) in _KINDS.items():
         if head.startswith(magic):
             if path.suffix and path.suffix.lower() not in endings:

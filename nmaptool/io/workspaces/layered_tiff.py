@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from nmaptool.core.errors import LimitError
 from nmaptool.io.pictures.metadata import PREFIX
 from nmaptool.io.pictures.reader import read_pages
+from nmaptool.io.pictures.tiff import refuse_unusual
 from nmaptool.io.pictures.tiff_pages import tiff_damage_named
 from nmaptool.io.workspaces import metadata as metadata
 from nmaptool.io.workspaces.limits import MOST_LAYERS, Budget
@@ -99,6 +100,7 @@ def read_layered_tiff(path: Path, max_megapixels: float) -> Workspace:
     """
     with tiff_damage_named(path):
         directories = _directories(path)
+        refuse_unusual(path)
         budget = Budget(path, max_megapixels)
         for tags in directories:
             budget.add(tags.name, tags.cols, tags.rows)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from nmaptool.core.arrays import Float64
@@ -18,11 +20,41 @@ _DIRECT = 60_000
 _NO_TIE = 1e-11
 
 
-def assemble(level: Stencil) -> tuple[sparse.csr_matrix, np.ndarray]:
-    """Return the matrix of the level's active unknowns, CSR float64, and their indices; grid first, then off-grid.
+@dataclass(frozen=True, eq=False)
+class Coarsest:
+    """The system of the coarsest level.
 
-    The diagonal is summed in float64; parts without ties stay exactly singular.
+    Attributes
+    ----------
+    matrix : CSR float64
+        Of the active unknowns; one unknown is tied in each part without ties.
+    places : (n,) int64
+        Their indices in the level; grid first, then off-grid.
+    part : (n,) int64
+        The part, connected by couplings, of each unknown.
+    size : (parts,) int64
+        Unknowns of each part without ties, 0 for the others.
     """
+
+    matrix: sparse.csr_matrix
+    places: NDArray[np.int64]
+    part: NDArray[np.int64]
+    size: NDArray[np.int64]
+
+    def balanced(self, values: Float64) -> Float64:
+        """Subtract the mean of each part without ties: no heights can change that of a load, and none matters.
+
+        Rounding on the finer levels makes it grow otherwise.
+        """
+        if not self.size.any():
+            return values
+        total = np.bincount(self.part, values, minlength=len(self.size))
+        mean = np.divide(total, self.size, out=np.zeros(len(self.size)), where=self.size > 0)
+        return values - mean[self.part]
+
+
+def assemble(level: Stencil) -> Coarsest:
+    """Return the system of a level; its diagonal is summed in float64."""
     rows, cols = level.shape
     size, off_grid = level.size, level.off_grid
     active = np.concatenate([level.diagonal > 0, off_grid.diagonal > 0])
@@ -47,23 +79,17 @@ def assemble(level: Stencil) -> tuple[sparse.csr_matrix, np.ndarray]:
     )
     total = np.asarray(couplings.sum(axis=1)).ravel()
     matrix = (sparse.diags(total + tie) - couplings).tocsr()
-    return _anchored(matrix, couplings, tie, total), np.flatnonzero(active)
-
-
-def _anchored(
-    matrix: sparse.csr_matrix, couplings: sparse.csr_matrix, tie: Float64, total: Float64
-) -> sparse.csr_matrix:
-    """Return the matrix with one unknown tied in each part without ties: the constant is free there, so any will do."""
-    count, label = sparse.csgraph.connected_components(couplings, directed=False)
-    ties, sums = (np.bincount(label, each, minlength=count) for each in (tie, total))
+    parts, part = sparse.csgraph.connected_components(couplings, directed=False)
+    ties, sums = (np.bincount(part, each, minlength=parts) for each in (tie, total))
     loose = ties <= _NO_TIE * sums
-    if not loose.any():
-        return matrix
-    _, first = np.unique(label, return_index=True)
-    more = np.zeros(matrix.shape[0])
-    anchors = first[loose]
-    more[anchors] = np.maximum(total[anchors], 1e-300)
-    return (matrix + sparse.diags(more)).tocsr()
+    if loose.any():
+        # the constant is free there, so any will do
+        _, first = np.unique(part, return_index=True)
+        more = np.zeros(count)
+        more[first[loose]] = np.maximum(total[first[loose]], 1e-300)
+        matrix = (matrix + sparse.diags(more)).tocsr()
+    unknowns = np.where(loose, np.bincount(part, minlength=parts), 0)
+    return Coarsest(matrix, np.flatnonzero(active), part.astype(np.int64), unknowns)
 
 
 def coarse_solver(matrix: sparse.csr_matrix) -> Callable[[Float64], Float64]:

@@ -118,8 +118,8 @@ class Hierarchy:
             self.relaxations.append(Relaxation(level))
         self._factor = 1.0
         self.last = level
-        matrix, self._places = assemble(level)
-        self._solve = coarse_solver(matrix)
+        self._coarsest = assemble(level)
+        self._solve = coarse_solver(self._coarsest.matrix)
 
     def under(self, system: QuadSystem, factor: float) -> Hierarchy:
         """Return a hierarchy with these coarse levels and the finest level of a similar system.
@@ -195,7 +195,9 @@ class Hierarchy:
         last = self.last
         load = np.concatenate([residual, at_strays])
         x = np.zeros(len(load), residual.dtype)
-        x[self._places] = self._solve(load[self._places].astype(np.float64))
+        coarsest = self._coarsest
+        found = self._solve(coarsest.balanced(load[coarsest.places].astype(np.float64)))
+        x[coarsest.places] = coarsest.balanced(found)
         out = new_field(last.shape, last.dtype)
         inner(out, last.shape)[:] = x[: last.size].reshape(last.shape)
         return out, x[last.size :]
