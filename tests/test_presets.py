@@ -207,8 +207,6 @@ def test_a_constant_blue_that_faces_away_is_not_z(blue):
     read = nm.decode_normal_map(codes)
     assert (read.decoding.components, read.decoding.components_from) == ("xy", "found")
     assert np.abs(read.normals[..., :2] - shallow[..., :2]).max() < 0.01
-    codes[..., 1] = 128  # ridges
-    assert nm.decode_normal_map(codes).decoding.components == "xy"
 
 
 def test_a_preset_is_named_in_errors_and_its_z_does_not_matter_for_two_components():

@@ -109,7 +109,7 @@ def find_components(image: RasterImage, wanted: str, order: tuple[int, ...]) -> 
 
 
 def _blue_is_not_z(image: RasterImage, order: tuple[int, ...]) -> bool:
-    """Whether blue is constant and cannot be z, while red and green vary; one of them is enough if blue faces away."""
+    """Whether blue is constant and cannot be z, while red and green vary."""
     at = [image.channels.index("RGB"[channel]) for channel in order]
     flat = image.pixels.reshape(-1, len(image.channels))
     for step in (max(1, len(flat) // _SAMPLE), 1):  # a few pixels decide for most maps
@@ -120,10 +120,7 @@ def _blue_is_not_z(image: RasterImage, order: tuple[int, ...]) -> bool:
         if blue.size and blue.min() != blue.max():  # also for NaN
             return False
     codes = codes[:, at]
-    if not codes.size or not np.isfinite(codes).all():
-        return False
-    ranges = np.ptp(codes[:, :2], axis=0)
-    if ranges.max() == 0:
+    if not codes.size or not np.isfinite(codes).all() or min(np.ptp(codes[:, 0]), np.ptp(codes[:, 1])) == 0:
         return False
     if image.is_float:
         vectors = codes * 2 - 1 if is_unsigned_pair(codes[:, :2]) else codes
@@ -133,8 +130,6 @@ def _blue_is_not_z(image: RasterImage, order: tuple[int, ...]) -> bool:
         tolerance = 7 / image.max_code  # rounding or truncation of three codes
     if vectors[0, 2] <= 0:  # the whole picture would face away
         return True
-    if ranges.min() == 0:
-        return False
     off = np.abs(np.einsum("ij,ij->i", vectors, vectors, dtype=np.float64) - 1) > tolerance
     return bool(off.mean() > _BLUE_OFF_SHARE)
 
