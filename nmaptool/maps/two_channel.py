@@ -128,9 +128,7 @@ def _blue_is_not_z(image: RasterImage, order: tuple[int, ...]) -> bool:
     else:
         vectors = codes * (2 / image.max_code) - 1
         tolerance = 7 / image.max_code  # rounding or truncation of three codes
-    if (
-        vectors[0, 2] <= 0
-    ):  # then the whole picture would face away, also where x and y are so small that it has unit length
+    if vectors[0, 2] <= 0:  # the whole picture would face away
         return True
     off = np.abs(np.einsum("ij,ij->i", vectors, vectors, dtype=np.float64) - 1) > tolerance
     return bool(off.mean() > _BLUE_OFF_SHARE)
