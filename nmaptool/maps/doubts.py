@@ -14,7 +14,7 @@ from nmaptool.maps.background import Background, alpha_is_data
 from nmaptool.maps.channels import Channels
 from nmaptool.maps.conventions import better_remedy, better_swizzle
 from nmaptool.maps.coverage import Covered
-from nmaptool.maps.layouts import find_curve, is_premultiplied
+from nmaptool.maps.layouts import LENGTH_OFF, find_curve, is_premultiplied
 from nmaptool.maps.orders import MOST_AWAY, SURE_CURL_RATIO
 from nmaptool.options import ReadOptions
 from nmaptool.types.inspection import Finding
@@ -32,7 +32,6 @@ DOUBTS = (
     "scaled",
     "facing-away",
 )
-LENGTH_OFF = 0.1
 # if this share of the vectors is not of unit length, the picture is not a normal map
 NOT_NORMALS_SHARE = 0.5
 # if more than this share faces away, the map was made for another order of axes

@@ -16,8 +16,9 @@ from nmaptool.maps.blocks import shows_blocks
 from nmaptool.maps.channels import Channels, as_read, color_channels
 from nmaptool.maps.conventions import better_swizzle
 from nmaptool.maps.decoding import decode_image
-from nmaptool.maps.doubts import LENGTH_OFF, facing_doubts
+from nmaptool.maps.doubts import facing_doubts
 from nmaptool.maps.inspection_rules import RULES
+from nmaptool.maps.layouts import LENGTH_OFF
 from nmaptool.maps.zero_code import detect_zero_code, zero_and_scale
 from nmaptool.options import ReadOptions
 from nmaptool.types.inputs import MaskLike, RasterLike, as_raster

@@ -24,7 +24,7 @@ _MOST_TOO_LONG, _LONGEST = 0.01, 1.02
 _LEAST_PARTIAL = 0.3
 # a curve explains the lengths if this share of vectors at most is then off, and this many times fewer than before
 _STILL_OFF, _TIMES_FEWER = 0.1, 5
-_LENGTH_OFF = 0.1
+LENGTH_OFF = 0.1
 # alpha between these is partial; this many such pixels show whether colours were multiplied: then at least this share
 # of their colours is no larger than alpha
 _LEAST_ALPHA, _MOST_ALPHA, _PARTIAL_PIXELS, _BELOW_ALPHA = 0.1, 0.9, 50, 0.98
@@ -159,7 +159,7 @@ def find_curve(image: RasterImage, background: Mask) -> str | None:
 
     def off(values: NDArray[Any]) -> float:
         lengths = np.linalg.norm(codec.decode_shares(values), axis=1)
-        return float((np.abs(lengths - 1) > _LENGTH_OFF).mean())
+        return float((np.abs(lengths - 1) > LENGTH_OFF).mean())
 
     curves = {curve: off(_undone(shares, curve)) for curve in ("srgb", "linear", "video")}
     best = min(curves, key=lambda curve: curves[curve])
