@@ -13,8 +13,9 @@
    SUMMING: likewise, with its sums added in any order, fixed for a build. Elsewhere, a fused or reordered operation would
    give the two ends of a coupling different values, and the sum of a residual would drift. */
 #pragma STDC FP_CONTRACT OFF
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
-#define PER_PROCESSOR , target_clones("arch=haswell", "default")
+/* "arch=haswell" would only be chosen on processors of that name; GCC 12 is the first that knows levels */
+#if defined(__GNUC__) && !defined(__clang__) && __GNUC__ >= 12 && defined(__x86_64__) && defined(__GLIBC__)
+#define PER_PROCESSOR , target_clones("arch=x86-64-v3", "default")
 #else
 #define PER_PROCESSOR
 #endif

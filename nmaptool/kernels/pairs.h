@@ -6,11 +6,13 @@
 #include "arrays.h"
 #include <stdlib.h>
 
-enum { SPACE = 6, SUMS = 4, MOMENTS = SUMS + SUMS * SPACE, LANES = 8, TARGETS = 4 };
+/* A source is a column of ROWS floats: its place (SPACE) and its sums (SUMS). LANES columns in a row form a block. */
+enum { SPACE = 6, SUMS = 4, ROWS = SPACE + SUMS, MOMENTS = SUMS + SUMS * SPACE, LANES = 8, TARGETS = 4, BOX = 6 };
 
-/* exp(x) for x <= 0, to 3e-7 of its value; 0 below -87 */
+/* exp(x) for x <= 0, to 3e-7 of its value; 0 below -87. Conditions are factors: with a branch or a constant limit, GCC does
+   not turn the loop into vector instructions. */
 INLINE float exp_below(float x) {
-    float clipped = x < -87.0f ? -87.0f : x;
+    float is_above = (float)(x > -87.0f), clipped = x * is_above;
     int32_t power_of_2 = (int32_t)(clipped * 1.44269504f - 0.5f); /* rounded: cut towards 0 */
     float whole = (float)power_of_2;
     float r = clipped - whole * 0.693359375f + whole * 2.12194440e-4f;
@@ -20,7 +22,7 @@ INLINE float exp_below(float x) {
         float value;
     } power;
     power.bits = (power_of_2 + 127) << 23;
-    return x < -87.0f ? 0.0f : p * power.value;
+    return p * power.value * is_above;
 }
 
 /* Weights of `count` sources (SPACE rows of floats) for one target: both Gaussians, 0 beyond the radius in the first three. */
@@ -35,73 +37,129 @@ SUMMING void pair_weights(const float *restrict rows, Py_ssize_t count, const fl
         float d = g[j] - tg, e = h[j] - th, f = k[j] - tk;
         float place = a * a + b * b + c * c;
         float weight = exp_below(-0.5f * (place + (d * d + e * e + f * f)));
-        weights[j] = place <= radius2 ? weight : 0.0f;
+        weights[j] = weight * (float)(place <= radius2);
     }
 }
 
-/* Products of TARGETS rows of weights with two rows of values, into two rows of `out`. */
-SUMMING void dot_rows(const float *restrict weights, const float *restrict values, Py_ssize_t count, float *restrict out) {
+/* Sums of weights times `sum`, and their products with the places of `count` sources, for two targets: out[2][1 + SPACE]. */
+SUMMING void pair_moments(const float *restrict rows, Py_ssize_t count, const float *restrict sum,
+                          const float *restrict weights, float *restrict out) {
     ANY_ORDER
-    const float *restrict w0 = weights, *restrict w1 = weights + count;
-    const float *restrict w2 = weights + 2 * count, *restrict w3 = weights + 3 * count;
-    const float *restrict other = values + count;
-    float s0 = 0, s1 = 0, s2 = 0, s3 = 0, t0 = 0, t1 = 0, t2 = 0, t3 = 0;
+    const float *restrict x = rows, *restrict y = rows + count, *restrict z = rows + 2 * count;
+    const float *restrict g = rows + 3 * count, *restrict h = rows + 4 * count, *restrict k = rows + 5 * count;
+    const float *restrict other = weights + count;
+    float s = 0, sx = 0, sy = 0, sz = 0, sg = 0, sh = 0, sk = 0;
+    float t = 0, tx = 0, ty = 0, tz = 0, tg = 0, th = 0, tk = 0;
     for (Py_ssize_t j = 0; j < count; j++) {
-        float a = values[j], b = other[j];
-        s0 += w0[j] * a, s1 += w1[j] * a, s2 += w2[j] * a, s3 += w3[j] * a;
-        t0 += w0[j] * b, t1 += w1[j] * b, t2 += w2[j] * b, t3 += w3[j] * b;
+        float v = weights[j] * sum[j], w = other[j] * sum[j];
+        s += v, sx += v * x[j], sy += v * y[j], sz += v * z[j], sg += v * g[j], sh += v * h[j], sk += v * k[j];
+        t += w, tx += w * x[j], ty += w * y[j], tz += w * z[j], tg += w * g[j], th += w * h[j], tk += w * k[j];
     }
-    out[0] = s0, out[1] = s1, out[2] = s2, out[3] = s3;
-    out[4] = t0, out[5] = t1, out[6] = t2, out[7] = t3;
+    out[0] = s, out[1] = sx, out[2] = sy, out[3] = sz, out[4] = sg, out[5] = sh, out[6] = sk;
+    out[7] = t, out[8] = tx, out[9] = ty, out[10] = tz, out[11] = tg, out[12] = th, out[13] = tk;
 }
 
-/* Copies a source into column `j`: its place relative to `origin`, and its moments. */
-static inline void lay_source(float *restrict rows, Py_ssize_t count, Py_ssize_t j, const float *restrict place,
-                              const float *restrict sums, const float *restrict origin) {
-    float step[SPACE];
-    for (int d = 0; d < SPACE; d++) rows[d * count + j] = step[d] = place[d] - origin[d];
-    for (int m = 0; m < SUMS; m++) {
-        rows[(SPACE + m) * count + j] = sums[m];
-        for (int d = 0; d < SPACE; d++) rows[(SPACE + SUMS + m * SPACE + d) * count + j] = sums[m] * step[d];
+/* A box: lowest and highest x, y, z. */
+static inline void start_box(float *box, const float *place) {
+    for (int d = 0; d < 3; d++) box[d] = box[3 + d] = place[d];
+}
+
+static inline void widen_box(float *box, const float *place) {
+    for (int d = 0; d < 3; d++) {
+        box[d] = place[d] < box[d] ? place[d] : box[d];
+        box[3 + d] = place[d] > box[3 + d] ? place[d] : box[3 + d];
     }
 }
 
-/* The sums at the nodes of one large patch; `work` holds (SPACE + MOMENTS + TARGETS) * count floats. */
-static void patch_sums(const float *places, const float *sums, const int64_t *start, const int64_t *near, Py_ssize_t nears,
-                       int64_t first, int64_t last, float radius2, Py_ssize_t count, float *work, float *out) {
-    const float *origin = places + first * SPACE;
-    float *weights = work + (SPACE + MOMENTS) * count;
+/* Squared distance of two boxes. */
+static inline float box_gap2(const float *one, const float *other) {
+    float total = 0;
+    for (int d = 0; d < 3; d++) {
+        float right = one[d] - other[3 + d], left = other[d] - one[3 + d];
+        float gap = right > left ? right : left;
+        total += gap > 0 ? gap * gap : 0;
+    }
+    return total;
+}
+
+/* Memory for the sources of one large patch: all of them, those near a group of targets, and weights. */
+typedef struct {
+    Py_ssize_t room;
+    float *all, *close, *weights, *boxes;
+} Work;
+
+enum { FLOATS_PER_SOURCE = 2 * ROWS + TARGETS + 1 }; /* a box has BOX floats for LANES sources */
+
+static int make_room(Work *work, Py_ssize_t count) {
+    if (count <= work->room) return 1;
+    free(work->all);
+    work->room = 2 * count;
+    work->all = malloc((size_t)FLOATS_PER_SOURCE * work->room * sizeof(float));
+    if (work->all == NULL) return 0;
+    work->close = work->all + ROWS * work->room;
+    work->weights = work->close + ROWS * work->room;
+    work->boxes = work->weights + TARGETS * work->room;
+    return 1;
+}
+
+/* Copies the sources of a large patch, relative to `origin`, to rows of `count` floats; draws a box around each block. */
+static void lay_sources(const float *places, const float *sums, const int64_t *start, const int64_t *near, Py_ssize_t nears,
+                        const float *origin, Py_ssize_t count, const Work *work) {
+    float *rows = work->all;
     Py_ssize_t j = 0;
     for (Py_ssize_t n = 0; n < nears; n++)
-        for (int64_t s = start[near[n]]; s < start[near[n] + 1]; s++)
-            lay_source(work, count, j++, places + s * SPACE, sums + s * SUMS, origin);
-    for (; j < count; j++) {
-        for (int d = 0; d < SPACE; d++) work[d * count + j] = 1e6f;
-        for (int m = SPACE; m < SPACE + MOMENTS; m++) work[m * count + j] = 0;
-    }
-    for (int64_t t = first; t < last; t += TARGETS) {
-        int targets = last - t < TARGETS ? (int)(last - t) : TARGETS;
-        for (int a = 0; a < TARGETS; a++) {
-            float step[SPACE];
-            const float *place = places + (a < targets ? t + a : t) * SPACE;
-            for (int d = 0; d < SPACE; d++) step[d] = place[d] - origin[d];
-            pair_weights(work, count, step, radius2, weights + a * count);
+        for (int64_t s = start[near[n]]; s < start[near[n] + 1]; s++, j++) {
+            float step[SPACE], *box = work->boxes + j / LANES * BOX;
+            for (int d = 0; d < SPACE; d++) rows[d * count + j] = step[d] = places[s * SPACE + d] - origin[d];
+            for (int m = 0; m < SUMS; m++) rows[(SPACE + m) * count + j] = sums[s * SUMS + m];
+            if (j % LANES == 0) start_box(box, step);
+            widen_box(box, step);
         }
-        for (int m = 0; m < MOMENTS; m += 2) {
-            float found[2 * TARGETS];
-            dot_rows(weights, work + (SPACE + m) * count, count, found);
-            for (int a = 0; a < targets; a++) {
-                out[(t + a) * MOMENTS + m] = found[a];
-                out[(t + a) * MOMENTS + m + 1] = found[TARGETS + a];
+    for (; j < count; j++) {
+        for (int d = 0; d < SPACE; d++) rows[d * count + j] = 1e6f;
+        for (int m = SPACE; m < ROWS; m++) rows[m * count + j] = 0;
+    }
+}
+
+/* Copies the blocks within the radius of a box to rows of their own; returns the number of sources. */
+static Py_ssize_t take_close(const Work *work, Py_ssize_t count, const float *box, float radius2) {
+    Py_ssize_t taken = 0;
+    for (Py_ssize_t b = 0; b < count / LANES; b++) taken += box_gap2(work->boxes + b * BOX, box) <= radius2;
+    taken *= LANES;
+    Py_ssize_t j = 0;
+    for (Py_ssize_t b = 0; b < count / LANES; b++) {
+        if (!(box_gap2(work->boxes + b * BOX, box) <= radius2)) continue;
+        for (int m = 0; m < ROWS; m++)
+            memcpy(work->close + m * taken + j, work->all + m * count + b * LANES, LANES * sizeof(float));
+        j += LANES;
+    }
+    return taken;
+}
+
+/* The sums at up to TARGETS nodes of one large patch, the first of them at `places` and `out`. */
+static void group_sums(const float *places, int targets, const float *origin, float radius2, Py_ssize_t count,
+                       const Work *work, float *out) {
+    float steps[TARGETS][SPACE], box[BOX];
+    for (int a = 0; a < TARGETS; a++) {
+        const float *place = places + (a < targets ? a : 0) * SPACE;
+        for (int d = 0; d < SPACE; d++) steps[a][d] = place[d] - origin[d];
+        if (a == 0) start_box(box, steps[a]);
+        widen_box(box, steps[a]);
+    }
+    Py_ssize_t taken = take_close(work, count, box, radius2);
+    for (int a = 0; a < targets + targets % 2; a++)
+        pair_weights(work->close, taken, steps[a], radius2, work->weights + a * taken);
+    for (int a = 0; a < targets; a += 2)
+        for (int m = 0; m < SUMS; m++) {
+            float found[2][1 + SPACE];
+            pair_moments(work->close, taken, work->close + (SPACE + m) * taken, work->weights + a * taken, found[0]);
+            for (int b = 0; b < 2 && a + b < targets; b++) {
+                float *own = out + (a + b) * MOMENTS;
+                own[m] = found[b][0];
+                /* moments about the origin of the mesh */
+                for (int d = 0; d < SPACE; d++) own[SUMS + m * SPACE + d] = found[b][1 + d] + found[b][0] * origin[d];
             }
         }
-        /* moments about the origin of the mesh */
-        for (int a = 0; a < targets; a++) {
-            float *own = out + (t + a) * MOMENTS;
-            for (int m = 0; m < SUMS; m++)
-                for (int d = 0; d < SPACE; d++) own[SUMS + m * SPACE + d] += own[m] * origin[d];
-        }
-    }
 }
 
 /* pair_sums(places, sums, start, indptr, near, first, last, radius2, out) for the large patches from first to last */
@@ -123,23 +181,22 @@ static PyObject *pair_sums(PyObject *self, PyObject *args) {
     int has_memory = 1;
     if (fits) {
         Py_BEGIN_ALLOW_THREADS
-        float *work = NULL;
-        Py_ssize_t room = 0;
+        Work work = {0, NULL, NULL, NULL, NULL};
+        const float *places = FLOATS(arrays[0]), *sums = FLOATS(arrays[1]);
         for (Py_ssize_t p = first; p < last && has_memory; p++) {
+            const float *origin = places + start[p] * SPACE;
             Py_ssize_t count = 0;
             for (int64_t n = indptr[p]; n < indptr[p + 1]; n++) count += start[near[n] + 1] - start[near[n]];
             count = (count + LANES - 1) / LANES * LANES;
-            if (count > room) {
-                free(work);
-                room = 2 * count;
-                work = malloc((size_t)(SPACE + MOMENTS + TARGETS) * room * sizeof(float));
-                has_memory = work != NULL;
+            has_memory = make_room(&work, count);
+            if (!has_memory) break;
+            lay_sources(places, sums, start, near + indptr[p], indptr[p + 1] - indptr[p], origin, count, &work);
+            for (int64_t t = start[p]; t < start[p + 1]; t += TARGETS) {
+                int targets = start[p + 1] - t < TARGETS ? (int)(start[p + 1] - t) : TARGETS;
+                group_sums(places + t * SPACE, targets, origin, (float)radius2, count, &work, FLOATS(arrays[5]) + t * MOMENTS);
             }
-            if (has_memory)
-                patch_sums(FLOATS(arrays[0]), FLOATS(arrays[1]), start, near + indptr[p], indptr[p + 1] - indptr[p],
-                           start[p], start[p + 1], (float)radius2, count, work, FLOATS(arrays[5]));
         }
-        free(work);
+        free(work.all);
         Py_END_ALLOW_THREADS
     }
     return finished_with(arrays, 6, fits, has_memory, 0);
