@@ -13,7 +13,7 @@ import pytest
 import nmaptool as nm
 from nmaptool import kernels
 from nmaptool.core import parallel
-from nmaptool.kernels import grid_twins, pair_twins, transfer_twins
+from nmaptool.kernels import grid_twins, pair_twins, pixel_twins, transfer_twins
 
 ROOT = Path(__file__).parents[1]
 needs_compiler = pytest.mark.skipif(not kernels.IS_COMPILED, reason="built without a C compiler")
@@ -159,6 +159,46 @@ def test_sums_at_faces_match_their_twin():
     kernels.at_faces(at_nodes, places, of_face, where, lead, found)
     pair_twins.at_faces(at_nodes, places, of_face, where, lead, twin)
     assert np.abs(found - twin).max() < 1e-5 * np.abs(twin).max()
+
+
+@needs_compiler
+def test_pair_sums_skip_only_sources_beyond_the_radius():
+    # many large patches that reach each other, most of them too far away: whole blocks of sources are skipped
+    places, sums, start, _, _ = nodes(rng(), own=11)
+    indptr, near = np.arange(41) * 40, np.tile(np.arange(40), 40)
+    found, twin = (np.zeros((len(places), 28), np.float32) for _ in range(2))
+    for loops, out in ((kernels, found), (pair_twins, twin)):
+        loops.pair_sums(places, sums, start, indptr, near, 0, 40, 6.25, out)
+    assert np.abs(found - twin).max() < 2e-5 * np.abs(twin).max()
+
+
+def cells(random):
+    """A guide, sources of two levels, and cells up to 60 pixels away."""
+    guide, sources = plain(random, (3, 3000)), plain(random, (2, 3, 3000))
+    levels, shifts = random.integers(0, 2, 50), random.integers(-60, 61, 50)
+    return guide, sources, levels, shifts, -np.abs(plain(random, 50))
+
+
+@needs_compiler
+def test_pixel_sums_match_their_twin_and_the_definition():
+    guide, sources, levels, shifts, logs = cells(rng())
+    found, twin = (np.full((3, 2800), np.nan, np.float32) for _ in range(2))
+    kernels.pixel_sums(guide, sources, levels, shifts, logs, 100, 2900, found)
+    pixel_twins.pixel_sums(guide, sources, levels, shifts, logs, 100, 2900, twin)
+    assert np.abs(twin).max() > 1
+    assert np.abs(found - twin).max() < 1e-5
+    other = 777 + shifts
+    weight = np.exp(logs - ((guide[:, other].T.astype(float) - guide[:, 777]) ** 2).sum(axis=1))
+    assert np.abs(found[:, 677] - weight @ sources[levels, :, other]).max() < 1e-5
+
+
+@needs_compiler
+def test_cells_beyond_the_picture_are_refused():
+    guide, sources, levels, shifts, logs = cells(rng())
+    out = np.empty((3, 2800), np.float32)
+    for wrong_levels, wrong_shifts in ((levels + 1, shifts), (levels, shifts + 101), (levels, shifts - 101)):
+        with pytest.raises(ValueError, match="the sizes of the arrays do not match"):
+            kernels.pixel_sums(guide, sources, wrong_levels, wrong_shifts, logs, 100, 2900, out)
 
 
 @needs_compiler

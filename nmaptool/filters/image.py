@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from nmaptool import kernels
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.parallel import map_parallel
@@ -41,7 +42,7 @@ _CELL_PER_SIDE = 0.125
 _SIGMA_S_PX, _SIGMA_R = (1e-3, 1e6), (1e-6, 1e6)
 # the direction of a shorter sum is rounding error
 _NO_DIRECTION = 1e-20
-# pixels per batch: few enough for the cache, enough for NumPy to be fast
+# pixels per batch: few enough for the cache where NumPy sums them, enough for it to be fast
 _BATCH = 65536
 
 
@@ -151,24 +152,14 @@ class _Meter:
 
 
 def _weighted_sum(
-    canvas: _Canvas, guide: Float32, sources: Sequence[Float32], cells: Sequence[_Cell], batch: slice
+    canvas: _Canvas, guide: Float32, sources: Float32, cells: Sequence[_Cell], batch: slice
 ) -> Float32:
     """Return the (3, n) float32 sums of the cells around each pixel, weighted by distance and by guide similarity."""
-    here = guide[:, batch]
-    total = np.zeros_like(here)
-    apart = np.empty_like(here)
-    weight = np.empty_like(here[0])
-    for cell in cells:
-        shift = cell.dy * canvas.stride + cell.dx
-        there = slice(batch.start + shift, batch.stop + shift)
-        np.subtract(guide[:, there], here, out=apart)
-        np.multiply(apart, apart, out=apart)
-        np.add(apart[0], apart[1], out=weight)
-        np.add(weight, apart[2], out=weight)
-        np.subtract(np.float32(cell.log_weight), weight, out=weight)
-        np.exp(weight, out=weight)
-        np.multiply(sources[cell.level][:, there], weight, out=apart)
-        np.add(total, apart, out=total)
+    levels = np.array([cell.level for cell in cells], np.int64)
+    shifts = np.array([cell.dy * canvas.stride + cell.dx for cell in cells], np.int64)
+    log_weights = np.array([cell.log_weight for cell in cells], np.float32)
+    total = np.empty((3, batch.stop - batch.start), np.float32)
+    kernels.pixel_sums(guide, sources, levels, shifts, log_weights, batch.start, batch.stop, total)
     return total
 
 
@@ -188,12 +179,11 @@ def _next_guide(canvas: _Canvas, guide: Float32, cells: Sequence[_Cell], meter: 
         map_parallel(canvas.batches, work)
         meter.add(0)  # another thread may have done the last batch
 
-    sources = [canvas.source]
+    sources = np.zeros((canvas.levels + 1, *canvas.source.shape), np.float32)
+    sources[0] = canvas.source
     for level in range(canvas.levels):
         steps = (-(3**level), 0, 3**level)
-        sums = canvas.empty()
-        everywhere([_Cell(level, dy, dx, 0.0) for dy in steps for dx in steps], sums, to_unit=False)
-        sources.append(sums)
+        everywhere([_Cell(level, dy, dx, 0.0) for dy in steps for dx in steps], sources[level + 1], to_unit=False)
     result = canvas.empty()
     everywhere(cells, result, to_unit=True)
     return result
@@ -274,7 +264,7 @@ def rolling_guidance_image(
     cells = _cells(sigma_s, vectors.shape[:2])
     canvas = _Canvas(vectors, cells)
     meter = _Meter(progress, 1 + (iterations - 1) * (9 * canvas.levels + len(cells)) * len(canvas.batches))
-    guide = canvas.directions(canvas.blurred(sigma_s), slice(None))
+    guide = np.ascontiguousarray(canvas.directions(canvas.blurred(sigma_s), slice(None)))
     meter.add(1)
     for _ in range(1, iterations):
         guide *= np.float32(math.sqrt(0.5) / sigma_r)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import nmaptool.kernels.grid_twins as grid_twins
 import nmaptool.kernels.pair_twins as pair_twins
+import nmaptool.kernels.pixel_twins as pixel_twins
 import nmaptool.kernels.transfer_twins as transfer_twins
 from nmaptool.core.extension import load_extension
 
@@ -16,6 +17,7 @@ IS_COMPILED = _FAST is not None
 
 pair_sums = getattr(_FAST, "pair_sums", pair_twins.pair_sums)
 at_faces = getattr(_FAST, "at_faces", pair_twins.at_faces)
+pixel_sums = getattr(_FAST, "pixel_sums", pixel_twins.pixel_sums)
 # for float32 only; for float64, `grid_twins` and `transfer_twins` themselves
 finest_product = getattr(_FAST, "finest_product", grid_twins.finest_product)
 finest_left = getattr(_FAST, "finest_left", grid_twins.finest_left)

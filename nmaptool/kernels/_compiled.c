@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "grid.h"
 #include "pairs.h"
+#include "pixels.h"
 #include "transfer.h"
 
 static PyMethodDef methods[] = {
@@ -16,6 +17,7 @@ static PyMethodDef methods[] = {
     {"prolong_rows", prolong_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"steer", steer, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"move", move, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
+    {"pixel_sums", pixel_sums, METH_VARARGS, "See nmaptool.kernels.pixel_twins."},
     {"at_faces", at_faces, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
     {NULL, NULL, 0, NULL},
 };
