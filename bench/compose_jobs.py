@@ -127,6 +127,11 @@ def _depth(words: list[str], size: int) -> Prepared:
 
 
 # jobs by the first word of their name, up to a comma
+def _split(words: list[str], size: int) -> Prepared:
+    source = map_of(size // 4, 0)
+    return Prepared(lambda: nm.split(source, nm.SplitOptions(sigma_s="8px")), (source.normals,))  # type: ignore[arg-type]
+
+
 PREPARE: dict[str, Callable[[list[str], int], Prepared]] = {
     "blend": _blend,
     "blend vectors": _blend,
@@ -134,6 +139,7 @@ PREPARE: dict[str, Callable[[list[str], int], Prepared]] = {
     "transform": _transform,
     "stack of 5 layers": _stack,
     "depth": _depth,
+    "split": _split,
 }
 
 

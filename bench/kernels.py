@@ -13,13 +13,15 @@ from bench.report import Report
 from bench.table import table
 from nmaptool import kernels
 from nmaptool.core.errors import UsageError
-from nmaptool.kernels import grid_twins, pair_twins, transfer_twins
+from nmaptool.kernels import grid_twins, pair_twins, pixel_twins, transfer_twins
 
 SIZES = ((900, 1000), (4096, 4096))
 # as many vertices as the solver gives a loop at once
 _BAND = 3 << 16
 # large patches in a row, and nodes in each, as for a mesh of 300,000 faces
 _PATCHES, _NODES, _REACH = 400, 24, 4
+# pixels at once, and cells around each, as in `compose split`
+_PIXELS, _CELLS = 65536, 100
 
 
 def best(work: Callable[[], object], repeats: int) -> float:
@@ -92,6 +94,18 @@ def pair_row(repeats: int) -> list[str]:
     return ["pair_sums", each, f"{fast:.2f}", f"{slow:.2f}", f"{slow / fast:.1f}"]
 
 
+def pixel_row(repeats: int) -> list[str]:
+    """The row of the pixel pair sums of `compose split`."""
+    random, margin = np.random.default_rng(0), 4096
+    guide = random.random((3, _PIXELS + 2 * margin), np.float32)
+    levels, shifts = np.zeros(_CELLS, np.int64), random.integers(-margin, margin, _CELLS)
+    out = np.empty((3, _PIXELS), np.float32)
+    arguments = (guide, guide[None], levels, shifts, np.zeros(_CELLS, np.float32), margin, margin + _PIXELS, out)
+    fast, slow = (best(partial(loops.pixel_sums, *arguments), repeats) for loops in (kernels, pixel_twins))
+    each = f"{fast / (_PIXELS * _CELLS) * 1e6:.1f} ns a pair"
+    return ["pixel_sums", each, f"{fast:.2f}", f"{slow:.2f}", f"{slow / fast:.1f}"]
+
+
 def main() -> None:
     """Measure, print the results and, with --write, store them."""
     report = Report("kernels", __doc__)
@@ -100,7 +114,7 @@ def main() -> None:
     if not kernels.IS_COMPILED:
         raise UsageError("the loops are not compiled; install a C compiler, then run make setup")
     rows = [row for size in SIZES for row in grid_rows(*size, options.repeat)]
-    rows.append(pair_row(options.repeat))
+    rows += [pair_row(options.repeat), pixel_row(options.repeat)]
     report.end(
         "One thread, in bands as the solver uses them, CPU time in milliseconds; best of several runs.",
         table(["loop", "size", "compiled", "NumPy", "times"], rows),

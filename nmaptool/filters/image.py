@@ -151,9 +151,7 @@ class _Meter:
             self.progress("filtering", self.done / self.whole)
 
 
-def _weighted_sum(
-    canvas: _Canvas, guide: Float32, sources: Float32, cells: Sequence[_Cell], batch: slice
-) -> Float32:
+def _weighted_sum(canvas: _Canvas, guide: Float32, sources: Float32, cells: Sequence[_Cell], batch: slice) -> Float32:
     """Return the (3, n) float32 sums of the cells around each pixel, weighted by distance and by guide similarity."""
     levels = np.array([cell.level for cell in cells], np.int64)
     shifts = np.array([cell.dy * canvas.stride + cell.dx for cell in cells], np.int64)

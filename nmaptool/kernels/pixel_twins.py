@@ -20,7 +20,7 @@ def pixel_sums(
     stop: int,
     out: Float32,
 ) -> None:
-    """Write the sums of the cells around each pixel, weighted by distance and by the similarity of the guide, to ``out``.
+    """Write the sums of the cells around each pixel, weighted by distance and similarity of the guide, to ``out``.
 
     Parameters
     ----------
