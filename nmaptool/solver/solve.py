@@ -202,7 +202,7 @@ class _Solve:
         """Begin with earlier heights, if there are any, and return the relative residual of each island."""
         if start is not None:
             self._put(start)
-        elif self._constants.level is None and self._constants.mean is None and self._left is not None:
+        elif self._left is not None and (self._constants.level is not None or self._constants.mean is None):
             return (self.scale > 0).astype(np.float64)  # the scale is the norm of the same residual
         return self._relative(self._room())
 
