@@ -1,4 +1,4 @@
-"""A live preview: repeated reliefs of one map while a slider moves: ``python -m bench.session [--side 512]``."""
+"""A live preview: repeated reliefs of one map while a slider moves: ``python -m bench.session [--sides 512 1000]``."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import dataclasses
 import time
 from collections.abc import Iterator
 from statistics import median
+
+import numpy as np
 
 import nmaptool as nm
 from bench.maps import Scene, scene
@@ -15,8 +17,12 @@ from bench.report import Report
 from bench.table import table
 
 _STEPS = 12
-_SLIDERS = ("mu", "beta", "delta", "height")
-_MOST_SECONDS = {"mu": 0.040, "beta": 0.040, "delta": 0.005, "height": 0.005}
+_SLIDERS = ("mu", "beta", "slope_cap", "delta", "height", "width")
+_PREVIEW = 1e-5
+_MOST_ERROR = 1e-4  # of the range of the heights
+# at most, by the side of the picture
+_MOST_SECONDS = {512: 0.040, 1000: 0.100}
+_MOST_WITHOUT_A_SOLVE = 0.001
 MASKS = ("statue", "full", "tree", "lines 20%", "noise")
 
 
@@ -26,27 +32,41 @@ def moved(slider: str, start: nm.ReliefOptions) -> Iterator[nm.ReliefOptions]:
         value = {
             "mu": 0.1 * 1.05**step,
             "beta": 0.001 * 1.05**step,
+            "slope_cap": 3 * 0.98**step,
             "delta": 30 + step,
             "height": nm.length(f"{3 + step / 10:g}mm"),
+            "width": nm.length(f"{100 + step:g}mm"),
         }[slider]
         yield dataclasses.replace(start, **{slider: value})
 
 
-def measure(maps: tuple[nm.NormalMap, nm.NormalMap], start: nm.ReliefOptions) -> dict[str, list[float]]:
-    """Seconds of the first relief and of each step of each slider."""
+@dataclasses.dataclass
+class Measured:
+    """Seconds of the first relief and of each step of each slider, and the largest error of previews."""
+
+    seconds: dict[str, list[float]]
+    error: float
+
+
+def measure(maps: tuple[nm.NormalMap, nm.NormalMap], start: nm.ReliefOptions) -> Measured:
+    """Move each slider, and compare the last preview of each with a fresh relief."""
     session = nm.ReliefSession(*maps)
 
-    def seconds(options: nm.ReliefOptions) -> float:
+    def timed(options: nm.ReliefOptions) -> tuple[float, nm.Relief]:
         begun = time.perf_counter()
-        session.solve(options)
-        return time.perf_counter() - begun
+        relief = session.solve(options, preview_tolerance=_PREVIEW)
+        return time.perf_counter() - begun, relief
 
-    taken = {"first": [seconds(start)]}
+    measured = Measured({"first": [timed(start)[0]]}, 0.0)
     for slider in _SLIDERS:
-        seconds(start)
+        timed(start)
+        steps = [timed(options) for options in moved(slider, start)]
         # skip the first move: it solves for both parts of the heights, linear in delta
-        taken[slider] = [seconds(options) for options in moved(slider, start)][1:]
-    return taken
+        measured.seconds[slider] = [seconds for seconds, _ in steps][1:]
+        exact = nm.relief(*maps, options=list(moved(slider, start))[-1]).z_mm
+        off = np.abs(steps[-1][1].z_mm - exact).max() / np.ptp(exact)
+        measured.error = max(measured.error, float(off))
+    return measured
 
 
 def maps_of(family: str, side: int) -> tuple[nm.NormalMap, nm.NormalMap]:
@@ -58,36 +78,55 @@ def maps_of(family: str, side: int) -> tuple[nm.NormalMap, nm.NormalMap]:
     return Scene(first.normals, mask).cut_out(), Scene(second.normals, mask).cut_out()
 
 
+def _most_seconds(slider: str, side: int) -> float | None:
+    if slider in ("delta", "height", "width"):
+        return _MOST_WITHOUT_A_SOLVE if side == min(_MOST_SECONDS) else None
+    return _MOST_SECONDS.get(side)
+
+
+def rows_at(side: int) -> tuple[list[list[str]], list[str]]:
+    """The rows of the table for one size, and its checks."""
+    rows, worst, error = [], dict.fromkeys(_SLIDERS, 0.0), 0.0
+    for family in MASKS:
+        maps = maps_of(family, side)
+        for background in ("cut",) if family == "full" else ("cut", "plane"):
+            named = [f"{side} px", f"{family} {background}"]
+            try:
+                measured = measure(maps, nm.ReliefOptions(background=background))
+            except nm.NmaptoolError as failure:
+                rows.append([*named, str(failure)[:40], *[""] * (len(_SLIDERS) + 1)])
+                continue
+            middle = {slider: median(times) for slider, times in measured.seconds.items()}
+            worst = {slider: max(worst[slider], middle[slider]) for slider in _SLIDERS}
+            error = max(error, measured.error)
+            cells = [f"{middle[s] * 1e3:.1f} ({min(measured.seconds[s]) * 1e3:.1f})" for s in _SLIDERS]
+            rows.append([*named, f"{middle['first'] * 1e3:.0f}", *cells, f"{measured.error:.0e}"])
+    checks = [line(f"error of previews at {side} px, of the range", error, _MOST_ERROR, "")]
+    for slider in _SLIDERS:
+        most = _most_seconds(slider, side)
+        if most is not None:
+            checks.append(line(f"new {slider} at {side} px, any mask", worst[slider], most, "s"))
+    return rows, checks
+
+
 def main() -> None:
     """Measure, print the results and, with --write, store them."""
     report = Report("session", __doc__)
-    report.argument("--side", type=int, default=512, help="side in pixels (default 512)")
+    report.argument("--sides", type=int, nargs="+", default=list(_MOST_SECONDS), help="sides in pixels (512 1000)")
     options = report.begin()
-    rows, worst = [], dict.fromkeys(_SLIDERS, 0.0)
     measure(maps_of("statue", 64), nm.ReliefOptions(background="cut"))  # loads modules before timing
-    for family in MASKS:
-        maps = maps_of(family, options.side)
-        for background in ("cut",) if family == "full" else ("cut", "plane"):
-            start = nm.ReliefOptions(background=background)
-            try:
-                taken = measure(maps, start)
-            except nm.NmaptoolError as error:
-                rows.append([f"{family} {background}", str(error)[:40], *[""] * len(_SLIDERS)])
-                continue
-            middle = {slider: median(times) for slider, times in taken.items()}
-            worst = {slider: max(worst[slider], middle[slider]) for slider in _SLIDERS}
-            cells = [f"{middle['first'] * 1e3:.0f}"]
-            cells += [f"{middle[s] * 1e3:.1f} ({min(taken[s]) * 1e3:.1f})" for s in _SLIDERS]
-            rows.append([f"{family} {background}", *cells])
+    found = [rows_at(side) for side in options.sides]
     preface = (
-        f"`nm.ReliefSession` at {options.side} px with two maps and a tolerance of {nm.ReliefOptions().tolerance:g}: "
-        f"milliseconds of the first relief,\nthen of a relief after a small slider move: the median of "
-        f"{_STEPS - 1} and, in brackets, the minimum."
+        f"`nm.ReliefSession` with two maps and a preview tolerance of {_PREVIEW:g}: milliseconds of the first relief,\n"
+        f"then of a relief after a small slider move: the median of {_STEPS - 1} and, in brackets, the minimum. The\n"
+        f"error is the largest difference from a relief solved to {nm.ReliefOptions().tolerance:g}, relative to its "
+        "range."
     )
+    header = ("size", "mask", "first", *(f"new {slider}" for slider in _SLIDERS), "error")
     report.end(
         preface,
-        table(("mask", "first", *(f"new {slider}" for slider in _SLIDERS)), rows),
-        "\n".join(line(f"new {s} at {options.side} px, any mask", worst[s], _MOST_SECONDS[s], "s") for s in _SLIDERS),
+        table(header, [row for rows, _ in found for row in rows]),
+        "\n".join(check for _, checks in found for check in checks),
     )
 
 

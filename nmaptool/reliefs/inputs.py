@@ -281,3 +281,8 @@ def _extended(z: Float64, ground: Mask) -> Float64:
     nearest = ndimage.distance_transform_edt(~touching_vertices(ground), return_distances=False, return_indices=True)
     extended: Float64 = z[tuple(nearest)]
     return extended
+
+
+def radius_px_of(options: ReliefOptions, pitch_mm: float) -> float:
+    """Return the radius of rounded corners in px; 0 if corners stay."""
+    return 0.0 if options.outline_round is None else options.outline_round.to_mm(pitch_mm, 0) / pitch_mm

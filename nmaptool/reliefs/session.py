@@ -99,13 +99,23 @@ class ReliefSession:
         self._lock = threading.Lock()
         self._solving: int | None = None  # the thread that is solving
 
-    def solve(self, options: ReliefOptions | None = None, *, progress: Progress | None = None) -> Relief:
+    def solve(
+        self,
+        options: ReliefOptions | None = None,
+        *,
+        preview_tolerance: float | None = None,
+        progress: Progress | None = None,
+    ) -> Relief:
         """Solve for the relief with these options.
 
         Parameters
         ----------
         options : ReliefOptions, optional
             Height, width, weights, background, solver.
+        preview_tolerance : float, optional
+            Relative residual, between 0 and 1, that is enough while a slider moves, if it is larger than
+            ``options.tolerance``. With 1e-5, heights are within 1e-4 of their range (bench.session measures it). The
+            report states the residual reached; a later solve without it continues from these heights.
         progress : callable, optional
             Called with the name of the stage and the share done, 0 to 1; an exception that it raises ends the solve.
 
@@ -119,7 +129,7 @@ class ReliefSession:
         InputError
             If nothing is foreground or the exact height cannot be reached.
         UsageError
-            If options contradict each other.
+            If options contradict each other, or ``preview_tolerance`` is not between 0 and 1.
         LimitError
             If the solve needs more memory than ``options.memory_limit``.
         ConvergenceError
@@ -134,16 +144,18 @@ class ReliefSession:
         <Relief 100 x 100 mm (8 x 8 px), 4.804 to 7.804 mm high, by dct in 0 iterations>
         """
         options = options or ReliefOptions()
+        if preview_tolerance is not None and not 0 < preview_tolerance < 1:
+            raise UsageError(f"`preview_tolerance={preview_tolerance}`: must be between 0 and 1, both excluded")
         if self._solving == threading.get_ident():
             raise UsageError("a session cannot solve inside its own progress callback: call it after that has returned")
         with self._lock:
             self._solving = threading.get_ident()
             try:
-                return self._solve(options, progress)
+                return self._solve(options, max(options.tolerance, preview_tolerance or 0.0), progress)
             finally:
                 self._solving = None
 
-    def _solve(self, options: ReliefOptions, progress: Progress | None) -> Relief:
+    def _solve(self, options: ReliefOptions, tolerance: float, progress: Progress | None) -> Relief:
         stages = Stages(progress)
         original = self._maps.original
         with stages.stage("inputs"):
@@ -153,7 +165,7 @@ class ReliefSession:
         with stages.stage("setup"):
             warm_start = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
         with stages.stage("solve"):
-            settings = SolveSettings(options.tolerance, options.max_iterations, progress)
+            settings = SolveSettings(tolerance, options.max_iterations, progress)
             # kept even if the requested height turns out to be unreachable
             self._cases = [case, *(c for c in self._cases if c is not case)][: self._keep]
             heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, settings, warm_start)
@@ -249,7 +261,7 @@ class ReliefSession:
     def _ground_key(self, options: ReliefOptions, pitch_mm: float) -> tuple[object, ...]:
         """Return what the layout depends on, except the tolerance to which a background's normal map is integrated."""
         if options.background != "surface":
-            return (options.background, options.edge, self._radius_px(options, pitch_mm))
+            return (options.background, options.edge, given.radius_px_of(options, pitch_mm))
         return (options.background, options.slope_cap if isinstance(self._maps.surface, NormalMap) else pitch_mm)
 
     def _holds(self, case: _Case, options: ReliefOptions) -> bool:
@@ -263,7 +275,7 @@ class ReliefSession:
         motif = given.motif_of(original, mask, fading=options.background in ("plane", "surface"))
         base_px, ground = given.base_of(maps.surface, pitch_mm, options)
         coverage = maps.coverage
-        radius_px = self._radius_px(options, pitch_mm)
+        radius_px = given.radius_px_of(options, pitch_mm)
         if radius_px:
             coverage = rounded(np.where(motif, coverage, np.minimum(coverage, 0.49)), radius_px)
             motif = given.rounded_motif(coverage, options)
@@ -285,8 +297,3 @@ class ReliefSession:
         )
         flat = flat_share(original.normals, motif)
         return Layout(domain, motif, options.tolerance, coverage, standing, flat)
-
-    @staticmethod
-    def _radius_px(options: ReliefOptions, pitch_mm: float) -> float:
-        """The radius of rounded corners in px; 0 if corners stay."""
-        return 0.0 if options.outline_round is None else options.outline_round.to_mm(pitch_mm, 0) / pitch_mm

@@ -120,10 +120,8 @@ class Solver:
             If the tolerance is not reached; the error holds the history.
         """
         direct = self.method if start is None and isinstance(self.method, DirectMethod) else None
-        cut, shape = self.window.cut, self.window.held.shape
-        for name, given in (("right-hand side", load), ("held heights", held_z), ("start heights", start)):
-            if given is not None and given.shape != shape:
-                raise InputError(f"the {name} must be of shape {shape}, found {given.shape}")
+        self._check_shapes(load, held_z, start)
+        cut = self.window.cut
         held_here = None if held_z is None else cut(held_z)
         on_the_way = _Solve(self, np.ascontiguousarray(cut(load), np.float64), held_here, in_place=direct is not None)
         report = _Report(progress, tolerance)
@@ -152,6 +150,12 @@ class Solver:
             )
         report(0.0)
         return Solution(self.window.place(on_the_way.finished(), held_z), worst, len(history), tuple(history))
+
+    def _check_shapes(self, load: Float64, held_z: Float64 | None, start: Float64 | None) -> None:
+        shape = self.window.held.shape
+        for name, given in (("right-hand side", load), ("held heights", held_z), ("start heights", start)):
+            if given is not None and given.shape != shape:
+                raise InputError(f"the {name} must be of shape {shape}, found {given.shape}")
 
 
 class _Solve:
