@@ -245,7 +245,7 @@ def test_ctrl_c_while_writing_leaves_no_file(tree, fails, clean_map, tmp_path):
     fails(result, INTERRUPTED, "interrupted; nothing was written")
 
 
-@pytest.mark.parametrize("place", ["nmaptool.io.output.relief.preview_picture", "nmaptool.reliefs.session.prepare"])
+@pytest.mark.parametrize("place", ["nmaptool.figures.preview.preview", "nmaptool.reliefs.session.prepare"])
 def test_ctrl_c_at_any_stage_leaves_no_file(refused, clean_map, tmp_path, monkeypatch, place):
     monkeypatch.setattr(place, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
     words = ("-q", "-o", tmp_path / "a.exr", "--preview", tmp_path / "b.png")
