@@ -24,12 +24,12 @@ FULL_DISK = (
 )
 CTRL_C = (
     "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-    "from nmaptool.io.pictures import reader as images\nfrom nmaptool.io.output import relief as outputs\n"
+    "from nmaptool.io.pictures import reader as images\nfrom nmaptool.io.solids import writer\n"
     "from nmaptool_cli.main import main\n"
     "def interrupted(solid, path, **more):\n"
     "    path.write_bytes(bytes(99))\n"
     "    signal.raise_signal(signal.SIGINT)\n"
-    "outputs.write_solid = interrupted\n"
+    "writer.write_solid = interrupted\n"
     "sys.exit(main(sys.argv[1:]))\n"
 )
 
