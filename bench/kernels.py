@@ -13,7 +13,7 @@ from bench.report import Report
 from bench.table import table
 from nmaptool import kernels
 from nmaptool.core.errors import UsageError
-from nmaptool.kernels import grid_twins, pair_twins, pixel_twins, transfer_twins
+from nmaptool.kernels import grid_twins, pair_twins, pixel_twins, system_twins, transfer_twins
 
 SIZES = ((900, 1000), (4096, 4096))
 # as many vertices as the solver gives a loop at once
@@ -77,6 +77,21 @@ def grid_rows(rows: int, cols: int, repeats: int) -> list[list[str]]:
     return out
 
 
+def heights_row(rows: int, cols: int, repeats: int) -> list[str]:
+    """The row of A z on float64 heights."""
+    random = np.random.default_rng(0)
+    weight, beta = random.random((rows - 1, cols - 1), np.float32), random.random((rows, cols), np.float32)
+    z, at_once = random.random((rows, cols)), max(1, (1 << 16) // cols)
+    out = np.empty((at_once, cols))
+
+    def product(loop: Callable[..., float]) -> None:
+        for first in range(0, rows, at_once):
+            loop(weight, beta, z, out, rows, cols, first, min(first + at_once, rows))
+
+    fast, slow = (best(partial(product, each.system_product), repeats) for each in (kernels, system_twins))
+    return ["system_product", f"{cols}x{rows}", f"{fast:.2f}", f"{slow:.2f}", f"{slow / fast:.1f}"]
+
+
 def pair_row(repeats: int) -> list[str]:
     """The row of the pair sums of the surface filter."""
     random = np.random.default_rng(0)
@@ -114,6 +129,7 @@ def main() -> None:
     if not kernels.IS_COMPILED:
         raise UsageError("the loops are not compiled; install a C compiler, then run make setup")
     rows = [row for size in SIZES for row in grid_rows(*size, options.repeat)]
+    rows += [heights_row(*size, options.repeat) for size in SIZES]
     rows += [pair_row(options.repeat), pixel_row(options.repeat)]
     report.end(
         "One thread, in bands as the solver uses them, CPU time in milliseconds; best of several runs.",

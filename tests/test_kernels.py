@@ -13,7 +13,7 @@ import pytest
 import nmaptool as nm
 from nmaptool import kernels
 from nmaptool.core import parallel
-from nmaptool.kernels import grid_twins, pair_twins, pixel_twins, transfer_twins
+from nmaptool.kernels import grid_twins, pair_twins, pixel_twins, system_twins, transfer_twins
 
 ROOT = Path(__file__).parents[1]
 needs_compiler = pytest.mark.skipif(not kernels.IS_COMPILED, reason="built without a C compiler")
@@ -117,6 +117,26 @@ def test_the_steps_of_conjugate_gradients_match_their_twins():
         results.append((direction, z, left, norm2))
     for fast, slow in zip(*results, strict=True):
         assert np.allclose(fast, slow, rtol=1e-5, atol=1e-6)
+
+
+@needs_compiler
+@pytest.mark.parametrize(("rows", "cols"), [(14, 9), (2, 2), (40, 65)])
+def test_the_product_on_heights_matches_its_twin_in_any_bands(rows, cols):
+    random = rng()
+    weight, beta = random.random((rows - 1, cols - 1), np.float32), random.random((rows, cols), np.float32)
+    z = random.normal(size=(rows, cols))
+    expected = np.empty(z.shape)
+    system_twins.system_product(weight, beta, z, expected, rows, cols, 0, rows)
+    for first, last in ((0, rows), (0, 1), (1, rows), (rows - 1, rows)):
+        found, twin = np.full((2, last - first, cols), np.nan)
+        kernels.system_product(weight, beta, z, found, rows, cols, first, last)
+        system_twins.system_product(weight, beta, z, twin, rows, cols, first, last)
+        assert np.abs(twin - expected[first:last]).max() < 1e-14
+        assert np.abs(found - expected[first:last]).max() < 1e-14
+    # rows of the matrix sum to beta
+    ones = np.empty(z.shape)
+    kernels.system_product(weight, beta, np.ones(z.shape), ones, rows, cols, 0, rows)
+    assert np.array_equal(ones, beta.astype(np.float64))
 
 
 def nodes(random, patches=40, own=6):

@@ -53,7 +53,7 @@ def assert_same(found, fresh, within=1e-6):
         seen.pop(name), expected.pop(name)
     assert seen.pop("warnings") == expected.pop("warnings")
     for name, value in expected.items():
-        assert seen[name] == (pytest.approx(value, rel=1e-5, abs=1e-9) if isinstance(value, float) else value), name
+        assert seen[name] == (pytest.approx(value, rel=1e-5, abs=1e-8) if isinstance(value, float) else value), name
 
 
 def warmed(*maps, **given):

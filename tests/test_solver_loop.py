@@ -8,6 +8,7 @@ from nmaptool.core.errors import ConvergenceError, InputError
 from nmaptool.core.grid import corner_sum, height_slopes
 from nmaptool.solver import QuadSystem, Solver, prepare, slope_load
 from nmaptool.solver.islands import Islands
+from nmaptool.solver.window import window_of
 
 MASKED = ("amg", "multigrid")
 
@@ -86,11 +87,17 @@ def test_an_island_without_a_load_is_flat_for_any_start(method):
     assert not prepare(system, method).solve(0 * load, start=np.ones(load.shape)).z.any()
 
 
-@pytest.mark.parametrize("bad", [np.full((5, 6), np.nan), np.zeros((6, 5)), np.full((5, 6), np.inf)])
-def test_an_invalid_start_is_refused(bad):
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_start_that_is_not_finite_is_refused(bad):
     solver = prepare(free_system(np.ones((4, 5))), "amg")
-    with pytest.raises(InputError, match=r"the start heights must be finite and of shape \(5, 6\); found shape \("):
-        solver.solve(np.ones((5, 6)), start=bad)
+    with pytest.raises(InputError, match=r"the start heights must be finite; found NaN or infinite values"):
+        solver.solve(np.ones((5, 6)), start=np.full((5, 6), bad))
+
+
+def test_a_start_of_another_shape_is_refused():
+    solver = prepare(free_system(np.ones((4, 5))), "amg")
+    with pytest.raises(InputError, match=r"the start heights must be of shape \(5, 6\), found \(6, 5\)"):
+        solver.solve(np.ones((5, 6)), start=np.zeros((6, 5)))
 
 
 @pytest.mark.parametrize("method", MASKED)
@@ -217,7 +224,7 @@ def test_the_loop_continues_to_the_tolerance_and_records_the_residuals():
     system = free_system(weight, 1e-3)
     lazy = Lazy(system, 0.99)
     seen = []
-    solution = Solver(system, lazy, Islands(system)).solve(
+    solution = Solver(window_of(system), system, lazy, Islands(system)).solve(
         noise_load(np.random.default_rng(0), weight),
         tolerance=1e-7,
         progress=lambda word, share: seen.append((word, share)),
@@ -234,11 +241,11 @@ def test_a_method_that_stalls_is_stopped_with_the_history():
     system = free_system(weight, 1e-3)
     lazy = Lazy(system, 0.3)
     with pytest.raises(ConvergenceError, match=r"lazy solver stopped at a relative residual of 7.0e-01") as caught:
-        Solver(system, lazy, Islands(system)).solve(noise_load(np.random.default_rng(0), weight))
+        Solver(window_of(system), system, lazy, Islands(system)).solve(noise_load(np.random.default_rng(0), weight))
     assert len(lazy.calls) == 1
     assert caught.value.history == pytest.approx((1, 0.7), rel=1e-6)
     with pytest.raises(ConvergenceError, match="after 2 iterations"):
-        Solver(system, Lazy(system, 0.9), Islands(system)).solve(
+        Solver(window_of(system), system, Lazy(system, 0.9), Islands(system)).solve(
             noise_load(np.random.default_rng(0), weight), max_iterations=2
         )
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import nmaptool.kernels.grid_twins as grid_twins
 import nmaptool.kernels.pair_twins as pair_twins
 import nmaptool.kernels.pixel_twins as pixel_twins
+import nmaptool.kernels.system_twins as system_twins
 import nmaptool.kernels.transfer_twins as transfer_twins
 from nmaptool.core.extension import load_extension
 
@@ -28,3 +29,4 @@ restrict_rows = getattr(_FAST, "restrict_rows", transfer_twins.restrict_rows)
 prolong_rows = getattr(_FAST, "prolong_rows", transfer_twins.prolong_rows)
 steer = getattr(_FAST, "steer", transfer_twins.steer)
 move = getattr(_FAST, "move", transfer_twins.move)
+system_product = getattr(_FAST, "system_product", system_twins.system_product)

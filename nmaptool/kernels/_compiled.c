@@ -4,6 +4,7 @@
 #include "grid.h"
 #include "pairs.h"
 #include "pixels.h"
+#include "system.h"
 #include "transfer.h"
 
 static PyMethodDef methods[] = {
@@ -18,6 +19,7 @@ static PyMethodDef methods[] = {
     {"steer", steer, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"move", move, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"pixel_sums", pixel_sums, METH_VARARGS, "See nmaptool.kernels.pixel_twins."},
+    {"system_product", system_product, METH_VARARGS, "See nmaptool.kernels.system_twins."},
     {"at_faces", at_faces, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
     {NULL, NULL, 0, NULL},
 };

@@ -250,13 +250,13 @@ class SystemHeights:
 
     def _load_squares(self) -> tuple[Float64, Float64, Float64]:
         """Return (count+1,) sums per island of the squared first load, the product, and the squared second load."""
-        system, islands = self.solver.system, self.solver.islands
-        first = self._load
-        assert first is not None
+        system, islands, cut = self.solver.system, self.solver.islands, self.solver.window.cut
+        assert self._load is not None
+        first = cut(self._load)
         if self._base is not None:
-            first = first - system.apply(np.where(system.held, self._base, 0.0))
+            first = first - system.apply(np.where(system.held, cut(self._base), 0.0))
         first = np.where(system.unknown, first, 0.0)
-        second = np.where(system.unknown, self._pull, 0.0)
+        second = np.where(system.unknown, cut(self._pull), 0.0)
 
         def sums(values: Float64) -> Float64:
             if islands.count == 1:

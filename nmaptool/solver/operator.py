@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import nmaptool.kernels.system_twins as system_twins
+from nmaptool import kernels
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.parallel import for_each_band
 
@@ -44,9 +46,11 @@ class Operator:
     def __init__(self, weight: Weights, beta: Weights) -> None:
         self._weight = weight
         self._beta = beta
+        is_single = weight.dtype == beta.dtype == np.float32
+        self._loops: Any = kernels if is_single else system_twins
         self._rows_at_once = rows_at_once(beta.shape[1])
         # work space of one band each; reused, because allocating it costs as much as the computation
-        self._spare: list[tuple[Float64, ...]] = []
+        self._spare: list[tuple[Float64, Float64]] = []
 
     def each(self, z: Float64 | None, finish: Finish, where: Mask | None = None) -> None:
         """Call ``finish`` with every band of A z, in any order.
@@ -62,11 +66,13 @@ class Operator:
 
         def work(band: slice) -> None:
             room = self._room()
+            product, other = (part[: (band.stop - band.start) * self._beta.shape[1]] for part in room)
             if z is None or (where is not None and not where[band].any()):
-                product, other = (part[: (band.stop - band.start) * self._beta.shape[1]] for part in room[:2])
                 product[:] = 0
             else:
-                product, other = self._product(z, band, *room)
+                self._loops.system_product(
+                    self._weight, self._beta, z, product, *self._beta.shape, band.start, band.stop
+                )
             finish(band, product, other)
             self._spare.append(room)
 
@@ -84,64 +90,9 @@ class Operator:
         out[:, 1:] += pairs[:, :-1]
         return out
 
-    def _room(self) -> tuple[Float64, ...]:
+    def _room(self) -> tuple[Float64, Float64]:
         try:
             return self._spare.pop()
         except IndexError:
-            size = (self._rows_at_once + 2) * self._beta.shape[1] + 1
-            return tuple(np.zeros(size) for _ in range(5))
-
-    def _product(
-        self, z: Float64, band: slice, edge: Float64, faces: Float64, a: Float64, b: Float64, c: Float64
-    ) -> tuple[Float64, Float64]:
-        """Return A z of a band, flat, in ``b``, and ``a`` as a work array."""
-        stride = z.shape[1]
-        count = (band.stop - band.start) * stride
-        heights = self._heights(z, band, edge)
-        half = self._halves(band, faces)
-        here = heights[stride:-stride]
-        # along the rows: the flow over the left edge minus the flow over the right one
-        flow = a[: count + 1]
-        flow[0] = 0
-        np.subtract(heights[stride + 1 : count + stride + 1], here, out=flow[1:])
-        flow[1:] *= np.add(half[:-stride], half[stride:], out=b[:count])
-        across = np.subtract(flow[:-1], flow[1:], out=b[:count])
-        # along the columns: the same, by faces
-        steps = a[: count + stride + 1]
-        np.subtract(heights[stride:], heights[:-stride], out=steps[:-1])
-        steps[-1] = 0
-        face_flow = c[: count + stride + 1]
-        face_flow[0] = 0
-        np.add(steps[1:], steps[:-1], out=face_flow[1:])
-        face_flow[1:] *= half
-        both = np.add(face_flow[1:], face_flow[:-1], out=a[: count + stride])
-        down = np.subtract(both[:-stride], both[stride:], out=c[:count])
-        down *= 0.5
-        across += down
-        across += np.multiply(self._beta[band].reshape(-1), here, out=c[:count])
-        return across, a[:count]
-
-    def _heights(self, z: Float64, band: slice, room: Float64) -> Float64:
-        """Return the heights of the band and of one row above and below it, flat; rows outside the picture are 0."""
-        rows, stride = z.shape
-        if band.start > 0 and band.stop < rows:
-            return z[band.start - 1 : band.stop + 1].reshape(-1)
-        out = room[: (band.stop - band.start + 2) * stride]
-        out[:] = 0
-        first, last = max(band.start - 1, 0), min(band.stop + 1, rows)
-        out.reshape(-1, stride)[first - band.start + 1 : last - band.start + 1] = z[first:last]
-        return out
-
-    def _halves(self, band: slice, room: Float64) -> Float64:
-        """Return half the weights of the faces above and below the band, flat, with a 0 at the end of each row."""
-        rows, stride = len(self._weight), self._beta.shape[1]
-        out = room[: (band.stop - band.start + 1) * stride]
-        grid = out.reshape(-1, stride)
-        first, last = max(band.start - 1, 0), min(band.stop, rows)
-        np.multiply(self._weight[first:last], 0.5, out=grid[first - band.start + 1 : last - band.start + 1, :-1])
-        grid[:, -1] = 0
-        if band.start == 0:
-            grid[0] = 0
-        if band.stop > rows:
-            grid[-1] = 0
-        return out
+            size = self._rows_at_once * self._beta.shape[1]
+            return np.zeros(size), np.zeros(size)

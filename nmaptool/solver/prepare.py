@@ -12,6 +12,7 @@ from nmaptool.solver.memory import kind_of, plan
 from nmaptool.solver.method import DirectMethod, Method
 from nmaptool.solver.solve import Solution, Solver
 from nmaptool.solver.system import QuadSystem
+from nmaptool.solver.window import window_of
 
 __all__ = ["DirectMethod", "Method", "Solution", "Solver", "choose", "prepare"]
 
@@ -64,11 +65,13 @@ def prepare(
     LimitError
         If it needs more memory than allowed; only the map of unknowns has been allocated by then.
     """
-    chosen = choose(system, method)
-    kind = kind_of(chosen, system.has_wide_weights)
-    planned = plan(system.weight.shape, int(np.count_nonzero(system.unknown)), kind, memory_limit_bytes)
-    islands = Islands(system)
-    return Solver(system, _method(chosen, system, islands, like), islands, planned)
+    window = window_of(system)
+    inside = window.system(system)
+    chosen = choose(inside, method)
+    kind = kind_of(chosen, inside.has_wide_weights)
+    planned = plan(inside.weight.shape, int(np.count_nonzero(inside.unknown)), kind, memory_limit_bytes)
+    islands = Islands(inside)
+    return Solver(window, inside, _method(chosen, inside, islands, like), islands, planned)
 
 
 def _method(name: str, system: QuadSystem, islands: Islands, like: Solver | None) -> Method:

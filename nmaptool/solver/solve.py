@@ -16,6 +16,7 @@ from nmaptool.solver.islands import Islands
 from nmaptool.solver.memory import kind_of, plan
 from nmaptool.solver.method import DirectMethod, Method, Report
 from nmaptool.solver.system import QuadSystem, extremes
+from nmaptool.solver.window import Window
 
 # a load this small compared to its level is rounding error
 _ROUNDING = 1e-15
@@ -49,14 +50,20 @@ class Solver:
 
     Parameters
     ----------
+    window : Window
+        The part of the picture with unknown vertices.
     system : QuadSystem
+        The system of that part.
     method : Method
     islands : Islands
     planned_bytes : int
         Estimated memory of a solve, see `nmaptool.solver.memory`; 0 if it was not estimated.
     """
 
-    def __init__(self, system: QuadSystem, method: Method, islands: Islands, planned_bytes: int = 0) -> None:
+    def __init__(
+        self, window: Window, system: QuadSystem, method: Method, islands: Islands, planned_bytes: int = 0
+    ) -> None:
+        self.window = window
         self.system = system
         self.method = method
         self.islands = islands
@@ -113,14 +120,19 @@ class Solver:
             If the tolerance is not reached; the error holds the history.
         """
         direct = self.method if start is None and isinstance(self.method, DirectMethod) else None
-        on_the_way = _Solve(self, np.ascontiguousarray(load, np.float64), held_z, in_place=direct is not None)
+        cut, shape = self.window.cut, self.window.held.shape
+        for name, given in (("right-hand side", load), ("held heights", held_z), ("start heights", start)):
+            if given is not None and given.shape != shape:
+                raise InputError(f"the {name} must be of shape {shape}, found {given.shape}")
+        held_here = None if held_z is None else cut(held_z)
+        on_the_way = _Solve(self, np.ascontiguousarray(cut(load), np.float64), held_here, in_place=direct is not None)
         report = _Report(progress, tolerance)
         history: list[float] = []
         if direct is not None and on_the_way.scale.any():
             relative = on_the_way.answer(direct)
             history.append(float(relative.max()))
         else:
-            relative = on_the_way.begin(start)
+            relative = on_the_way.begin(None if start is None else cut(start))
         # usually one pass is enough; further passes are needed at the limit of a method's precision, or if islands much
         # smaller than the rest converge more slowly than the common norm
         while relative.max() > tolerance and len(history) < max_iterations:
@@ -139,7 +151,7 @@ class Solver:
                 tuple(history),
             )
         report(0.0)
-        return Solution(on_the_way.finished(), worst, len(history), tuple(history))
+        return Solution(self.window.place(on_the_way.finished(), held_z), worst, len(history), tuple(history))
 
 
 class _Solve:
@@ -151,9 +163,6 @@ class _Solve:
     def __init__(self, solver: Solver, load: Float64, held_z: Float64 | None, in_place: bool) -> None:
         self._system, self._method, self._islands = solver.system, solver.method, solver.islands
         held = self._system.held
-        for name, given in (("the right-hand side", load), ("the held heights", held_z)):
-            if given is not None and given.shape != held.shape:
-                raise InputError(f"{name} must be of shape {held.shape}, found {given.shape}")
         self._z = np.zeros(held.shape)
         if held_z is not None:
             np.copyto(self._z, held_z, where=held)
@@ -193,7 +202,7 @@ class _Solve:
         """Begin with earlier heights, if there are any, and return the relative residual of each island."""
         if start is not None:
             self._put(start)
-        elif self._constants.level is None and self._constants.mean is None and self._left is not None:
+        elif self._left is not None and (self._constants.level is not None or self._constants.mean is None):
             return (self.scale > 0).astype(np.float64)  # the scale is the norm of the same residual
         return self._relative(self._room())
 
@@ -233,8 +242,8 @@ class _Solve:
     def _put(self, start: Float64) -> None:
         """Set the unknown vertices to the start heights minus their level; 0 on islands without a load."""
         z, system, islands = self._z, self._system, self._islands
-        if start.shape != z.shape or not np.isfinite(extremes(start)).all():
-            raise InputError(f"the start heights must be finite and of shape {z.shape}; found shape {start.shape}")
+        if not np.isfinite(extremes(start)).all():
+            raise InputError("the start heights must be finite; found NaN or infinite values")
         np.divide(start, self._unit, out=z, where=system.unknown)
         if self._constants.level is not None:  # 0 on islands that are held: those heights stay
             islands.add(z, -self._constants.level)
