@@ -56,7 +56,8 @@ def read_mesh(run: Run, name: str) -> nm.Mesh:
     import nmaptool as nm
 
     reading = run[MeshReadOptions]
-    return nm.read_mesh(name, unit=reading.unit, max_faces=reading.max_faces)
+    with run.reading():
+        return nm.read_mesh(name, unit=reading.unit, max_faces=reading.max_faces)
 
 
 def mesh_header(run: Run, source: nm.Mesh) -> dict[str, Any]:
@@ -82,7 +83,8 @@ def read_map(run: Run, file: str, like: nm.NormalMap | None = None, *, own_layer
     import nmaptool as nm
 
     reading = run[ReadOptions] if own_layer else replace(run[ReadOptions], layer=None)
-    normal_map = nm.read_normal_map(file, reading, like=like)
+    with run.reading():
+        normal_map = nm.read_normal_map(file, reading, like=like)
     name = display_name(normal_map.name)
     return normal_map if name == normal_map.name else replace(normal_map, name=name)
 
@@ -91,7 +93,10 @@ def read_grey(run: Run, file: str | None) -> Any:
     """A grey picture; None if none is given."""
     import nmaptool as nm
 
-    return None if file is None else nm.read_grey(file, max_megapixels=run[ReadOptions].max_megapixels)
+    if file is None:
+        return None
+    with run.reading():
+        return nm.read_grey(file, max_megapixels=run[ReadOptions].max_megapixels)
 
 
 def map_header(run: Run, *maps: nm.NormalMap, **more: Any) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -68,6 +69,7 @@ class Run:
         self._per_input = per_input
         self._messages: list[str] = []
         self._targets: list[Path] = []
+        self._reading_s = 0.0
         self.inputs: Inputs = {}
         self.options = self[RunOptions]
 
@@ -108,6 +110,15 @@ class Run:
         with readable(self.inputs) as files, self.progress() as progress:
             yield files, progress
 
+    @contextlib.contextmanager
+    def reading(self) -> Iterator[None]:
+        """Measure the time of reading an input, for the report."""
+        started = time.perf_counter()
+        try:
+            yield
+        finally:
+            self._reading_s += time.perf_counter() - started
+
     def header(self, **more: Any) -> dict[str, Any]:
         """The first entries of every report: the version and the files that were read."""
         files = {role: names for role, names in self.inputs.items() if names is not None}
@@ -140,10 +151,12 @@ class Run:
             Gives the value the function that reports progress. Default: writing reports none.
         """
         report = {**metadata, "outputs": outputs.names}
+        if self._reading_s:
+            report["seconds"] = {"reading": round(self._reading_s, 4), **report.get("seconds", {})}
         with self.progress() as progress:
             if watched is not None and progress is not None:
                 value = watched(value, progress)
-            outputs.write(value, report)
+            report = outputs.write(value, report)
         if done is not None:
             done()
         for name in outputs.names if written is None else written:

@@ -90,7 +90,8 @@ def test_bake_writes_json_to_standard_output(bake, mesh, tmp_path, words):
 
 def test_the_report_states_how_layers_were_made(bake, tmp_path):
     bake("--report", tmp_path / "r.json", "--fov", "30", "--filter", "grnf", "--sigma-s", "2%")
-    (found,) = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["layers"]
+    report = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    (found,) = report["layers"]
     mixture = found["mixture"]
     bins = mixture["histogram"]["density"]
     assert len(bins) == 100
@@ -102,6 +103,7 @@ def test_the_report_states_how_layers_were_made(bake, tmp_path):
     assert mixture["form"] in ("weighted", "unweighted", "midpoint")
     assert 0 < found["detail_share"] < 1
     assert found["findings"]["faces"] == found["faces"] == 1152
+    assert list(report["seconds"]) == ["reading", "writing"]
     assert set(found["seconds"]) == {"clean", "filter", "draw", "layers"}
     assert found["renderer"] == "numpy"
     assert np.array_equal(found["camera"]["rotation"], np.eye(3))

@@ -24,12 +24,12 @@ FULL_DISK = (
 )
 CTRL_C = (
     "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-    "from nmaptool.io.pictures import reader as images\nfrom nmaptool.io.output import relief as outputs\n"
+    "from nmaptool.io.pictures import reader as images\nfrom nmaptool.io.solids import writer\n"
     "from nmaptool_cli.main import main\n"
     "def interrupted(solid, path, **more):\n"
     "    path.write_bytes(bytes(99))\n"
     "    signal.raise_signal(signal.SIGINT)\n"
-    "outputs.write_solid = interrupted\n"
+    "writer.write_solid = interrupted\n"
     "sys.exit(main(sys.argv[1:]))\n"
 )
 
@@ -245,7 +245,7 @@ def test_ctrl_c_while_writing_leaves_no_file(tree, fails, clean_map, tmp_path):
     fails(result, INTERRUPTED, "interrupted; nothing was written")
 
 
-@pytest.mark.parametrize("place", ["nmaptool.io.output.relief.preview_picture", "nmaptool.reliefs.session.prepare"])
+@pytest.mark.parametrize("place", ["nmaptool.figures.preview.preview", "nmaptool.reliefs.session.prepare"])
 def test_ctrl_c_at_any_stage_leaves_no_file(refused, clean_map, tmp_path, monkeypatch, place):
     monkeypatch.setattr(place, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
     words = ("-q", "-o", tmp_path / "a.exr", "--preview", tmp_path / "b.png")

@@ -106,7 +106,7 @@ def test_the_report_states_iterations_memory_and_times(run, tmp_path, clean_map)
     assert report["iterations"] == len(report["history"]) > 1
     assert report["residual"] <= 1e-8
     assert report["history"][-1] == pytest.approx(report["residual"])
-    assert list(report["seconds"]) == ["reading", "inputs", "setup", "solve", "finish"]
+    assert list(report["seconds"]) == ["reading", "inputs", "setup", "solve", "finish", "writing"]
     assert all(seconds > 0 for seconds in report["seconds"].values())
     memory, residuals = "memory planned for the solver 1", "residual of each iteration: "
     for words in (memory, residuals, "seconds reading ", ", inputs ", ", finish "):

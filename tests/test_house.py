@@ -94,6 +94,31 @@ def test_help_loads_nothing_heavy(arguments):
     assert not loaded_by(f"from nmaptool_cli.main import main\nassert main({arguments.split()!r}) == 0") & HEAVY
 
 
+RUNS = {
+    "relief MAP -o OUT.exr -q": {"cv2", "OpenImageIO", "scipy.sparse"},
+    "relief MAP -o OUT.npy -q --background-color none --solver dct": {"cv2", "OpenImageIO"},
+    "relief MAP -o OUT.stl --preview OUT.png -q": {"cv2", "OpenImageIO", "scipy.sparse"},
+    "compose blend MAP MAP -o OUT.exr -q": {"cv2", "OpenImageIO"},
+    "bake --help": set(),
+    "inspect MAP -q": {"cv2", "OpenImageIO"},
+}
+WATCHED = HEAVY - {"numpy", "scipy"} | {
+    "http.client",
+    "scipy.ndimage",
+    "scipy.optimize",
+    "scipy.sparse",
+    "scipy.spatial",
+}
+
+
+@pytest.mark.parametrize(("words", "needed"), RUNS.items())
+def test_a_run_loads_only_the_heavy_modules_it_uses(words, needed, clean_map, tmp_path):
+    words = words.replace("MAP", str(clean_map)).replace("OUT", str(tmp_path / "out"))
+    script = f"import sys\nfrom nmaptool_cli.main import main\nassert main({words.split()!r}) == 0\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert set(done.stdout.splitlines()[-1].split()) & WATCHED == needed
+
+
 @pytest.mark.parametrize("command", [c for c in COMMANDS if c != "compose"])
 def test_help_of_a_command_has_an_example_and_lists_have_one_line(command, run, wide_help):
     assert f"Example: nmap {command} " in run(*command.split(), "--help").out

@@ -39,13 +39,13 @@ AT = {
         run.Run.progress = lambda self: contextlib.nullcontext(progress)
         """,
     "writing": """
-        from nmaptool.io.output import relief as outputs
-        write = outputs.heights.write_height
-        outputs.heights.write_height = lambda *a, **k: (write(*a, **k), stop())[0]
+        from nmaptool.io.pictures import heights
+        write = heights.write_height
+        heights.write_height = lambda *a, **k: (write(*a, **k), stop())[0]
         """,
     "preview": """
-        from nmaptool.io.output import relief as outputs
-        outputs.preview_picture = lambda height: stop()
+        from nmaptool.figures import preview
+        preview.preview = lambda height: stop()
         """,
 }
 # a call of several minutes that Python cannot interrupt, with Ctrl-C at its start
@@ -57,9 +57,9 @@ DEAF = """
         """
 DEAF_AT = {
     "reading": "from nmaptool.io.pictures import reader as images\nimages.read_image = deaf",
-    "writing": """from nmaptool.io.output import relief as outputs
-write = outputs.heights.write_height
-outputs.heights.write_height = lambda *a, **k: (write(*a, **k), deaf())[0]""",
+    "writing": """from nmaptool.io.pictures import heights
+write = heights.write_height
+heights.write_height = lambda *a, **k: (write(*a, **k), deaf())[0]""",
 }
 
 

@@ -83,7 +83,7 @@ def test_nothing_is_written_to_a_stream_if_a_later_target_fails(relief, tmp_path
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("nmaptool.io.output.relief.preview_picture", full)
+    monkeypatch.setattr("nmaptool.figures.preview.preview", full)
     stream = io.BytesIO()
     with pytest.raises(OutputError, match=r"p\.png: cannot be written \(No space left on device\)"):
         nm.write_relief(relief, nm.OutputStream(stream, ".stl"), tmp_path / "a.exr", preview=tmp_path / "p.png")
@@ -98,7 +98,7 @@ def test_nothing_is_written_to_a_stream_if_a_file_cannot_be_renamed(relief, tmp_
         (tmp_path / "a.npy").write_text("another program's", encoding="utf-8")
         return written(relief)
 
-    monkeypatch.setattr("nmaptool.io.output.relief.triangulate", late)
+    monkeypatch.setattr("nmaptool.solids.solid.solid", late)
     stream = io.BytesIO()
     with pytest.raises(OutputError, match=r"a\.npy: already exists"):
         nm.write_relief(relief, nm.OutputStream(stream, ".stl"), tmp_path / "a.npy")

@@ -186,7 +186,7 @@ def test_a_file_that_appears_meanwhile_is_not_replaced(carved, tmp_path, monkeyp
         path.write_text("another program's", encoding="utf-8")
         return written(relief)
 
-    monkeypatch.setattr("nmaptool.io.output.relief.triangulate", late)
+    monkeypatch.setattr("nmaptool.solids.solid.solid", late)
     with pytest.raises(OutputError, match="already exists"):
         nm.write_relief(carved, path)
     assert path.read_text(encoding="utf-8") == "another program's"

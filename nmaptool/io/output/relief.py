@@ -10,17 +10,12 @@ from pathlib import Path
 
 from nmaptool._version import __version__
 from nmaptool.core.progress import Progress
-from nmaptool.figures.notebook import png_of
-from nmaptool.figures.preview import preview as preview_picture
 from nmaptool.io.output.targets import Destination, place_of
 from nmaptool.io.output.transaction import Metadata, Outputs, Target, wanted
-from nmaptool.io.pictures import heights
-from nmaptool.io.pictures.writer import write_image
-from nmaptool.io.solids.writer import write_solid
 from nmaptool.options import HeightsAt
 from nmaptool.options.fields import choice_of
 from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS
-from nmaptool.solids.solid import solid as triangulate
+from nmaptool.types.height import Height
 from nmaptool.types.relief import Relief
 from nmaptool.types.solid import Solid
 
@@ -46,7 +41,11 @@ class _Surface:
     @cached_property
     def solid(self) -> Solid:
         """The triangles, planned once for all files."""
-        return triangulate(self.relief) if self._solid is None else self._solid
+        if self._solid is not None:
+            return self._solid
+        from nmaptool.solids.solid import solid
+
+        return solid(self.relief)
 
 
 def relief_outputs(
@@ -118,14 +117,29 @@ def write_relief(
     plan.write(WrittenRelief(relief, solid), relief.report.to_dict() if metadata is None else metadata)
 
 
+# each kind of file loads only what writes it
+
+
 def _write_surface(surface: _Surface, path: Path, title: str) -> None:
     if path.suffix.lower() in MESH_FORMATS:
-        write_solid(
-            surface.solid, path, title=title, thumbnail_png=partial(png_of, surface.height), progress=surface.progress
-        )
+        from nmaptool.io.solids.writer import write_solid
+
+        thumbnail = partial(_thumbnail, surface.height)
+        write_solid(surface.solid, path, title=title, thumbnail_png=thumbnail, progress=surface.progress)
     else:
+        from nmaptool.io.pictures import heights
+
         heights.write_height(surface.height, path, surface.attributes, at=surface.at)
 
 
+def _thumbnail(height: Height) -> bytes:
+    from nmaptool.figures.notebook import png_of
+
+    return png_of(height)
+
+
 def _write_preview(surface: _Surface, path: Path) -> None:
-    write_image(preview_picture(surface.height), path, ("R", "G", "B"), {"kind": "preview", **surface.attributes})
+    from nmaptool.figures.preview import preview
+    from nmaptool.io.pictures.writer import write_image
+
+    write_image(preview(surface.height), path, ("R", "G", "B"), {"kind": "preview", **surface.attributes})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -116,7 +117,7 @@ class Outputs(Generic[T]):
         check_folders(self.folders, self.folder_needed)
         check_places(self.places, self.overwrite, self.folders)
 
-    def write(self, value: T, metadata: Metadata | None = None, *, final: bool = True) -> None:
+    def write(self, value: T, metadata: Metadata | None = None, *, final: bool = True) -> dict[str, Any]:
         """Write everything, or leave every file as it was.
 
         Parameters
@@ -124,9 +125,14 @@ class Outputs(Generic[T]):
         value
             The result of the run.
         metadata : mapping, optional
-            What to put in the report.
+            What to put in the report; its "seconds", if it has them, get those of writing the other files.
         final : bool
             Whether this completes the run; False for intermediate states.
+
+        Returns
+        -------
+        dict
+            The report: the metadata with the seconds of writing.
 
         Raises
         ------
@@ -134,10 +140,27 @@ class Outputs(Generic[T]):
             As `check`, or if writing fails.
         """
         self.check()
-        known = metadata or {}
+        known = dict(metadata or {})
+        started = time.perf_counter()
         prepared = self.prepare(value, known)
         jobs: list[Job] = [(target.place, partial(target.write, prepared)) for target in self.targets]
+        reported = known
+
+        def write_report(path: Path) -> None:
+            nonlocal reported
+            if jobs[:-1]:
+                reported = _timed(known, time.perf_counter() - started)
+            path.write_text(json.dumps(reported, indent=2) + "\n", encoding="utf-8", newline="\n")
+
         if self.report is not None:
-            text = json.dumps(known, indent=2) + "\n"
-            jobs.append((self.report, lambda path: path.write_text(text, encoding="utf-8", newline="\n")))
+            jobs.append((self.report, write_report))
         write_together(jobs, self.overwrite, self.folders, final=final)
+        if self.report is None and jobs:
+            reported = _timed(known, time.perf_counter() - started)
+        return reported
+
+
+def _timed(metadata: dict[str, Any], seconds: float) -> dict[str, Any]:
+    """The metadata with the seconds of writing, if it has those of other stages."""
+    stages = metadata.get("seconds")
+    return metadata | {"seconds": {**stages, "writing": round(seconds, 4)}} if isinstance(stages, Mapping) else metadata

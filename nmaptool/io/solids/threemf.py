@@ -6,7 +6,6 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import BinaryIO, cast
-from xml.sax.saxutils import escape, quoteattr
 
 from nmaptool.io.solids.text import rows_as_text
 from nmaptool.types.solid import NumberedBody, Solid
@@ -50,6 +49,8 @@ def _entry(name: str) -> zipfile.ZipInfo:
 
 
 def _write_model(file: BinaryIO, solid: Solid, metadata: Mapping[str, str]) -> None:
+    from xml.sax.saxutils import escape, quoteattr  # loads the network modules of Python
+
     facts = "".join(f"<metadata name={quoteattr(key)}>{escape(value)}</metadata>\n" for key, value in metadata.items())
     file.write(f'{_XML}<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE}">\n{facts}<resources>\n'.encode())
     for number, body in enumerate(solid.bodies, start=1):

@@ -11,7 +11,6 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.io.meshes.headers import STL_HEADER
-from nmaptool.io.meshes.reader import read_mesh
 from nmaptool.io.solids.stl import RECORD
 from nmaptool.io.solids.threemf import MODEL_PATH
 from nmaptool.types.solid import Nodes
@@ -37,6 +36,8 @@ def triangles_of(path: Path) -> Iterator[Float64]:
             for vertices, faces in _objects_of(path):
                 yield from _in_bands(vertices, faces)
         case _:
+            from nmaptool.io.meshes.reader import read_mesh  # the readers of all formats take long to load
+
             mesh = read_mesh(path, max_faces=2**31 - 1)
             yield from _in_bands(mesh.vertices_mm, mesh.faces.astype(np.int64))
 
