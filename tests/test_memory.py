@@ -148,8 +148,8 @@ def test_a_limit_is_respected_and_the_message_gives_a_remedy():
     assert prepare(system, "amg", needed).planned_bytes == needed
     with pytest.raises(
         LimitError,
-        match=r"^64 x 64 px: the amg solver needs about 17MB of memory, `memory_limit` allows 5MB; make the picture "
-        r"smaller, crop it to the motif, use `solver='auto'`, or raise it to 18MB$",
+        match=r"^64 x 64 px to solve: the amg solver needs about 17MB of memory, `memory_limit` allows 5MB; "
+        r"make the picture smaller, use `solver='auto'`, or raise it to 18MB$",
     ) as caught:
         prepare(system, "amg", 5_000_000)
     assert caught.value.exit_code == 4
@@ -166,7 +166,8 @@ def test_an_image_too_large_for_the_machine_is_refused(monkeypatch):
     monkeypatch.setattr(planning, "available_bytes", lambda: 12_300_000)
     with pytest.raises(
         LimitError,
-        match=r"^7 x 5 px: the dct solver needs about 16MB of memory, 12MB are free; .* or close other programs$",
+        match=r"^7 x 5 px to solve: the dct solver needs about 16MB of memory, 12MB are free; .* or "
+        r"close other programs$",
     ):
         prepare(free_system(np.ones((5, 7))))
     # a given limit takes precedence

@@ -59,13 +59,13 @@ def plan(system_shape: tuple[int, int], unknowns: int, method: str, limit_bytes:
     if allowed is None or needed <= allowed:
         return needed
     rows, cols = system_shape
-    remedies = "make the picture smaller, crop it to the motif" + (", use `solver='auto'`" if method == "amg" else "")
+    remedies = "make the picture smaller" + (", use `solver='auto'`" if method == "amg" else "")
     if limit_bytes is None:
         found, last = f"{memory_text(allowed)} are free", "close other programs"
     else:
         # 5% more, so that the rounded number in the message is enough
         found, last = f"`memory_limit` allows {memory_text(allowed)}", f"raise it to {memory_text(needed * 21 // 20)}"
     raise LimitError(
-        f"{cols} x {rows} px: the {method} solver needs about {memory_text(needed)} of memory, {found}; "
+        f"{cols} x {rows} px to solve: the {method} solver needs about {memory_text(needed)} of memory, {found}; "
         f"{remedies}, or {last}"
     )
