@@ -15,7 +15,7 @@ from pathlib import Path
 
 from bench.relief import Job, run
 from bench.report import Report
-from bench.table import table
+from bench.table import line, table
 
 SIZES = (20_000, 75_000, 300_000, 1_500_000)
 WHOLE = "all layers, ring, supersample 1"
@@ -106,12 +106,8 @@ def goals_of(measured: list[Measured]) -> list[str]:
         for m in measured:
             found = (m.seconds | m.figures).get(goal.figure)
             if found is not None and goal.faces in (None, m.wanted):
-                lines.append(_verdict(f"{goal.figure}, {m.name}", found, goal.most))
+                lines.append(line(f"{goal.figure}, {m.name}", found, goal.most, ""))
     return lines
-
-
-def _verdict(what: str, found: float, most: float) -> str:
-    return f"- {what}: {found:.2f} of {most:g} allowed: {'ok' if found <= most else 'MISSED'}"
 
 
 def command_row(folder: Path, source: str, times: int) -> list[str]:
@@ -134,8 +130,8 @@ def scan_rows(folder: Path) -> tuple[list[list[str]], list[str]]:
         runs = run(Job("nmap bake", ("bake", str(path), *files), 1))
         name = f"nmap bake of {SCAN / 1e6:g}M faces (STL), {neighborhood}"
         rows.append([name, "1", f"{min(runs.seconds):.2f}", f"{runs.peak / 1e9:.2f}"])
-        lines.append(_verdict(f"{name}, seconds", min(runs.seconds), _SCAN_SECONDS))
-        lines.append(_verdict(f"{name}, {PEAK}", runs.peak / 1e9, _SCAN_GB))
+        lines.append(line(name, min(runs.seconds), _SCAN_SECONDS, "s"))
+        lines.append(line(f"{name}, peak", runs.peak / 1e9, _SCAN_GB, "GB"))
     return rows, lines
 
 

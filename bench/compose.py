@@ -45,7 +45,7 @@ JOBS = (
     Job("transform, resized to 3/4"),
     Job("transform, stretched to half its height"),
     Job("stack of 5 layers"),
-    # in units of the whole size; the map has a quarter of its side
+    # its copies are those of the small map; its peak is in images of the whole size
     Job("split, a quarter of the side, sigma_s 8 px"),
     *(Job(f"depth, {kind}", 3.0) for kind in ("8 bit", "16 bit", "float")),
 )

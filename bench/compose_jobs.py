@@ -126,12 +126,12 @@ def _depth(words: list[str], size: int) -> Prepared:
     return Prepared(lambda: nm.depth_to_normals(image), (image.pixels,))
 
 
-# jobs by the first word of their name, up to a comma
 def _split(words: list[str], size: int) -> Prepared:
     source = map_of(size // 4, 0)
     return Prepared(lambda: nm.split(source, nm.SplitOptions(sigma_s="8px")), (source.normals,))  # type: ignore[arg-type]
 
 
+# jobs by the first word of their name, up to a comma
 PREPARE: dict[str, Callable[[list[str], int], Prepared]] = {
     "blend": _blend,
     "blend vectors": _blend,

@@ -6,9 +6,8 @@ import time
 
 import nmaptool as nm
 from bench.bake_stages import best, load
-from bench.reach import line
 from bench.report import MeshReport
-from bench.table import table
+from bench.table import line, table
 from nmaptool.filters.decompose import decompose_clean
 from nmaptool.filters.descriptor import Describer
 from nmaptool.meshes.clean import clean_mesh

@@ -6,16 +6,10 @@ from collections.abc import Mapping
 
 from bench.runs import Outcome
 from bench.systems import Case
+from bench.table import line
 
 _MOTIFS = [Case(900, 1000, background=background) for background in ("cut", "plane", "free")]
 Results = Mapping[tuple[Case, str], Outcome]
-
-
-def line(what: str, found: float | None, most: float, unit: str) -> str:
-    """One check, against an upper limit."""
-    if found is None:
-        return f"check: {what}: not measured"
-    return f"check: {what}: {found:.3g} {unit}, at most {most:g}: {'ok' if found <= most else 'MISSED'}"
 
 
 def checks(results: Results) -> list[str]:

@@ -6,9 +6,8 @@ import time
 
 import nmaptool as nm
 from bench.bake_stages import RING, best, load
-from bench.reach import line
 from bench.report import MeshReport
-from bench.table import table
+from bench.table import line, table
 from nmaptool.core.arrays import Float64
 from nmaptool.filters.decompose import decompose_clean
 from nmaptool.meshes.clean import clean_mesh

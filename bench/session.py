@@ -12,9 +12,8 @@ import numpy as np
 import nmaptool as nm
 from bench.maps import Scene, scene
 from bench.masks import FAMILIES
-from bench.reach import line
 from bench.report import Report
-from bench.table import table
+from bench.table import line, table
 
 _STEPS = 12
 _SLIDERS = ("mu", "beta", "slope_cap", "delta", "height", "width")

@@ -34,6 +34,14 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join([line(header), line(rule), *(line(row) for row in rows)])
 
 
+def line(what: str, found: float | None, most: float, unit: str) -> str:
+    """One check, against an upper limit."""
+    if found is None:
+        return f"check: {what}: not measured"
+    shown = f"{found:.3g} {unit}".rstrip()
+    return f"check: {what}: {shown}, at most {most:g}: {'ok' if found <= most else 'MISSED'}"
+
+
 class Neighborhood:
     """The conditions of a run, from its start to `describe`: machine, versions, and load by other processes.
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from bench.patience import Patience
-from bench.reach import checks, line
+from bench.reach import checks
 from bench.rivals import SOLVERS
 from bench.runs import Job, Outcome, measure
 from bench.systems import Case, relative_residual, state, unknowns
+from bench.table import line
 
 CASES = (
     Case(30, 40, "statue"),

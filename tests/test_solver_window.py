@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nmaptool.core.errors import LimitError
+from nmaptool.core.errors import InputError, LimitError
 from nmaptool.core.grid import touching_vertices
 from nmaptool.solver import QuadSystem, prepare, slope_load
 from nmaptool.solver.islands import Islands
@@ -73,6 +73,16 @@ def test_a_motif_that_fills_its_picture_is_not_copied():
     window = window_of(system)
     assert window.is_whole
     assert window.system(system) is system
+
+
+@pytest.mark.parametrize("which", ["load", "held_z", "start"])
+def test_values_outside_the_box_must_be_finite_too(which):
+    system, load = problem("plane")
+    given = {"load": load, "held_z": np.zeros(load.shape), "start": np.zeros(load.shape)}
+    given[which][3, 5] = np.nan
+    said = "the start heights must be finite" if which == "start" else "the right-hand side holds NaN"
+    with pytest.raises(InputError, match=said):
+        prepare(system, "multigrid").solve(**given)
 
 
 def test_the_planned_memory_is_that_of_the_box():

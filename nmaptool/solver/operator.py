@@ -1,4 +1,4 @@
-"""The operator without a matrix: sums over neighbours as shifted slices of flat rows, in bands on all cores.
+"""The operator without a matrix, in bands of rows on all cores.
 
 With dx and dy the differences of heights along the edges of the grid, (L z)_v is a quarter of
 

@@ -16,8 +16,8 @@ from nmaptool.solver.window import window_of
 
 __all__ = ["DirectMethod", "Method", "Solution", "Solver", "choose", "prepare"]
 
-# the time of multigrid depends on the size of the picture, that of amg on the number of unknowns; if the share of
-# unknowns is below this, amg is faster (bench.crossover)
+# the time of multigrid depends on the size of the box around the unknowns, that of amg on their number; if their share
+# of the box is below this, amg is faster (bench.crossover)
 _SPARSE = 0.05
 
 
@@ -63,7 +63,8 @@ def prepare(
     UsageError
         As for `choose`.
     LimitError
-        If it needs more memory than allowed; only the map of unknowns has been allocated by then.
+        If it needs more memory than allowed; only the map of unknowns and the weights of the box around them have been
+        allocated by then.
     """
     window = window_of(system)
     inside = window.system(system)

@@ -22,6 +22,7 @@ from nmaptool.solver.window import Window
 _ROUNDING = 1e-15
 # loads outside this range are scaled before the solve
 _LEAST, _MOST = 1e-12, 1e12
+_NOT_FINITE = "the right-hand side holds NaN or infinite values"
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +121,7 @@ class Solver:
             If the tolerance is not reached; the error holds the history.
         """
         direct = self.method if start is None and isinstance(self.method, DirectMethod) else None
-        self._check_shapes(load, held_z, start)
+        self._check(load, held_z, start)
         cut = self.window.cut
         held_here = None if held_z is None else cut(held_z)
         on_the_way = _Solve(self, np.ascontiguousarray(cut(load), np.float64), held_here, in_place=direct is not None)
@@ -151,11 +152,22 @@ class Solver:
         report(0.0)
         return Solution(self.window.place(on_the_way.finished(), held_z), worst, len(history), tuple(history))
 
-    def _check_shapes(self, load: Float64, held_z: Float64 | None, start: Float64 | None) -> None:
-        shape = self.window.held.shape
+    def _check(self, load: Float64, held_z: Float64 | None, start: Float64 | None) -> None:
+        held = self.window.held
         for name, given in (("right-hand side", load), ("held heights", held_z), ("start heights", start)):
-            if given is not None and given.shape != shape:
-                raise InputError(f"the {name} must be of shape {shape}, found {given.shape}")
+            if given is not None and given.shape != held.shape:
+                raise InputError(f"the {name} must be of shape {held.shape}, found {given.shape}")
+        if start is not None and not _is_finite(start):
+            raise InputError("the start heights must be finite; found NaN or infinite values")
+        # nothing else looks outside the window
+        if not (
+            self.window.is_whole or (_is_finite(load) and (held_z is None or _is_finite(np.where(held, held_z, 0))))
+        ):
+            raise InputError(_NOT_FINITE)
+
+
+def _is_finite(values: NDArray[Any]) -> bool:
+    return bool(np.isfinite(extremes(values)).all())
 
 
 class _Solve:
@@ -172,7 +184,7 @@ class _Solve:
             np.copyto(self._z, held_z, where=held)
         size = float(np.abs([*extremes(load), *(() if held_z is None else extremes(self._z))]).max())
         if not np.isfinite(size):
-            raise InputError("the right-hand side holds NaN or infinite values")
+            raise InputError(_NOT_FINITE)
         self._flat = held_z is None or not self._z.any()
         # squares in float32 overflow above 1e19; scaling by a power of two is exact
         self._unit = 1.0 if size == 0 or _LEAST < size < _MOST else 2.0 ** math.frexp(size)[1]
@@ -246,8 +258,6 @@ class _Solve:
     def _put(self, start: Float64) -> None:
         """Set the unknown vertices to the start heights minus their level; 0 on islands without a load."""
         z, system, islands = self._z, self._system, self._islands
-        if not np.isfinite(extremes(start)).all():
-            raise InputError("the start heights must be finite; found NaN or infinite values")
         np.divide(start, self._unit, out=z, where=system.unknown)
         if self._constants.level is not None:  # 0 on islands that are held: those heights stay
             islands.add(z, -self._constants.level)

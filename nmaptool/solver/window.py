@@ -20,7 +20,7 @@ _Values = TypeVar("_Values", bound=NDArray[Any])
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """A box of vertices that holds all unknown ones; every other vertex is held, or has no height.
+    """A box that contains all unknown vertices; every vertex outside is held, or has no height.
 
     Attributes
     ----------
