@@ -37,6 +37,7 @@ _DATA_ALPHA_SHARE = 0.3
 # rows that decide whether an edge is noisy; more than the windows around a pixel reach
 _STRIP_PX = 32
 _PIXELS_AT_ONCE = 1 << 16
+_ROWS_AT_ONCE = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +55,11 @@ def alpha_is_data(image: RasterImage) -> bool:
     alpha = image.alpha
     if alpha is None or image.attributes.get("kind") == "normal":
         return False
-    partial = (alpha > 0.02) & (alpha < 0.98)
-    return bool(partial.mean() > _DATA_ALPHA_SHARE)
+    partial = 0
+    for row in range(0, len(alpha), _ROWS_AT_ONCE):
+        band = alpha[row : row + _ROWS_AT_ONCE]
+        partial += int(np.count_nonzero((band > 0.02) & (band < 0.98)))
+    return partial > _DATA_ALPHA_SHARE * alpha.size
 
 
 @dataclass(frozen=True)
@@ -121,11 +125,17 @@ def _exactly_flat(image: RasterImage, xyz: NDArray[Any], span: _Span) -> Mask:
     return found
 
 
-def _noisy(xyz: NDArray[Any], span: _Span, lossy: bool) -> Mask:
-    """Pixels that are near flat, flat on average, and vary from pixel to pixel by more than that average."""
+def _near_flat(xyz: NDArray[Any], span: _Span, lossy: bool) -> Mask:
+    """Pixels that noise or dither may have made of flat."""
     slack = (_LOSSY_FLAT if lossy else _FLAT_NOISE) * span.step
     near = _near(xyz[..., :2], (span.middle, span.middle), slack)
     near &= xyz[..., 2] >= span.top - slack - 2 * span.step
+    return near
+
+
+def _noisy(xyz: NDArray[Any], span: _Span, near: Mask) -> Mask:
+    """Those of the pixels near flat that are flat on average and vary from pixel to pixel by more than that average."""
+    near = near.copy()
     for channel in range(2):
         values = (xyz[..., channel].astype(np.float32) - np.float32(span.middle)) / np.float32(span.step)
         values = np.ascontiguousarray(np.where(near, values, np.float32(0)))
@@ -142,13 +152,27 @@ def _noisy_flat(xyz: NDArray[Any], span: _Span, lossy: bool, sides: int) -> Mask
         # an edge depends only on a strip along it; an edge without noise is too long to be filled as a speck
         turned = xyz.swapaxes(0, 1)
         strips = (xyz[:_STRIP_PX], xyz[-_STRIP_PX:][::-1], turned[:_STRIP_PX], turned[-_STRIP_PX:][::-1])
-        if sum(bool(_noisy(strip, span, lossy)[0].any()) for strip in strips) < sides:
+        if sum(bool(_noisy(strip, span, _near_flat(strip, span, lossy))[0].any()) for strip in strips) < sides:
             return np.zeros(xyz.shape[:2], bool)
-    near = _noisy(xyz, span, lossy)
-    count, specks = _patches(~near)
-    small = np.bincount(specks.ravel(), minlength=count) < _MIN_PATCH_PIXELS
-    small[0] = False
-    return np.asarray(near | small[specks])
+    near = _near_flat(xyz, span, lossy)
+    # what is near flat holds all that is noisy: if it does not reach the sides, neither does the noisy part
+    if not _edge_patches(_without_specks(near), sides).any():
+        return np.zeros(xyz.shape[:2], bool)
+    return _without_specks(_noisy(xyz, span, near))
+
+
+def _without_specks(mask: Mask) -> Mask:
+    """The mask with its small holes filled."""
+    sizes, specks = _sized_patches(~mask)
+    return np.asarray(mask | (sizes < _MIN_PATCH_PIXELS)[specks])
+
+
+def _sized_patches(mask: Mask) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """Number of pixels of each patch of a mask, and labels; patch 0 is what is not in the mask, of infinite size."""
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+    sizes = statistics[:, cv2.CC_STAT_AREA].astype(np.int64)
+    sizes[0] = np.iinfo(np.int64).max
+    return sizes, np.asarray(labels, np.int32)
 
 
 def _patches(mask: Mask) -> tuple[int, NDArray[np.int32]]:
@@ -163,8 +187,11 @@ def _edge(picture: NDArray[Any]) -> NDArray[Any]:
 
 
 def _big_patches(mask: Mask) -> Mask:
-    _, labels = _patches(mask)
-    keep = np.bincount(labels.ravel()) >= max(_MIN_PATCH_PIXELS, _MIN_PATCH_SHARE * mask.size)
+    least = max(_MIN_PATCH_PIXELS, _MIN_PATCH_SHARE * mask.size)
+    if np.count_nonzero(mask) < least:
+        return np.zeros(mask.shape, bool)
+    sizes, labels = _sized_patches(mask)
+    keep = sizes >= least
     keep[0] = False
     return np.asarray(keep[labels])
 

@@ -23,7 +23,7 @@ class Covered(NamedTuple):
     Attributes
     ----------
     vectors : (H, W, 3) float32
-        Not normalised.
+        Not normalised; those of the background still as stored.
     coverage : (H, W) float32
     background : (H, W) bool
     rim_pixels : int
@@ -70,4 +70,4 @@ def _on_flat(vectors: Float32, everywhere: Float32, background: Mask) -> Covered
     flat = np.array(FLAT, np.float32)
     vectors, share, rim_pixels = repair_rim(vectors, background, flat, is_normal=True)
     background = background | (share < 0.5)
-    return Covered(np.where(background[..., None], flat, vectors), everywhere, background, rim_pixels)
+    return Covered(vectors, everywhere, background, rim_pixels)

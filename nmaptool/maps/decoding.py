@@ -155,7 +155,7 @@ def _normal_map(
     swizzle_signs = signs_of(channels.asked)
     if -1 in swizzle_signs:
         apply_signs(normals, swizzle_signs, out=normals)
-    normals[covered.coverage <= 0] = FLAT
+    normals[covered.background if background == "flat" else covered.coverage <= 0] = FLAT
     foreground = (covered.coverage >= 0.5) & ~covered.background
     seen = find_evidence(normals, foreground, covered.coverage >= 0.5, channels.coding.step)
     towards = find_directions(image, given, layout.options, seen, background)

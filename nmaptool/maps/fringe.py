@@ -7,6 +7,8 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.grid import dilated
+from nmaptool.core.nearest import nearest_places
+from nmaptool.core.parallel import for_each_band
 
 # width in which a rim is looked for, and width up to which it is followed inwards while lengths are off
 _RIM_PX = 2
@@ -16,6 +18,7 @@ _LENGTH_TOLERANCE = 0.03
 # background (off the line by less than this share of its move) and has moved along at least this share of that line
 _MIXTURE_OFF_LINE = 0.35
 _MIXTURE_ALONG = 0.08
+_VECTORS_AT_ONCE = 1 << 16
 
 
 def repair_rim(
@@ -61,23 +64,21 @@ def repair_rim(
     near = dilated(outside, _RIM_PX) & ~outside
     if not near.any():
         return vectors, coverage, 0
-    length = np.sqrt(np.einsum("ijk,ijk->ij", vectors, vectors))
-    sound = ~outside & (np.abs(length - 1) <= _LENGTH_TOLERANCE)
+    sound = ~outside & _of_unit_length(vectors)
     wide = _off_length_rim(near & ~sound, outside, sound)
     if background is not None and not is_normal and (sound & ~near).any():
         at = near & sound
-        inner = _nearest(mixed, sound & ~near, at)
+        inner = mixed[nearest_places(sound & ~near, at)]
         share, off_line = _unmix(mixed[at], inner, background)
         sound[at] = (1 - share < _MIXTURE_ALONG) | (off_line > _MIXTURE_OFF_LINE)
     rim = (near & ~sound) | wide
     if not rim.any() or not sound.any():
         return vectors, coverage, 0
-    inner = _nearest(vectors, sound, rim)
+    nearest = nearest_places(sound, rim)
     fixed = vectors.copy()
-    fixed[rim] = inner
+    fixed[rim] = vectors[nearest]
     if background is not None:
-        inner = inner if mixed is vectors else _nearest(mixed, sound, rim)
-        coverage[rim] = _unmix(mixed[rim], inner, background)[0]
+        coverage[rim] = _unmix(mixed[rim], mixed[nearest], background)[0]
     return fixed, coverage, int(rim.sum())
 
 
@@ -92,12 +93,15 @@ def _off_length_rim(start: Mask, outside: Mask, sound: Mask) -> Mask:
     return np.asarray(connected[patches])
 
 
-def _nearest(vectors: Float32, sound: Mask, at: Mask) -> Float32:
-    """(N, 3) vectors: for each of the N pixels of ``at``, the vector of the nearest pixel of ``sound``."""
-    from scipy import ndimage  # takes long to load
+def _of_unit_length(vectors: Float32) -> Mask:
+    """(H, W) bool: where vectors are of unit length."""
+    found = np.empty(vectors.shape[:2], bool)
 
-    rows, cols = ndimage.distance_transform_edt(~sound, return_distances=False, return_indices=True)
-    found: Float32 = vectors[rows[at], cols[at]]
+    def look(band: slice) -> None:
+        length = np.sqrt(np.einsum("ijk,ijk->ij", vectors[band], vectors[band]))
+        found[band] = np.abs(length - 1) <= _LENGTH_TOLERANCE
+
+    for_each_band(len(found), max(1, _VECTORS_AT_ONCE // found.shape[1]), look)
     return found
 
 

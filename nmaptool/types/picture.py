@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.core.arrays import Float32
+from nmaptool.core.arrays import Float32, read_only
 from nmaptool.core.errors import InputError
 from nmaptool.types.shown import OneLine
 
@@ -171,15 +172,15 @@ class RasterImage(OneLine):
         """Largest integer code (255 or 65535); 1 for floating point."""
         return largest_code(self.pixels)
 
-    @property
+    @cached_property
     def alpha(self) -> Float32 | None:
-        """(H, W) float32 alpha in [0, 1], or None."""
+        """(H, W) float32 alpha in [0, 1], read-only; None without alpha."""
         if "A" not in self.channels:
             return None
         alpha = self.pixels[..., self.channels.index("A")]
         share: Float32 = alpha.astype(np.float32)
         share /= np.float32(self.max_code)
-        return share.clip(0, 1, out=share) if self.is_float else share
+        return read_only(share.clip(0, 1, out=share) if self.is_float else share)
 
     def upright(self) -> RasterImage:
         """The picture as viewers show it: turned or mirrored by its EXIF orientation.
