@@ -55,6 +55,12 @@ def _scale_to_unit(vectors: Float32) -> None:
     vectors[zero] = FLAT
 
 
+def make_flat(vectors: Float32, where: Mask) -> None:
+    """Set (..., 3) vectors to flat in place, where a mask says so."""
+    for axis, component in enumerate(FLAT):  # several times as fast as by rows of three
+        np.copyto(vectors[..., axis], np.float32(component), where=where)
+
+
 def slopes(normals: Float32, cap: float) -> tuple[Float32, Float32]:
     """Slopes p = -nx/nz (dz/dx) and q = -ny/nz (dz/dy, y up), no steeper than ``cap``.
 

@@ -18,6 +18,8 @@ from nmaptool.options.presets import NORMAL_PRESETS
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.shown import counted
 
+_ROWS_AT_ONCE = 16
+
 
 @dataclass(frozen=True, eq=False)
 class Channels:
@@ -145,9 +147,9 @@ def _finite(image: RasterImage, rgb: NDArray[Any]) -> NDArray[Any]:
         raise InputError(
             f"{image.name}: alpha holds NaN or infinite values; write the file again with alpha from 0 to 1"
         )
-    bad = ~np.isfinite(rgb).all(axis=-1)
-    if not bad.any():
+    if all(np.isfinite(rgb[row : row + _ROWS_AT_ONCE]).all() for row in range(0, len(rgb), _ROWS_AT_ONCE)):
         return rgb
+    bad = ~np.isfinite(rgb).all(axis=-1)
     if alpha is not None:
         bad &= alpha > 0
     if bad.any():

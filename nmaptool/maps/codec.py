@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import UsageError
 from nmaptool.core.parallel import for_each_band
-from nmaptool.core.vectors import FLAT
+from nmaptool.core.vectors import make_flat
 from nmaptool.maps.zero_code import flat_codes, has_color, zero_and_scale
 from nmaptool.types.picture import RasterImage
 
@@ -208,7 +208,7 @@ def decode_codes(rgb: NDArray[Any], zero_code: str) -> Float32:
     def look_up(band: slice) -> None:
         codes = rgb[band]
         np.take(table, codes, out=vectors[band], mode="clip")
-        vectors[band][has_color(codes, flat)] = FLAT
+        make_flat(vectors[band], has_color(codes, flat))
 
     for_each_band(len(rgb), max(1, _CODES_AT_ONCE // max(1, rgb[0].size)), look_up)
     return vectors

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
-from nmaptool.core.vectors import FLAT, unit
+from nmaptool.core.vectors import make_flat, unit
 from nmaptool.maps.background import Background, find_background
 from nmaptool.maps.channels import Channels, find_channels
 from nmaptool.maps.codec import apply_signs, decode_map, format_swizzle, parse_swizzle, signs_of
@@ -155,7 +155,7 @@ def _normal_map(
     swizzle_signs = signs_of(channels.asked)
     if -1 in swizzle_signs:
         apply_signs(normals, swizzle_signs, out=normals)
-    normals[covered.background if background == "flat" else covered.coverage <= 0] = FLAT
+    make_flat(normals, covered.background if background == "flat" else covered.coverage <= 0)
     foreground = (covered.coverage >= 0.5) & ~covered.background
     seen = find_evidence(normals, foreground, covered.coverage >= 0.5, channels.coding.step)
     towards = find_directions(image, given, layout.options, seen, background)

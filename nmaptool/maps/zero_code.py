@@ -14,6 +14,7 @@ ZERO_CODES = ("127", "127.5", "128")
 # hold its three neighbours about as often.
 _SPIKE = 4
 _SPIKE_PIXELS = 64
+_ROWS_AT_ONCE = 16
 
 
 def zero_and_scale(zero_code: str, max_code: int) -> tuple[float, float]:
@@ -58,10 +59,13 @@ def detect_zero_code(rgb: NDArray[Any]) -> str | None:
     """
     max_code = int(np.iinfo(rgb.dtype).max)
     middle = (max_code + 1) // 2
-    # a program that truncates writes 254 or 255 for nz = 1
-    candidates = rgb[rgb[..., 2] >= max_code - 1][:, :2]
-    near = candidates[((candidates == middle) | (candidates == middle - 1)).all(axis=1)]
-    counts = np.bincount((near[:, 0] == middle) * 2 + (near[:, 1] == middle), minlength=4)
+    counts = np.zeros(4, np.int64)
+    for row in range(0, len(rgb), _ROWS_AT_ONCE):
+        x, y, z = np.moveaxis(rgb[row : row + _ROWS_AT_ONCE], -1, 0)
+        facing = z >= max_code - 1  # a program that truncates writes 254 or 255 for nz = 1
+        upper_y, lower_y = facing & (y == middle), facing & (y == middle - 1)
+        upper_x, lower_x = x == middle, x == middle - 1
+        counts += [np.count_nonzero(one & other) for one in (lower_x, upper_x) for other in (lower_y, upper_y)]
     order = np.sort(counts)
     if order[-1] < _SPIKE_PIXELS or order[-1] < _SPIKE * order[-2]:
         return None

@@ -46,7 +46,7 @@ def as_pixels(name: str, values: NDArray[Any]) -> Pixels:
         return Pixels(values.astype(values.dtype.newbyteorder("="), copy=False), 8 * size)
     refuse_kind(name, values.dtype)
     with np.errstate(over="ignore", invalid="ignore"):  # beyond the range is infinity: "nothing" in depth pictures
-        floats = values.astype(np.float32)
+        floats = values.astype(np.float32, copy=False)
     if kind == "f":
         return Pixels(floats, 16 if size == 2 else 32)
     stated = f"stores {8 * size}-bit {'signed' if kind == 'i' else 'unsigned'} integers"
