@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Mask
 from nmaptool.core.grid import dilated
 from nmaptool.core.parallel import for_each_band
+from nmaptool.maps.patches import big_patches, edge_patches, without_specks
 from nmaptool.maps.zero_code import flat_codes, has_color
 from nmaptool.types.picture import RasterImage
 
-# smallest patch of an impossible colour that counts as background, and smallest share of all such patches
-_MIN_PATCH_PIXELS = 16
-_MIN_PATCH_SHARE = 2e-4
+# smallest share of all patches of an impossible colour
 _MIN_TOTAL_SHARE = 2e-3
 # a flat background must have a patch that reaches this many sides: flat is a valid normal, so it needs more proof
 _FLAT_SIDES = 3
@@ -156,56 +155,14 @@ def _noisy_flat(xyz: NDArray[Any], span: _Span, lossy: bool, sides: int) -> Mask
             return np.zeros(xyz.shape[:2], bool)
     near = _near_flat(xyz, span, lossy)
     # what is near flat holds all that is noisy: if it does not reach the sides, neither does the noisy part
-    if not _edge_patches(_without_specks(near), sides).any():
+    if not edge_patches(without_specks(near), sides).any():
         return np.zeros(xyz.shape[:2], bool)
-    return _without_specks(_noisy(xyz, span, near))
-
-
-def _without_specks(mask: Mask) -> Mask:
-    """The mask with its small holes filled."""
-    sizes, specks = _sized_patches(~mask)
-    return np.asarray(mask | (sizes < _MIN_PATCH_PIXELS)[specks])
-
-
-def _sized_patches(mask: Mask) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    """Number of pixels of each patch of a mask, and labels; patch 0 is what is not in the mask, of infinite size."""
-    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
-    sizes = statistics[:, cv2.CC_STAT_AREA].astype(np.int64)
-    sizes[0] = np.iinfo(np.int64).max
-    return sizes, np.asarray(labels, np.int32)
-
-
-def _patches(mask: Mask) -> tuple[int, NDArray[np.int32]]:
-    """Labels of the patches of a mask, 0 around them, and the count of labels."""
-    count, labels = cv2.connectedComponents(mask.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
-    return count, labels
+    return without_specks(_noisy(xyz, span, near))
 
 
 def _edge(picture: NDArray[Any]) -> NDArray[Any]:
     """The pixels along the picture's edge."""
     return np.concatenate([picture[0], picture[-1], picture[1:-1, 0], picture[1:-1, -1]])
-
-
-def _big_patches(mask: Mask) -> Mask:
-    least = max(_MIN_PATCH_PIXELS, _MIN_PATCH_SHARE * mask.size)
-    if np.count_nonzero(mask) < least:
-        return np.zeros(mask.shape, bool)
-    sizes, labels = _sized_patches(mask)
-    keep = sizes >= least
-    keep[0] = False
-    return np.asarray(keep[labels])
-
-
-def _edge_patches(mask: Mask, sides: int) -> Mask:
-    """The patches that reach the picture's edge if one of them reaches ``sides`` sides; otherwise nothing."""
-    count, labels = _patches(mask)
-    reached = np.zeros(count, int)
-    for side in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
-        reached[np.unique(side)] += 1
-    reached[0] = 0
-    if reached.max(initial=0) < sides:
-        return np.zeros(mask.shape, bool)
-    return np.asarray((reached > 0)[labels])
 
 
 def _score(mask: Mask) -> float:
@@ -221,10 +178,10 @@ def _fades(flat: Mask, xyz: NDArray[Any], span: _Span) -> bool:
 
 
 def _find_flat(image: RasterImage, xyz: NDArray[Any], span: _Span, sides: int) -> Background:
-    exact = _edge_patches(_exactly_flat(image, xyz, span), sides)
+    exact = edge_patches(_exactly_flat(image, xyz, span), sides)
     if 0 < _edge(exact).mean() < _SURE_EDGE and _fades(exact, xyz, span):
         exact[:] = False
-    noisy = _edge_patches(_noisy_flat(xyz, span, image.lossy, sides), sides)
+    noisy = edge_patches(_noisy_flat(xyz, span, image.lossy, sides), sides)
     # a map with noise near flat everywhere is a very shallow surface
     is_noise = noisy.sum() > 1.25 * exact.sum() and noisy.mean() < _ALL_OVER
     return Background("flat", noisy if is_noise else exact, (span.middle, span.middle, span.top))
@@ -235,7 +192,7 @@ def _find_impossible(xyz: NDArray[Any], span: _Span, slack: float, wanted: str) 
     found: list[Background] = []
     for kind, codes in _impossible_colors(span).items():
         if wanted in ("auto", kind):
-            mask = _big_patches(_near(xyz, codes, slack))
+            mask = big_patches(_near(xyz, codes, slack))
             if wanted != "auto" or mask.mean() >= _MIN_TOTAL_SHARE:
                 found.append(Background(kind, mask, codes))
     return max(found, key=lambda background: _score(background.mask), default=None)
@@ -249,7 +206,7 @@ def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Backgro
     vector = (np.array(codes) - span.middle) / ((span.top - span.low) / 2)
     if counts.max() < _ODD_EDGE_SHARE * len(edge):
         return None
-    mask = _big_patches(_near(xyz, codes, _TOLERANCE * span.step))
+    mask = big_patches(_near(xyz, codes, _TOLERANCE * span.step))
     if mask.mean() < _ODD_SHARE:
         return None
     name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - span.low) / span.step) for c in range(3)))

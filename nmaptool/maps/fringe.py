@@ -101,7 +101,7 @@ def _of_unit_length(vectors: Float32) -> Mask:
         length = np.sqrt(np.einsum("ijk,ijk->ij", vectors[band], vectors[band]))
         found[band] = np.abs(length - 1) <= _LENGTH_TOLERANCE
 
-    for_each_band(len(found), max(1, _VECTORS_AT_ONCE // found.shape[1]), look)
+    for_each_band(len(found), max(1, _VECTORS_AT_ONCE // vectors.shape[1]), look)
     return found
 
 
