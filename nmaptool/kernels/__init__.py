@@ -10,7 +10,9 @@ import nmaptool.kernels.grid_twins as grid_twins
 import nmaptool.kernels.pair_twins as pair_twins
 import nmaptool.kernels.pixel_twins as pixel_twins
 import nmaptool.kernels.system_twins as system_twins
+import nmaptool.kernels.text_twins as text_twins
 import nmaptool.kernels.transfer_twins as transfer_twins
+import nmaptool.kernels.triangle_twins as triangle_twins
 from nmaptool.core.extension import load_extension
 
 _FAST = load_extension()
@@ -30,3 +32,9 @@ prolong_rows = getattr(_FAST, "prolong_rows", transfer_twins.prolong_rows)
 steer = getattr(_FAST, "steer", transfer_twins.steer)
 move = getattr(_FAST, "move", transfer_twins.move)
 system_product = getattr(_FAST, "system_product", system_twins.system_product)
+stl_records = getattr(_FAST, "stl_records", triangle_twins.stl_records)
+triangle_sums = getattr(_FAST, "triangle_sums", triangle_twins.triangle_sums)
+decimal_rows = getattr(_FAST, "decimal_rows", text_twins.decimal_rows)
+whole_rows = getattr(_FAST, "whole_rows", text_twins.whole_rows)
+read_decimal_rows = getattr(_FAST, "read_decimal_rows", text_twins.read_decimal_rows)
+read_whole_rows = getattr(_FAST, "read_whole_rows", text_twins.read_whole_rows)

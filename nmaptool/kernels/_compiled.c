@@ -5,7 +5,9 @@
 #include "pairs.h"
 #include "pixels.h"
 #include "system.h"
+#include "text_rows.h"
 #include "transfer.h"
+#include "triangles.h"
 
 static PyMethodDef methods[] = {
     {"pair_sums", pair_sums, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
@@ -21,6 +23,12 @@ static PyMethodDef methods[] = {
     {"pixel_sums", pixel_sums, METH_VARARGS, "See nmaptool.kernels.pixel_twins."},
     {"system_product", system_product, METH_VARARGS, "See nmaptool.kernels.system_twins."},
     {"at_faces", at_faces, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
+    {"stl_records", stl_records, METH_VARARGS, "See nmaptool.kernels.triangle_twins."},
+    {"triangle_sums", triangle_sums, METH_VARARGS, "See nmaptool.kernels.triangle_twins."},
+    {"decimal_rows", decimal_rows, METH_VARARGS, "See nmaptool.kernels.text_twins."},
+    {"whole_rows", whole_rows, METH_VARARGS, "See nmaptool.kernels.text_twins."},
+    {"read_decimal_rows", read_decimal_rows, METH_VARARGS, "See nmaptool.kernels.text_twins."},
+    {"read_whole_rows", read_whole_rows, METH_VARARGS, "See nmaptool.kernels.text_twins."},
     {NULL, NULL, 0, NULL},
 };
 

@@ -9,6 +9,11 @@
 #include <stdint.h>
 #include <string.h>
 
+/* records of files are little endian; elsewhere the twins in NumPy are used */
+#if defined(__BYTE_ORDER__) && defined(__ORDER_BIG_ENDIAN__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+#error "the compiled loops are for little-endian processors"
+#endif
+
 /* KERNEL: a loop that becomes vector instructions; the loader picks the version for the processor.
    SUMMING: likewise, with its sums added in any order, fixed for a build. Elsewhere, a fused or reordered operation would
    give the two ends of a coupling different values, and the sum of a residual would drift. */
@@ -29,7 +34,7 @@
 #define SUMMING static
 #define ANY_ORDER _Pragma("clang fp reassociate(on)")
 #else
-#define KERNEL __attribute__((optimize("O3", "fp-contract=off") PER_PROCESSOR)) static
+#define KERNEL __attribute__((optimize("O3", "fp-contract=off", "no-math-errno") PER_PROCESSOR)) static
 #define SUMMING                                                                                                                \
     __attribute__((optimize("O3", "associative-math", "no-signed-zeros", "no-trapping-math", "no-math-errno") PER_PROCESSOR)) \
         static
@@ -46,18 +51,23 @@ typedef Py_buffer Array;
 #define FLOATS(array) ((float *)(array).buf)
 #define DOUBLES(array) ((double *)(array).buf)
 #define WHOLE(array) ((int64_t *)(array).buf)
+#define INTS(array) ((int32_t *)(array).buf)
+#define BYTES(array) ((unsigned char *)(array).buf)
 #define LENGTH(array) ((array).len / (array).itemsize)
 
 static void release(Array *arrays, int count) {
     for (int i = 0; i < count; i++) PyBuffer_Release(&arrays[i]);
 }
 
-/* Whether the items of an array are of this kind: 'f' float32, 'd' float64, 'q' int64, '?' bool. */
+/* Whether the items of an array are of this kind: 'f' float32, 'd' float64, 'r' either, 'q' int64, 'i' int32, 'B' uint8,
+   '?' bool. */
 static int is_of(const Array *array, char kind) {
     const char *format = array->format ? array->format : "B";
     while (*format == '<' || *format == '=' || *format == '@') format++;
+    if (kind == 'r') return *format == 'f' || *format == 'd';
     if (kind == 'q') return (*format == 'q' || *format == 'l') && array->itemsize == 8;
-    return *format == kind && array->itemsize == (kind == '?' ? 1 : kind == 'f' ? 4 : 8);
+    if (kind == 'i') return (*format == 'i' || *format == 'l') && array->itemsize == 4;
+    return *format == kind && array->itemsize == (kind == '?' || kind == 'B' ? 1 : kind == 'f' ? 4 : 8);
 }
 
 /* Takes contiguous arrays of these kinds, the last `written` of them to write to; 0 and a Python error if one is not. */
