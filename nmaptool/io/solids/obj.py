@@ -7,24 +7,26 @@ from pathlib import Path
 
 import numpy as np
 
-from nmaptool.io.solids.text import rows_as_text
+from nmaptool.io.solids.text import decimals_as_text, wholes_as_text, words_of
 from nmaptool.types.solid import NumberedBody, Solid
+
+HEADER = b"# nmaptool, mm\n"
+VERTEX, FACE = words_of("v # # #\n"), words_of("f # # #\n")
 
 
 def write_obj(solid: Solid, path: Path) -> None:
     """Write every body as an object of an OBJ file in mm."""
     decimals = _decimals(float(np.abs(solid.bounds_mm).max(initial=0.0)))
-    row = f"v %.{decimals}f %.{decimals}f %.{decimals}f\n"
     first = 1
     with path.open("wb") as file:
-        file.write(b"# nmaptool, mm\n")
+        file.write(HEADER)
         for body in solid.bodies:
             numbered = NumberedBody.of(body)
             file.write(f"o {body.name.replace(' ', '_')}\n".encode())
             for vertices in numbered.vertices():
-                file.writelines(rows_as_text(row, vertices))
+                file.writelines(decimals_as_text(vertices, VERTEX, decimals))
             for faces in numbered.faces():
-                file.writelines(rows_as_text("f %d %d %d\n", faces.astype(np.int64) + first))
+                file.writelines(wholes_as_text(faces, FACE, first))
             first += numbered.vertex_count
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from nmaptool.io.solids.text import rows_as_text
+from nmaptool.io.solids.text import decimals_as_text, wholes_as_text, words_of
 from nmaptool.types.solid import NumberedBody, Solid
 
 MODEL_PATH = "3D/3dmodel.model"
@@ -16,8 +16,8 @@ _MODEL_KIND = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _PACKAGE = "http://schemas.openxmlformats.org/package/2006"
 _XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
-_VERTEX = '<vertex x="%.9g" y="%.9g" z="%.9g"/>\n'
-_TRIANGLE = '<triangle v1="%d" v2="%d" v3="%d"/>\n'
+VERTEX = words_of('<vertex x="#" y="#" z="#"/>\n')
+TRIANGLE = words_of('<triangle v1="#" v2="#" v3="#"/>\n')
 
 
 def write_3mf(solid: Solid, path: Path, metadata: Mapping[str, str], thumbnail_png: bytes = b"") -> None:
@@ -57,10 +57,10 @@ def _write_model(file: BinaryIO, solid: Solid, metadata: Mapping[str, str]) -> N
         numbered = NumberedBody.of(body)
         file.write(f'<object id="{number}" name={quoteattr(body.name)} type="model"><mesh><vertices>\n'.encode())
         for vertices in numbered.vertices():
-            file.writelines(rows_as_text(_VERTEX, vertices))
+            file.writelines(decimals_as_text(vertices, VERTEX))
         file.write(b"</vertices><triangles>\n")
         for faces in numbered.faces():
-            file.writelines(rows_as_text(_TRIANGLE, faces))
+            file.writelines(wholes_as_text(faces, TRIANGLE))
         file.write(b"</triangles></mesh></object>\n")
     items = "".join(f'<item objectid="{number}"/>' for number in range(1, len(solid.bodies) + 1))
     file.write(f"</resources>\n<build>{items}</build>\n</model>\n".encode())

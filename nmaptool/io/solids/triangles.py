@@ -1,76 +1,147 @@
-"""Triangles back from a file that was just written."""
+"""Triangles back from a file that was just written, by readers of exactly what the writers of this package write."""
 
 from __future__ import annotations
 
-import itertools
-import zipfile
+import json
+import re
+import struct
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
-from nmaptool.core.arrays import Float64
-from nmaptool.io.meshes.headers import STL_HEADER
-from nmaptool.io.solids.stl import RECORD
-from nmaptool.io.solids.threemf import MODEL_PATH
-from nmaptool.types.solid import Nodes
+from nmaptool.io.solids.ply import FACE, header_of
+from nmaptool.io.solids.stl import CORNERS_AT, HEADER_BYTES, RECORD_BYTES
 
 _BAND = 1 << 16
-_PIECE_BYTES = 1 << 22
-# between the numbers of a line of our own 3MF files
-_NOT_NUMBERS = {
-    b"<vertex": (b'<vertex x="', b'" y="', b'" z="', b'"/>'),
-    b"<triangle": (b'<triangle v1="', b'" v2="', b'" v3="', b'"/>'),
-}
+_PLY_COUNTS = re.compile(rb"element vertex (\d+)\n(?:.*\n)*?element face (\d+)\n")
+_NO_POINTS: NDArray[np.float32] = np.empty((0, 3), np.float32)
 
 
-def triangles_of(path: Path) -> Iterator[Float64]:
-    """(n, 3, 3) float64 corners in mm of the triangles of a file, in bands."""
-    match path.suffix.lower():
-        case ".stl":
-            with path.open("rb") as file:
-                file.seek(STL_HEADER)
-                while len(records := np.fromfile(file, RECORD, _BAND)):
-                    yield records["corners"].astype(np.float64)
-        case ".3mf":
-            for vertices, faces in _objects_of(path):
-                yield from _in_bands(vertices, faces)
-        case _:
-            from nmaptool.io.meshes.reader import read_mesh  # the readers of all formats take long to load
-
-            mesh = read_mesh(path, max_faces=2**31 - 1)
-            yield from _in_bands(mesh.vertices_mm, mesh.faces.astype(np.int64))
+class UnreadableError(Exception):
+    """The file does not have the form in which it was written; the message says how."""
 
 
-def _in_bands(vertices: Float64, faces: Nodes) -> Iterator[Float64]:
-    for at in range(0, len(faces), _BAND):
-        yield vertices[faces[at : at + _BAND]]
+@dataclass(frozen=True, eq=False)
+class Triangles:
+    """Some triangles of a file.
+
+    Attributes
+    ----------
+    points : (n, 3) float32 or float64
+        Vertices; none if the records hold coordinates.
+    records : (m, stride) uint8
+        At ``offset``, the three int32 rows or the nine float32 coordinates of the corners of each triangle. They are
+        overwritten by the triangles that follow.
+    offset : int
+        Bytes.
+    unit_mm : float
+        Size of the unit of the coordinates.
+    """
+
+    points: NDArray[Any]
+    records: NDArray[np.uint8]
+    offset: int = 0
+    unit_mm: float = 1.0
 
 
-def _objects_of(path: Path) -> Iterator[tuple[Float64, Nodes]]:
-    """Vertices and faces of each object of one of our own 3MF files, which have an element on each line."""
-    found: dict[bytes, list[Float64]] = {kind: [] for kind in _NOT_NUMBERS}
-    with zipfile.ZipFile(path) as archive, archive.open(MODEL_PATH) as file:
-        while lines := file.readlines(_PIECE_BYTES):
-            text, kind = b"".join(lines), _kind(lines[0])
-            if kind in found and text.count(kind) == len(lines):  # most pieces are of one kind
-                found[kind].append(_numbers(text, kind))
-                continue
-            for kind, run in itertools.groupby(lines, key=_kind):
-                if kind in found:
-                    found[kind].append(_numbers(b"".join(run), kind))
-                elif found[b"<triangle"] and any(b"</object>" in line for line in run):
-                    vertices, faces = (np.concatenate(each).reshape(-1, 3) for each in found.values())
-                    found = {kind: [] for kind in _NOT_NUMBERS}
-                    yield vertices, faces.astype(np.int64)
+def triangles_of(path: Path) -> Iterator[Triangles]:
+    """The triangles of a file, in bands.
+
+    Raises
+    ------
+    UnreadableError
+        If the file has another form than the writers give it.
+    """
+    from nmaptool.io.solids.text_objects import objects_of_3mf, objects_of_obj
+
+    readers = {".stl": _of_stl, ".ply": _of_ply, ".glb": _of_glb, ".obj": objects_of_obj, ".3mf": objects_of_3mf}
+    return readers[path.suffix.lower()](path)
 
 
-def _kind(line: bytes) -> bytes:
-    return line[: line.find(b" ")]
+def _bands(file: BinaryIO, count: int, stride: int) -> Iterator[NDArray[np.uint8]]:
+    """Up to ``count`` records from the place where a file is, in a buffer that is used again."""
+    buffer = np.empty((min(count, _BAND), stride), np.uint8)
+    while count > 0:
+        band = buffer[: min(count, _BAND)]
+        got = file.readinto(band.reshape(-1).data) // stride  # type: ignore[attr-defined]
+        if not got:
+            return
+        yield band[:got]
+        count -= got
 
 
-def _numbers(lines: bytes, kind: bytes) -> Float64:
-    """The numbers of lines of one kind."""
-    for words in _NOT_NUMBERS[kind]:
-        lines = lines.replace(words, b" ")
-    return np.fromstring(lines.decode("ascii"), np.float64, sep=" ")
+def _of_stl(path: Path) -> Iterator[Triangles]:
+    with path.open("rb") as file:
+        (stated,) = struct.unpack("<I", file.read(HEADER_BYTES)[-4:])
+        held, rest = divmod(path.stat().st_size - HEADER_BYTES, RECORD_BYTES)
+        for records in _bands(file, held, RECORD_BYTES):
+            yield Triangles(_NO_POINTS, records, CORNERS_AT)
+    if held != stated or rest:
+        raise UnreadableError(f"it holds {held} triangles instead of {stated}")
+
+
+def _of_ply(path: Path) -> Iterator[Triangles]:
+    with path.open("rb") as file:
+        head = file.read(1 << 10)
+        counts = _PLY_COUNTS.search(head)
+        vertex_count, face_count = (int(counts[1]), int(counts[2])) if counts else (0, 0)
+        header = header_of(vertex_count, face_count)
+        if not head.startswith(header):
+            raise UnreadableError("its header has another form")
+        _check_size(path, len(header) + 12 * vertex_count + FACE.itemsize * face_count)
+        file.seek(len(header))
+        points = np.fromfile(file, "<f4", 3 * vertex_count).reshape(-1, 3)
+        for records in _bands(file, face_count, FACE.itemsize):
+            if not (records[:, 0] == 3).all():
+                raise UnreadableError("it has faces that are not triangles")
+            yield Triangles(points, records, 1)
+
+
+def _check_size(path: Path, wanted: int) -> None:
+    found = path.stat().st_size
+    if found != wanted:
+        raise UnreadableError(f"it has {found} bytes instead of {wanted}")
+
+
+def _of_glb(path: Path) -> Iterator[Triangles]:
+    with path.open("rb") as file:
+        magic, version, total, text_size, kind = struct.unpack("<4sIII4s", file.read(20))
+        if (magic, version, kind) != (b"glTF", 2, b"JSON"):
+            raise UnreadableError("its header has another form")
+        _check_size(path, total)
+        scene = json.loads(file.read(text_size))
+        data_size, kind = struct.unpack("<I4s", file.read(8))
+        start = file.tell()
+        if kind != b"BIN\0" or start + data_size != total or scene["buffers"] != [{"byteLength": data_size}]:
+            raise UnreadableError("its header has another form")
+        for node in scene["nodes"]:
+            (primitive,) = scene["meshes"][node["mesh"]]["primitives"]
+            place, points = _accessor(scene, primitive["attributes"]["POSITION"], "VEC3", 12)
+            file.seek(start + place)
+            vertices = np.fromfile(file, "<f4", 3 * points["count"]).reshape(-1, 3)
+            _check_bounds(vertices, points)
+            place, indices = _accessor(scene, primitive["indices"], "SCALAR", 4)
+            file.seek(start + place)
+            for records in _bands(file, indices["count"] // 3, 12):
+                yield Triangles(vertices, records, 0, 1000.0)
+
+
+def _accessor(scene: dict[str, Any], number: int, kind: str, stride: int) -> tuple[int, dict[str, Any]]:
+    """Where an array begins in the data, and its description."""
+    accessor = scene["accessors"][number]
+    view = scene["bufferViews"][accessor["bufferView"]]
+    wanted_type = 5126 if kind == "VEC3" else 5125
+    if (accessor["type"], accessor["componentType"], accessor["count"] * stride) != (kind, wanted_type, view["byteLength"]):
+        raise UnreadableError("its arrays have another form")
+    return int(view["byteOffset"]), accessor
+
+
+def _check_bounds(vertices: NDArray[np.float32], accessor: dict[str, Any]) -> None:
+    """Viewers place their camera by the stated bounds."""
+    for stated, found in ((accessor["min"], vertices.min(axis=0)), (accessor["max"], vertices.max(axis=0))):
+        if stated != found.astype(float).tolist():
+            raise UnreadableError("its bounds are not those of its vertices")
