@@ -24,6 +24,7 @@ static PyMethodDef methods[] = {
     {"system_product", system_product, METH_VARARGS, "See nmaptool.kernels.system_twins."},
     {"at_faces", at_faces, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
     {"stl_records", stl_records, METH_VARARGS, "See nmaptool.kernels.triangle_twins."},
+    {"mark_corners", mark_corners, METH_VARARGS, "See nmaptool.kernels.triangle_twins."},
     {"triangle_sums", triangle_sums, METH_VARARGS, "See nmaptool.kernels.triangle_twins."},
     {"decimal_rows", decimal_rows, METH_VARARGS, "See nmaptool.kernels.text_twins."},
     {"whole_rows", whole_rows, METH_VARARGS, "See nmaptool.kernels.text_twins."},

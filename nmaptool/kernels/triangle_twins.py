@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.arrays import Float32, Float64, Mask
 
 Bytes = NDArray[np.uint8]
 Ints = NDArray[np.int32]
@@ -22,7 +22,7 @@ _SECOND = np.uint64(0xD6E8FEB86659FD93)
 _AT_ONCE = 1 << 16
 
 
-def stl_records(xyz: Float64, faces: Ints, out: Bytes) -> None:
+def stl_records(xyz: Float64, faces: Ints, out: Bytes) -> float:
     """Pack triangles as binary STL has them: the unit normal and three corners in float32, and two zero bytes.
 
     Parameters
@@ -43,6 +43,7 @@ def stl_records(xyz: Float64, faces: Ints, out: Bytes) -> None:
             numbers[:, 3 * corner + axis] = values
     out[:, :48] = numbers.astype("<f4", copy=False).view(np.uint8)
     out[:, 48:] = 0
+    return 0.0
 
 
 def _unit_normals(a: Place, b: Place, c: Place) -> Place:
@@ -53,6 +54,18 @@ def _unit_normals(a: Place, b: Place, c: Place) -> Place:
     z = first[0] * second[1] - first[1] * second[0]
     length = np.maximum(np.sqrt(x * x + y * y + z * z), np.finfo(np.float32).tiny)
     return x / length, y / length, z / length
+
+
+def mark_corners(faces: Ints, marked: Mask) -> float:
+    """Set True for every vertex that a face uses.
+
+    Parameters
+    ----------
+    faces : (m, 3) int32
+    marked : (n,) bool
+    """
+    marked[faces] = True
+    return 0.0
 
 
 def triangle_sums(

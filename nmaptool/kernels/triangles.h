@@ -69,6 +69,21 @@ static PyObject *stl_records(PyObject *self, PyObject *args) {
     return finished_with(arrays, 3, fits, 1, 0);
 }
 
+/* mark_corners(faces, marked): the vertices that faces use */
+static PyObject *mark_corners(PyObject *self, PyObject *args) {
+    PyObject *objects[2];
+    Array arrays[2];
+    (void)self;
+    if (!PyArg_ParseTuple(args, "OO", &objects[0], &objects[1])) return NULL;
+    if (!take_arrays(objects, arrays, "i?", 2, 1)) return NULL;
+    const int32_t *faces = INTS(arrays[0]);
+    Py_ssize_t count = LENGTH(arrays[0]);
+    unsigned char *marked = BYTES(arrays[1]);
+    int fits = faces_fit(faces, count, LENGTH(arrays[1]));
+    for (Py_ssize_t i = 0; fits && i < count; i++) marked[faces[i]] = 1;
+    return finished_with(arrays, 2, fits, 1, 0);
+}
+
 /* What was found in some triangles; the lanes are put together at the end. */
 typedef struct {
     double low[3][ABREAST], high[3][ABREAST], volume;

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nmaptool import kernels
 from nmaptool.core.arrays import Float64, Mask, read_only
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.shown import OneLine, counted
@@ -72,34 +73,45 @@ class NumberedBody:
     body : Body
     numbers : (node_count,) int32
         Number of each node; -1 for those that no face uses.
-    vertex_count : int
+    fresh : tuple of int
+        How many vertices each part is the first to use.
+    bounds_mm : (2, 3) float64
+        Least and greatest coordinates of the vertices.
     """
 
     body: Body
     numbers: NDArray[np.int32]
-    vertex_count: int
+    fresh: tuple[int, ...]
+    bounds_mm: Float64
+
+    @property
+    def vertex_count(self) -> int:
+        """Vertices of all parts together."""
+        return sum(self.fresh)
 
     @classmethod
-    def of(cls, body: Body) -> NumberedBody:
-        """Number the vertices; the parts are made once for it."""
-        numbers = np.full(body.node_count, -1, np.int32)
-        count = 0
+    def of(cls, body: Body, *, is_measured: bool = False) -> NumberedBody:
+        """Number the vertices; the parts are made once for it. The bounds are infinite unless ``is_measured``."""
+        numbers, fresh, count = np.full(body.node_count, -1, np.int32), [], 0
+        bounds_mm = np.stack([np.full(3, np.inf), np.full(3, -np.inf)])
         for part in body.parts():
-            used = part.nodes[_used(part)]
-            fresh = used[numbers[used] < 0]
-            numbers[fresh] = np.arange(count, count + len(fresh), dtype=np.int32)
-            count += len(fresh)
-        return cls(body, numbers, count)
+            new = _used(part) & (numbers[part.nodes] < 0)
+            rows = _rows(new)
+            nodes = part.nodes[rows]
+            numbers[nodes] = np.arange(count, count + len(nodes), dtype=np.int32)
+            count += len(nodes)
+            fresh.append(len(nodes))
+            if is_measured and len(nodes):
+                _widen(bounds_mm, part.xyz_mm[rows])
+        return cls(body, numbers, tuple(fresh), bounds_mm)
 
     def vertices(self) -> Iterator[Float64]:
         """(k, 3) float64 mm: the vertices in the order of their numbers, in bands."""
         count = 0
-        for part in self.body.parts():
-            rows = np.flatnonzero(_used(part))
-            numbers = self.numbers[part.nodes[rows]]
-            new = numbers >= count
-            count += int(np.count_nonzero(new))
-            yield part.xyz_mm[rows[new]]
+        for part, fresh in zip(self.body.parts(), self.fresh, strict=True):
+            numbers = self.numbers[part.nodes]
+            yield part.xyz_mm[_rows((numbers >= count) & (numbers < count + fresh))]
+            count += fresh
 
     def faces(self) -> Iterator[Faces]:
         """(m, 3) int32 numbers of vertices, in bands."""
@@ -110,8 +122,23 @@ class NumberedBody:
 def _used(part: Part) -> Mask:
     """(n,) bool: the vertices of a part that are written."""
     used = np.full(len(part.nodes), part.keeps_unused)
-    used[part.faces] = True
+    if not part.keeps_unused:
+        kernels.mark_corners(np.ascontiguousarray(part.faces, np.int32), used)
     return used
+
+
+def _rows(chosen: Mask) -> slice | Mask:
+    """The chosen rows: a slice if they follow each other, which needs no copy."""
+    first, count = int(chosen.argmax()) if len(chosen) else 0, int(np.count_nonzero(chosen))
+    return slice(first, first + count) if chosen[first : first + count].all() else chosen
+
+
+def _widen(bounds_mm: Float64, xyz_mm: Float64) -> None:
+    """Extend the bounds to more points, axis by axis, because NumPy is slow on rows of three."""
+    for axis in range(3):
+        values = xyz_mm[:, axis]
+        bounds_mm[0, axis] = np.minimum(bounds_mm[0, axis], values.min())
+        bounds_mm[1, axis] = np.maximum(bounds_mm[1, axis], values.max())
 
 
 @dataclass(frozen=True, eq=False, repr=False)

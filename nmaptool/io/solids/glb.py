@@ -24,7 +24,7 @@ def write_glb(solid: Solid, path: Path) -> None:
     LimitError
         If it would be larger than the 4 GiB that GLB can hold.
     """
-    bodies = [NumberedBody.of(body) for body in solid.bodies]
+    bodies = [NumberedBody.of(body, is_measured=True) for body in solid.bodies]
     scene, size = _scene(solid, bodies)
     text = json.dumps(scene, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
@@ -73,9 +73,5 @@ def _scene(solid: Solid, bodies: list[NumberedBody]) -> tuple[dict[str, Any], in
 
 def _bounds_m(body: NumberedBody) -> tuple[list[float], list[float]]:
     """Least and greatest coordinates, rounded as they are written."""
-    low, high = np.full(3, np.inf, np.float32), np.full(3, -np.inf, np.float32)
-    for vertices in body.vertices():
-        if len(vertices):
-            in_m = (vertices / 1000).astype(np.float32)
-            low, high = np.minimum(low, in_m.min(axis=0)), np.maximum(high, in_m.max(axis=0))
-    return low.astype(float).tolist(), high.astype(float).tolist()
+    low, high = (body.bounds_mm / 1000).astype(np.float32).astype(float).tolist()
+    return low, high

@@ -18,7 +18,7 @@ from nmaptool.options.formats import MESH_FORMATS, check_ending
 from nmaptool.types.solid import Body, Part, Solid
 
 # how often a writer asks for the parts of a body, where it is not three times
-_PASSES = {".stl": 1, ".glb": 4}
+_PASSES = {".stl": 1}
 _WRITERS: dict[str, Callable[[Solid, Path], None]] = {
     ".stl": write_stl,
     ".ply": write_ply,
