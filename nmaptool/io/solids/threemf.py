@@ -5,8 +5,9 @@ from __future__ import annotations
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import IO
 
+from nmaptool.io.compression import LEVEL_OF_3MF
 from nmaptool.io.solids.text import decimals_as_text, wholes_as_text, words_of
 from nmaptool.types.solid import NumberedBody, Solid
 
@@ -32,23 +33,26 @@ def write_3mf(solid: Solid, path: Path, metadata: Mapping[str, str], thumbnail_p
     thumbnail_png : bytes
         A picture for file managers and slicers; none if empty.
     """
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr(_entry("[Content_Types].xml"), _content_types())
-        archive.writestr(_entry("_rels/.rels"), _relations(bool(thumbnail_png)))
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=LEVEL_OF_3MF) as archive:
+        _add(archive, "[Content_Types].xml", _content_types().encode())
+        _add(archive, "_rels/.rels", _relations(bool(thumbnail_png)).encode())
         if thumbnail_png:
-            archive.writestr(_entry(_THUMBNAIL_PATH), thumbnail_png)
-        with archive.open(_entry(MODEL_PATH), "w", force_zip64=True) as file:
-            _write_model(cast("BinaryIO", file), solid, metadata)
+            _add(archive, _THUMBNAIL_PATH, thumbnail_png)
+        with _entry(archive, MODEL_PATH) as file:
+            _write_model(file, solid, metadata)
 
 
-def _entry(name: str) -> zipfile.ZipInfo:
+def _entry(archive: zipfile.ZipFile, name: str) -> IO[bytes]:
     """An entry without the time of writing, so that the same relief gives the same bytes."""
-    entry = zipfile.ZipInfo(name)
-    entry.compress_type = zipfile.ZIP_DEFLATED
-    return entry
+    return archive.open(name, "w", force_zip64=name == MODEL_PATH)
 
 
-def _write_model(file: BinaryIO, solid: Solid, metadata: Mapping[str, str]) -> None:
+def _add(archive: zipfile.ZipFile, name: str, data: bytes) -> None:
+    with _entry(archive, name) as file:
+        file.write(data)
+
+
+def _write_model(file: IO[bytes], solid: Solid, metadata: Mapping[str, str]) -> None:
     from xml.sax.saxutils import escape, quoteattr  # loads the network modules of Python
 
     facts = "".join(f"<metadata name={quoteattr(key)}>{escape(value)}</metadata>\n" for key, value in metadata.items())

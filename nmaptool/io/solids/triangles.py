@@ -7,8 +7,9 @@ import re
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
+from io import BufferedReader
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,15 +60,18 @@ def triangles_of(path: Path) -> Iterator[Triangles]:
     from nmaptool.io.solids.text_objects import objects_of_3mf, objects_of_obj
 
     readers = {".stl": _of_stl, ".ply": _of_ply, ".glb": _of_glb, ".obj": objects_of_obj, ".3mf": objects_of_3mf}
-    return readers[path.suffix.lower()](path)
+    try:
+        yield from readers[path.suffix.lower()](path)
+    except (struct.error, ValueError, LookupError, TypeError):
+        raise UnreadableError("its header has another form") from None
 
 
-def _bands(file: BinaryIO, count: int, stride: int) -> Iterator[NDArray[np.uint8]]:
+def _bands(file: BufferedReader, count: int, stride: int) -> Iterator[NDArray[np.uint8]]:
     """Up to ``count`` records from the place where a file is, in a buffer that is used again."""
     buffer = np.empty((min(count, _BAND), stride), np.uint8)
     while count > 0:
         band = buffer[: min(count, _BAND)]
-        got = file.readinto(band.reshape(-1).data) // stride  # type: ignore[attr-defined]
+        got = file.readinto(band.data) // stride
         if not got:
             return
         yield band[:got]
