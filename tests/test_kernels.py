@@ -257,7 +257,8 @@ def test_numpy_replaces_the_compiled_loops():
     environment = {**os.environ, "NMAPTOOL_KERNELS": "numpy"}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True, env=environment)
     assert done.stdout.strip() == "nmaptool.kernels.pair_twins"
-    tests = ["tests/test_solver.py", "tests/test_multigrid.py", "tests/test_smooth.py"]
+    names = ("solver", "multigrid", "smooth", "file_kernels", "written_triangles")
+    tests = [f"tests/test_{name}.py" for name in names]
     words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests]
     done = subprocess.run(words, capture_output=True, check=False, text=True, env=environment, cwd=ROOT)
     assert done.returncode == 0, done.stdout[-2000:]

@@ -16,6 +16,7 @@ Whole = NDArray[np.int64]
 # room for the longest row, of numbers of up to 720 characters and words of up to 64
 _LONGEST_ROW = 3 * (720 + 64) + 64
 _BAND_ROWS = 1 << 14
+_GREATEST = 2**31 - 1
 
 
 def decimal_rows(values: Float64, words: bytes, digits: int, out: Bytes, state: Whole) -> float:
@@ -86,10 +87,11 @@ def _read(text: bytes, words: bytes, kind: np.dtype[Any], first: int, out: NDArr
     for piece in pieces:
         joined = joined.replace(piece, b" ")
     try:
-        values = np.array(joined.split(), kind) if kind.kind == "i" else np.array(joined.split(), np.float64)
-    except ValueError:
+        values = np.array(joined.split(), kind) - first
+    except (ValueError, OverflowError):
         return 0.0
-    if values.size == 3 * len(lines):
-        out.reshape(-1)[: values.size] = values - first
+    fits = kind.kind == "f" or not values.size or (-_GREATEST <= values.min() and values.max() <= _GREATEST)
+    if values.size == 3 * len(lines) and fits:
+        out.reshape(-1)[: values.size] = values
         state[:] = begin + sum(map(len, lines)), len(lines)
     return 0.0

@@ -16,10 +16,10 @@ _BUFFER_BYTES = 1 << 20
 
 
 def words_of(row: str) -> bytes:
-    """What stands around the three numbers of a row, marked by ``#``, as the loops of `nmaptool.kernels` take it.
+    r"""What stands around the three numbers of a row, marked by ``#``, as the loops of `nmaptool.kernels` take it.
 
     >>> words_of("v # # #;")
-    b'v \\x00 \\x00 \\x00;\\x00'
+    b'v \x00 \x00 \x00;\x00'
     """
     return row.replace("#", "\0").encode("ascii") + b"\0"
 

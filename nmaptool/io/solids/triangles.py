@@ -81,11 +81,12 @@ def _bands(file: BufferedReader, count: int, stride: int) -> Iterator[NDArray[np
 def _of_stl(path: Path) -> Iterator[Triangles]:
     with path.open("rb") as file:
         (stated,) = struct.unpack("<I", file.read(HEADER_BYTES)[-4:])
-        held, rest = divmod(path.stat().st_size - HEADER_BYTES, RECORD_BYTES)
+        held = (path.stat().st_size - HEADER_BYTES) // RECORD_BYTES
         for records in _bands(file, held, RECORD_BYTES):
             yield Triangles(_NO_POINTS, records, CORNERS_AT)
-    if held != stated or rest:
+    if held != stated:
         raise UnreadableError(f"it holds {held} triangles instead of {stated}")
+    _check_size(path, HEADER_BYTES + held * RECORD_BYTES)
 
 
 def _of_ply(path: Path) -> Iterator[Triangles]:
@@ -139,7 +140,11 @@ def _accessor(scene: dict[str, Any], number: int, kind: str, stride: int) -> tup
     accessor = scene["accessors"][number]
     view = scene["bufferViews"][accessor["bufferView"]]
     wanted_type = 5126 if kind == "VEC3" else 5125
-    if (accessor["type"], accessor["componentType"], accessor["count"] * stride) != (kind, wanted_type, view["byteLength"]):
+    if (accessor["type"], accessor["componentType"], accessor["count"] * stride) != (
+        kind,
+        wanted_type,
+        view["byteLength"],
+    ):
         raise UnreadableError("its arrays have another form")
     return int(view["byteOffset"]), accessor
 
