@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.file_loops import file_rows
 from bench.report import Report
 from bench.table import table
 from nmaptool import kernels
@@ -130,7 +131,7 @@ def main() -> None:
         raise UsageError("the loops are not compiled; install a C compiler, then run make setup")
     rows = [row for size in SIZES for row in grid_rows(*size, options.repeat)]
     rows += [heights_row(*size, options.repeat) for size in SIZES]
-    rows += [pair_row(options.repeat), pixel_row(options.repeat)]
+    rows += [pair_row(options.repeat), pixel_row(options.repeat), *file_rows(options.repeat, best)]
     report.end(
         "One thread, in bands as the solver uses them, CPU time in milliseconds; best of several runs.",
         table(["loop", "size", "compiled", "NumPy", "times"], rows),

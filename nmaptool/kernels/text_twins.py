@@ -90,7 +90,7 @@ def _read(text: bytes, words: bytes, kind: np.dtype[Any], first: int, out: NDArr
         values = np.array(joined.split(), kind) - first
     except (ValueError, OverflowError):
         return 0.0
-    fits = kind.kind == "f" or not values.size or (-_GREATEST <= values.min() and values.max() <= _GREATEST)
+    fits = kind.kind == "f" or not values.size or (values.min() >= -_GREATEST and values.max() <= _GREATEST)
     if values.size == 3 * len(lines) and fits:
         out.reshape(-1)[: values.size] = values
         state[:] = begin + sum(map(len, lines)), len(lines)
