@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-# attributes of OpenImageIO by file ending; filter 32 predicts each row of a PNG from the one above
+# attributes of OpenImageIO by file ending; filter 32 predicts each row of a PNG from the one above, zip:1 is level 1
 PICTURES: Mapping[str, Mapping[str, str | int]] = {
     ".png": {"png:compressionLevel": 1, "png:filter": 32},
-    ".exr": {"compression": "zip"},
+    ".exr": {"compression": "zip:1"},
     ".tif": {"compression": "zip"},
     ".tiff": {"compression": "zip"},
 }

@@ -12,7 +12,8 @@ from nmaptool import kernels
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import OutputError
 from nmaptool.core.progress import Progress
-from nmaptool.io.solids.triangles import Triangles, UnreadableError, triangles_of
+from nmaptool.io.solids.bands import Triangles, UnreadableError
+from nmaptool.io.solids.triangles import triangles_of
 from nmaptool.types.solid import Solid
 
 _SIZE_MM = 1e-4

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from nmaptool import kernels
 from nmaptool.core.arrays import Float64
 from nmaptool.io.solids import obj, threemf
-from nmaptool.io.solids.triangles import Triangles, UnreadableError
+from nmaptool.io.solids.bands import Triangles, UnreadableError
 
 _PIECE_BYTES = 1 << 20
 

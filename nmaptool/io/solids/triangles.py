@@ -6,7 +6,6 @@ import json
 import re
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
 from io import BufferedReader
 from pathlib import Path
 from typing import Any
@@ -14,39 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nmaptool.io.solids.bands import Triangles, UnreadableError
 from nmaptool.io.solids.ply import FACE, header_of
 from nmaptool.io.solids.stl import CORNERS_AT, HEADER_BYTES, RECORD_BYTES
+from nmaptool.io.solids.text_objects import objects_of_3mf, objects_of_obj
 
 _BAND = 1 << 16
 _PLY_COUNTS = re.compile(rb"element vertex (\d+)\n(?:.*\n)*?element face (\d+)\n")
 _NO_POINTS: NDArray[np.float32] = np.empty((0, 3), np.float32)
-
-
-class UnreadableError(Exception):
-    """The file does not have the form in which it was written; the message says how."""
-
-
-@dataclass(frozen=True, eq=False)
-class Triangles:
-    """Some triangles of a file.
-
-    Attributes
-    ----------
-    points : (n, 3) float32 or float64
-        Vertices; none if the records hold coordinates.
-    records : (m, stride) uint8
-        At ``offset``, the three int32 rows or the nine float32 coordinates of the corners of each triangle. They are
-        overwritten by the triangles that follow.
-    offset : int
-        Bytes.
-    unit_mm : float
-        Size of the unit of the coordinates.
-    """
-
-    points: NDArray[Any]
-    records: NDArray[np.uint8]
-    offset: int = 0
-    unit_mm: float = 1.0
 
 
 def triangles_of(path: Path) -> Iterator[Triangles]:
@@ -57,8 +31,6 @@ def triangles_of(path: Path) -> Iterator[Triangles]:
     UnreadableError
         If the file has another form than the writers give it.
     """
-    from nmaptool.io.solids.text_objects import objects_of_3mf, objects_of_obj
-
     readers = {".stl": _of_stl, ".ply": _of_ply, ".glb": _of_glb, ".obj": objects_of_obj, ".3mf": objects_of_3mf}
     try:
         yield from readers[path.suffix.lower()](path)
