@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from nmaptool_cli.run import Run
 
 # bytes per triangle, a vertex for every two triangles
-_BYTES = {".stl": 50.0, ".ply": 19.0, ".obj": 42.0, ".glb": 18.0, ".3mf": 10.0}
+_BYTES = {".stl": 50.0, ".ply": 19.0, ".obj": 42.0, ".glb": 18.0, ".3mf": 14.0}
 
 
 def describe_solid(run: Run, solid: Solid, meshes: Sequence[Path]) -> None:

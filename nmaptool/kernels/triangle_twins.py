@@ -36,8 +36,9 @@ def stl_records(xyz: Float64, faces: Ints, out: Bytes) -> float:
     x, y, z = np.ascontiguousarray(xyz.T, np.float32)
     corners = [(x[c], y[c], z[c]) for c in np.ascontiguousarray(faces.T)]
     numbers = np.empty((len(faces), 12), np.float32)
-    for axis, values in enumerate(_unit_normals(*corners)):
-        numbers[:, axis] = values
+    with np.errstate(over="ignore", invalid="ignore"):  # triangles of more than 1e19 mm have no normal
+        for axis, values in enumerate(_unit_normals(*corners)):
+            numbers[:, axis] = values
     for corner, place in enumerate(corners, start=1):
         for axis, values in enumerate(place):
             numbers[:, 3 * corner + axis] = values
