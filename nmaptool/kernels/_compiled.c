@@ -1,9 +1,11 @@
 /* Inner loops of nmaptool; every function has a twin in NumPy beside this file, with the same signature. */
 
 #include "arrays.h"
+#include "coarsening.h"
 #include "grid.h"
 #include "pairs.h"
 #include "pixels.h"
+#include "rows.h"
 #include "system.h"
 #include "transfer.h"
 
@@ -14,6 +16,11 @@ static PyMethodDef methods[] = {
     {"finest_finish", finest_finish, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
     {"coarse_step", coarse_step, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
     {"coarse_left", coarse_left, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"coarsen_finest", coarsen_finest, METH_VARARGS, "See nmaptool.kernels.coarsening."},
+    {"coarsen_coarse", coarsen_coarse, METH_VARARGS, "See nmaptool.kernels.coarsening."},
+    {"sort_rows", sort_rows, METH_VARARGS, "See nmaptool.kernels.row_twins."},
+    {"rows_times", rows_times, METH_VARARGS, "See nmaptool.kernels.row_twins."},
+    {"rows_product", rows_product, METH_VARARGS, "See nmaptool.kernels.row_twins."},
     {"restrict_rows", restrict_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"prolong_rows", prolong_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"steer", steer, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},

@@ -77,6 +77,17 @@ static int take_arrays(PyObject **objects, Array *arrays, const char *kinds, int
     return 1;
 }
 
+/* The same for the arrays of two tuples; those of the second are written to. */
+static int take_tuples(PyObject *inputs, PyObject *outputs, Array *arrays, const char *kinds, int read, int written) {
+    PyObject *objects[32];
+    if (PyTuple_Size(inputs) != read || PyTuple_Size(outputs) != written) {
+        PyErr_SetString(PyExc_ValueError, "the number of arrays does not match");
+        return 0;
+    }
+    for (int i = 0; i < read + written; i++) objects[i] = PyTuple_GetItem(i < read ? inputs : outputs, i < read ? i : i - read);
+    return take_arrays(objects, arrays, kinds, read + written, written);
+}
+
 static int all_below(const int64_t *values, Py_ssize_t count, int64_t limit) {
     int inside = 1;
     for (Py_ssize_t i = 0; i < count; i++) inside &= values[i] >= 0 && values[i] < limit;

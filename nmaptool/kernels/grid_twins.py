@@ -122,6 +122,13 @@ def accumulate(one: Values, other: Values, out: Values) -> None:
     cv2.accumulateProduct(one, other, out)
 
 
+def add_product(out: Values, one: Values, *others: Values) -> None:
+    """Add a product to ``out``, in one pass for two factors; all arrays are flat, contiguous and of the same type."""
+    for other in others[1:]:
+        one = one * other
+    accumulate(one, others[0], out)
+
+
 def _add_neighbours(
     couplings: tuple[Values, Values, Values, Values], x: Values, out: Values, cols: int, start: int, stop: int
 ) -> None:

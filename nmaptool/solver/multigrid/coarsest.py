@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from nmaptool.core.arrays import Float64
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.amg_hierarchy import hierarchy_of
 from nmaptool.solver.multigrid.level import Stencil, inner
-from nmaptool.solver.multigrid.values import Values
 
 # up to this many unknowns a sparse LU is faster than a hierarchy: thin shapes leave a graph that is almost a tree
 _DIRECT = 60_000
@@ -66,9 +66,10 @@ def assemble(level: Stencil) -> Coarsest:
         here = place[: rows - down, max(-across, 0) : cols - max(across, 0)].ravel()
         found = here[values.ravel()[here] != 0]
         ends.append((found, found + down * cols + across, values.ravel()[found]))
-    near, among = off_grid.to_grid.tocoo(), sparse.triu(off_grid.among, format="coo")
-    ends.append((off_grid.near[near.row], size + near.col, near.data))
-    ends.append((size + among.row, size + among.col, among.data))
+    near, among = off_grid.to_grid, off_grid.among
+    once = among.row < among.column
+    ends.append((off_grid.near[near.row], size + near.column, near.value))
+    ends.append((size + among.row[once], size + among.column[once], among.value[once]))
     one, two = (number[np.concatenate([end[i] for end in ends])] for i in (0, 1))
     value = np.concatenate([end[2] for end in ends]).astype(np.float64)
     count = int(active.sum())

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
+import nmaptool.kernels.coarsening as coarsening
 import nmaptool.kernels.grid_twins as grid_twins
 from nmaptool import kernels
 from nmaptool.core.parallel import for_each_band, map_parallel
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.multigrid.level import Shape, band_size, inner, margin, new_field
-from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
-from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
 # A is at most the sum of the weights around a vertex + beta, so 4/3 of the inverse of that sum is below 2 / A; with
@@ -120,52 +120,7 @@ class Finest:
 
         return self.sum_over_bands(band)
 
-    def split(self, first: int, last: int) -> Split:
-        """Return rows ``first`` to ``last`` of the next coarser grid, sorted by kind; see `split.Split`."""
-        rows, cols = self.shape
-        coarse = (rows + 1) // 2, (cols + 1) // 2
-        top, bottom = max(2 * (first - HALO) - 2, 0), min(2 * (last + HALO) + 2, rows)
-        start, stop = top * cols, bottom * cols
-        edge = self.edge
-        quarter = self.quarter[edge + start - cols - 1 : edge + stop + cols + 1]  # with a margin
-        here = slice(cols + 1, cols + 1 + stop - start)
-        full = {
-            "e": quarter[here] + quarter[1 : 1 + stop - start],
-            "s": quarter[here] + quarter[cols : cols + stop - start],
-            "se": quarter[here],
-            "sw": quarter[cols : cols + stop - start],
-        }
-        tie = np.array(self.beta[start:stop], self.dtype)
-        if self.holds:
-            full = self._free_only(full, tie, top, bottom)
-        arrays = {}
-        for name, values in {**full, "tie": tie}.items():
-            grid = values.reshape(-1, cols)
-            for kind, part in sorted_rows(grid, top, coarse, first, last).items():
-                arrays[f"{name}_{kind}"] = part
-        split = Split(arrays, coarse[1], last - first)
-        for kind, _, _ in KINDS:
-            split.keep(f"out_{kind}")
-        return split
-
-    def _free_only(self, full: dict[str, Values], tie: Values, top: int, bottom: int) -> dict[str, Values]:
-        """Return the couplings between unknown vertices; those to held vertices are added to ``tie``."""
-        rows, cols = self.shape
-        padded = np.zeros((bottom - top + 2, cols + 2), self.dtype)
-        above, below = max(top - 1, 0), min(bottom + 1, rows)
-        padded[above - top + 1 : below - top + 1, 1:-1] = self.unknown.reshape(rows, cols)[above:below]
-        own = padded[1:-1, 1:-1]
-        out = {}
-        ties = tie.reshape(-1, cols)
-        for name, down, across in (("e", 0, 1), ("s", 1, 0), ("se", 1, 1), ("sw", 1, -1)):
-            values = full[name].reshape(-1, cols)
-            other = padded[1 + down : padded.shape[0] - 1 + down, 1 + across : padded.shape[1] - 1 + across]
-            out[name] = (values * own * other).ravel()
-            ties += values * own * (1 - other)
-            # the lower end of the coupling
-            lower = values * (1 - own) * other
-            ties[down:, max(across, 0) : cols + min(across, 0)] += lower[
-                : lower.shape[0] - down, max(-across, 0) : cols - max(across, 0)
-            ]
-        ties *= own
-        return out
+    def coarsen(self, results: tuple[Values, ...], first: int, last: int) -> None:
+        """Write rows ``first`` to ``last`` of the next coarser level; see `nmaptool.kernels.coarsening`."""
+        loops = kernels.coarsen_finest if self.dtype == np.float32 else coarsening.coarsen_finest
+        loops((self.quarter, self.beta, self.unknown), results, *self.shape, first, last, self.holds)

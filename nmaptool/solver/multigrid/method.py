@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 import nmaptool.kernels.transfer_twins as transfer_twins
 from nmaptool import kernels
 from nmaptool.core.arrays import Float64
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.method import Report
 from nmaptool.solver.multigrid.hierarchy import Hierarchy
 from nmaptool.solver.multigrid.level import new_field
-from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
 # down to this reduction the updated residual matches the heights; below it, it must be recomputed

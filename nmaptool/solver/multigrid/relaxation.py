@@ -8,8 +8,8 @@ import numpy as np
 
 import nmaptool.kernels.grid_twins as grid_twins
 from nmaptool import kernels
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.multigrid.level import Stencil, in_bands, new_field
-from nmaptool.solver.multigrid.values import Values
 
 # the smoother damps modes whose eigenvalue is more than this share of the largest one
 _LOWEST = 0.35
@@ -86,9 +86,8 @@ class Relaxation:
         off_grid, edge = self.level.off_grid, self.level.edge
         if not off_grid.count:
             return None
-        return off_grid.to_grid @ self.off_grid, off_grid.from_grid @ self.x[
-            edge + off_grid.near
-        ] + off_grid.among @ self.off_grid
+        from_grid = off_grid.from_grid.times(self.x[edge + off_grid.near])
+        return off_grid.to_grid.times(self.off_grid), from_grid + off_grid.among.times(self.off_grid)
 
     def _step(self, length: float) -> None:
         """Replace x by x + length D^-1 (load - A x)."""

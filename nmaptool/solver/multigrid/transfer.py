@@ -11,10 +11,10 @@ import numpy as np
 import nmaptool.kernels.transfer_twins as transfer_twins
 from nmaptool import kernels
 from nmaptool.core.parallel import for_each_band
-from nmaptool.solver.multigrid.interpolation import WEIGHTS
+from nmaptool.kernels.coarsening import WEIGHTS
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.multigrid.level import Shape, rows_at_once
 from nmaptool.solver.multigrid.off_grid import OffGridTransfer
-from nmaptool.solver.multigrid.values import Values
 
 
 @dataclass(eq=False)
