@@ -88,7 +88,7 @@ static int take_tuples(PyObject *inputs, PyObject *outputs, Array *arrays, const
     return take_arrays(objects, arrays, kinds, read + written, written);
 }
 
-static int all_below(const int64_t *values, Py_ssize_t count, int64_t limit) {
+KERNEL int all_below(const int64_t *values, Py_ssize_t count, int64_t limit) {
     int inside = 1;
     for (Py_ssize_t i = 0; i < count; i++) inside &= values[i] >= 0 && values[i] < limit;
     return inside;

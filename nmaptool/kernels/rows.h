@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 /* Whether `start` ascends from 0 to at most the number of entries. */
-static int starts_fit(const Array *start, const Array *column, const Array *value) {
+KERNEL int starts_fit(const Array *start, const Array *column, const Array *value) {
     Py_ssize_t rows = LENGTH(*start) - 1;
     const int64_t *first = WHOLE(*start);
     int fits = rows >= 0 && first[0] == 0 && LENGTH(*column) == LENGTH(*value);

@@ -36,7 +36,8 @@ class Transfer:
     off_grid: OffGridTransfer | None
 
     def __post_init__(self) -> None:
-        self._loops: Any = kernels if self.weights[WEIGHTS[0]].dtype == np.float32 else transfer_twins
+        self.dtype = self.weights[WEIGHTS[0]].dtype
+        self._loops: Any = kernels if self.dtype == np.float32 else transfer_twins
 
     def restrict(self, rows_of: Callable[[int, int], Values], out: Values) -> None:
         """Write the coarse residual to ``out`` (flat); ``rows_of(first, last)`` gives (n, cols) fine rows."""
