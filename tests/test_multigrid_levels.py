@@ -60,7 +60,7 @@ def prolongation(way, off_grid):
 def full_matrix(level):
     """The matrix of a level over all its vertices."""
     coarsest = assemble(level)
-    small, places = coarsest.matrix, coarsest.places
+    small, places = coarsest.matrix(), coarsest.places
     size = level.size + level.off_grid.count
     spread = sparse.csr_matrix((np.ones(len(places)), (places, np.arange(len(places)))), shape=(size, len(places)))
     return (spread @ small @ spread.T).toarray()
@@ -139,7 +139,7 @@ def test_islands_never_merge_and_free_constants_stay_free(family, beta):
         labels = labels[::2, ::2]
         if beta:  # with beta, even an island reduced to one vertex has an entry in the matrix
             coarsest = assemble(level)
-            parts = sparse.csgraph.connected_components(coarsest.matrix, directed=False)[1]
+            parts = sparse.csgraph.connected_components(coarsest.matrix(), directed=False)[1]
             islands = labels.ravel()[coarsest.places[coarsest.places < level.size]]
             pairs = set(zip(islands, parts, strict=False))
             assert len(pairs) == len(set(islands)) == len({part for _, part in pairs})

@@ -10,6 +10,7 @@ import nmaptool.kernels.coarsening as coarsening
 import nmaptool.kernels.grid_twins as grid_twins
 import nmaptool.kernels.pair_twins as pair_twins
 import nmaptool.kernels.pixel_twins as pixel_twins
+import nmaptool.kernels.profile_twins as profile_twins
 import nmaptool.kernels.row_twins as row_twins
 import nmaptool.kernels.system_twins as system_twins
 import nmaptool.kernels.transfer_twins as transfer_twins
@@ -21,6 +22,9 @@ IS_COMPILED = _FAST is not None
 pair_sums = getattr(_FAST, "pair_sums", pair_twins.pair_sums)
 at_faces = getattr(_FAST, "at_faces", pair_twins.at_faces)
 pixel_sums = getattr(_FAST, "pixel_sums", pixel_twins.pixel_sums)
+order_graph = getattr(_FAST, "order_graph", profile_twins.order_graph)
+profile_factor = getattr(_FAST, "profile_factor", profile_twins.profile_factor)
+profile_solve = getattr(_FAST, "profile_solve", profile_twins.profile_solve)
 # for float32 only; for float64, `grid_twins`, `coarsening`, `row_twins` and `transfer_twins` themselves
 finest_product = getattr(_FAST, "finest_product", grid_twins.finest_product)
 finest_left = getattr(_FAST, "finest_left", grid_twins.finest_left)

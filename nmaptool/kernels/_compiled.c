@@ -5,6 +5,7 @@
 #include "grid.h"
 #include "pairs.h"
 #include "pixels.h"
+#include "profile.h"
 #include "rows.h"
 #include "system.h"
 #include "transfer.h"
@@ -21,6 +22,9 @@ static PyMethodDef methods[] = {
     {"sort_rows", sort_rows, METH_VARARGS, "See nmaptool.kernels.row_twins."},
     {"rows_times", rows_times, METH_VARARGS, "See nmaptool.kernels.row_twins."},
     {"rows_product", rows_product, METH_VARARGS, "See nmaptool.kernels.row_twins."},
+    {"order_graph", order_graph, METH_VARARGS, "See nmaptool.kernels.profile_twins."},
+    {"profile_factor", profile_factor, METH_VARARGS, "See nmaptool.kernels.profile_twins."},
+    {"profile_solve", profile_solve, METH_VARARGS, "See nmaptool.kernels.profile_twins."},
     {"restrict_rows", restrict_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"prolong_rows", prolong_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"steer", steer, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},

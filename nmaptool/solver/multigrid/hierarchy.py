@@ -84,7 +84,7 @@ class Hierarchy:
         self._factor = 1.0
         self.last = level
         self._coarsest = assemble(level)
-        self._solve = coarse_solver(self._coarsest.matrix)
+        self._solve = coarse_solver(self._coarsest)
 
     def under(self, system: QuadSystem, factor: float) -> Hierarchy:
         """Return a hierarchy with these coarse levels and the finest level of a similar system.
