@@ -2,19 +2,21 @@
 
 #include "arrays.h"
 #include "coarsening.h"
+#include "directions.h"
 #include "grid.h"
 #include "pairs.h"
 #include "pixels.h"
 #include "profile.h"
 #include "rows.h"
+#include "sweeps.h"
 #include "system.h"
 #include "transfer.h"
 
 static PyMethodDef methods[] = {
     {"pair_sums", pair_sums, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
-    {"finest_product", finest_product, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
-    {"finest_left", finest_left, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
-    {"finest_finish", finest_finish, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
+    {"finest_descend", finest_descend, METH_VARARGS, "See nmaptool.kernels.sweep_twins."},
+    {"finest_ascend", finest_ascend, METH_VARARGS, "See nmaptool.kernels.sweep_twins."},
+    {"finest_advance", finest_advance, METH_VARARGS, "See nmaptool.kernels.sweep_twins."},
     {"coarse_step", coarse_step, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
     {"coarse_left", coarse_left, METH_VARARGS, "See nmaptool.kernels.grid_twins."},
     {"coarsen_finest", coarsen_finest, METH_VARARGS, "See nmaptool.kernels.coarsening."},
@@ -27,7 +29,6 @@ static PyMethodDef methods[] = {
     {"profile_solve", profile_solve, METH_VARARGS, "See nmaptool.kernels.profile_twins."},
     {"restrict_rows", restrict_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"prolong_rows", prolong_rows, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
-    {"steer", steer, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"move", move, METH_VARARGS, "See nmaptool.kernels.transfer_twins."},
     {"pixel_sums", pixel_sums, METH_VARARGS, "See nmaptool.kernels.pixel_twins."},
     {"system_product", system_product, METH_VARARGS, "See nmaptool.kernels.system_twins."},

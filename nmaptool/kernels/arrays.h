@@ -77,15 +77,18 @@ static int take_arrays(PyObject **objects, Array *arrays, const char *kinds, int
     return 1;
 }
 
-/* The same for the arrays of two tuples; those of the second are written to. */
-static int take_tuples(PyObject *inputs, PyObject *outputs, Array *arrays, const char *kinds, int read, int written) {
+/* The same for the arrays of some tuples, whose lengths are known; those of the last tuple are written to. */
+static int take_tuples(PyObject **tuples, const int *lengths, int tuple_count, Array *arrays, const char *kinds) {
     PyObject *objects[32];
-    if (PyTuple_Size(inputs) != read || PyTuple_Size(outputs) != written) {
-        PyErr_SetString(PyExc_ValueError, "the number of arrays does not match");
-        return 0;
+    int count = 0;
+    for (int k = 0; k < tuple_count; k++) {
+        if (PyTuple_Size(tuples[k]) != lengths[k]) {
+            PyErr_SetString(PyExc_ValueError, "the number of arrays does not match");
+            return 0;
+        }
+        for (int i = 0; i < lengths[k]; i++) objects[count++] = PyTuple_GetItem(tuples[k], i);
     }
-    for (int i = 0; i < read + written; i++) objects[i] = PyTuple_GetItem(i < read ? inputs : outputs, i < read ? i : i - read);
-    return take_arrays(objects, arrays, kinds, read + written, written);
+    return take_arrays(objects, arrays, kinds, count, lengths[tuple_count - 1]);
 }
 
 KERNEL int all_below(const int64_t *values, Py_ssize_t count, int64_t limit) {

@@ -227,14 +227,14 @@ static int results_fit(const Array *results, int back, Py_ssize_t rows, Py_ssize
 
 /* coarsen_finest((quarter, beta, unknown), results, rows, cols, first, last, holds) -> 0.0 */
 static PyObject *coarsen_finest(PyObject *self, PyObject *args) {
-    PyObject *inputs, *outputs;
+    PyObject *tuples[2];
     Array arrays[3 + RESULTS];
     Py_ssize_t rows, cols, first, last;
     int holds;
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!nnnnp", &PyTuple_Type, &inputs, &PyTuple_Type, &outputs, &rows, &cols, &first, &last,
+    if (!PyArg_ParseTuple(args, "O!O!nnnnp", &PyTuple_Type, &tuples[0], &PyTuple_Type, &tuples[1], &rows, &cols, &first, &last,
                           &holds) ||
-        !take_tuples(inputs, outputs, arrays, "ff?fffffffffffff", 3, RESULTS))
+        !take_tuples(tuples, (int[]){3, RESULTS}, 2, arrays, "ff?fffffffffffff"))
         return NULL;
     int fits = results_fit(arrays + 3, 0, rows, cols, first, last) && LENGTH(arrays[0]) >= rows * cols + 2 * (cols + 1) &&
                LENGTH(arrays[1]) >= rows * cols && LENGTH(arrays[2]) >= rows * cols;
@@ -256,12 +256,12 @@ static PyObject *coarsen_finest(PyObject *self, PyObject *args) {
 
 /* coarsen_coarse((e, s, se, sw, tie, out), results, rows, cols, first, last) -> 0.0 */
 static PyObject *coarsen_coarse(PyObject *self, PyObject *args) {
-    PyObject *inputs, *outputs;
+    PyObject *tuples[2];
     Array arrays[6 + RESULTS + BACK];
     Py_ssize_t rows, cols, first, last;
     (void)self;
-    if (!PyArg_ParseTuple(args, "O!O!nnnn", &PyTuple_Type, &inputs, &PyTuple_Type, &outputs, &rows, &cols, &first, &last) ||
-        !take_tuples(inputs, outputs, arrays, "fffffffffffffffffffffff", 6, RESULTS + BACK))
+    if (!PyArg_ParseTuple(args, "O!O!nnnn", &PyTuple_Type, &tuples[0], &PyTuple_Type, &tuples[1], &rows, &cols, &first, &last) ||
+        !take_tuples(tuples, (int[]){6, RESULTS + BACK}, 2, arrays, "fffffffffffffffffffffff"))
         return NULL;
     int fits = results_fit(arrays + 6, 1, rows, cols, first, last) &&
                (LENGTH(arrays[5]) == 0 || LENGTH(arrays[5]) >= rows * cols);

@@ -30,6 +30,8 @@ def order_graph(start: Indices, column: Indices, order: Indices, part: Indices) 
     from scipy import sparse  # takes long to load
 
     count = len(start) - 1
+    if count == 0:
+        return 0.0
     graph = sparse.csr_matrix((np.ones(len(column), np.int8), column, start), shape=(count, count))
     parts, found = sparse.csgraph.connected_components(graph, directed=False)
     part[:] = found

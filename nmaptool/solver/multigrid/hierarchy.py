@@ -81,6 +81,8 @@ class Hierarchy:
             if few or level.off_grid.count > _MOST_STRAYS * active:
                 break
             self.relaxations.append(Relaxation(level))
+        # the right-hand side of each coarse level
+        self._loads = [np.empty(way.coarse[0] * way.coarse[1], self.finest.dtype) for way in self.transfers]
         self._factor = 1.0
         self.last = level
         self._coarsest = assemble(level)
@@ -105,14 +107,12 @@ class Hierarchy:
         other._factor = factor
         return other
 
-    def cycle(self, residual: Values, z: Values, out: Values) -> float:
+    def cycle(self, residual: Values, out: Values) -> float:
         """One V-cycle.
 
         Parameters
         ----------
         residual : flat
-        z : flat with margins
-            Work space.
         out : flat
             The correction.
 
@@ -122,14 +122,12 @@ class Hierarchy:
             Inner product of the correction and the residual.
         """
         finest, way = self.finest, self.transfers[0]
-        finest.start(residual, z)
-        coarse = np.empty(way.coarse[0] * way.coarse[1], residual.dtype)
-        way.restrict(lambda first, last: finest.left_rows(residual, z, first, last), coarse)
+        coarse = self._loads[0]
+        finest.descend(residual, way, coarse)
         if self._factor != 1:
             coarse *= 1 / self._factor
         x, _ = self._descend(0, coarse, np.zeros(0, residual.dtype))
-        way.prolong(x, z)
-        return finest.finish(residual, z, out)
+        return finest.ascend(residual, way, x, out)
 
     def _descend(self, number: int, residual: Values, at_strays: Values) -> tuple[Values, Values]:
         """Return the corrections on coarse level ``number``: on the grid (with margins) and at off-grid vertices."""
@@ -139,9 +137,8 @@ class Hierarchy:
         relax.load(residual, at_strays)
         relax.smooth(first=True)
         left, left_strays = relax.left()
-        grid = left.reshape(way.fine)
-        below = np.empty(way.coarse[0] * way.coarse[1], residual.dtype)
-        way.restrict(lambda first, last: grid[first:last], below)
+        below = self._loads[number + 1]
+        way.restrict(left, below)
         moved = way.off_grid
         down = np.zeros(0, residual.dtype)
         if moved is not None:
@@ -153,7 +150,6 @@ class Hierarchy:
             relax.x[margin(way.fine) + moved.rows] += moved.weights.times(off_grid)
             relax.off_grid += off_grid[: moved.kept]
         relax.smooth(first=False)
-        relax.forget_load()
         return relax.x, relax.off_grid
 
     def _at_bottom(self, residual: Values, at_strays: Values) -> tuple[Values, Values]:

@@ -65,10 +65,6 @@ class Relaxation:
         """Set the right-hand side."""
         self._load, self._load_strays = residual, off_grid
 
-    def forget_load(self) -> None:
-        """Release the right-hand side, so its memory is free for the next cycle."""
-        self._load, self._load_strays = self.x, self.off_grid
-
     def smooth(self, first: bool) -> None:
         """Do two steps; the first ones start from zero, the last ones are in reverse order."""
         level = self.level
