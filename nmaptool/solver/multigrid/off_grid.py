@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import DTypeLike
 
+import nmaptool.solver.multigrid.rows as sparse
 from nmaptool.kernels.grid_twins import Values
-from nmaptool.solver.multigrid import rows as sparse
 from nmaptool.solver.multigrid.rows import Places, Rows
 
 
