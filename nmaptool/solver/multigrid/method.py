@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 import nmaptool.kernels.transfer_twins as transfer_twins
 from nmaptool import kernels
 from nmaptool.core.arrays import Float64
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.method import Report
 from nmaptool.solver.multigrid.hierarchy import Hierarchy
 from nmaptool.solver.multigrid.level import new_field
-from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
 # down to this reduction the updated residual matches the heights; below it, it must be recomputed
@@ -118,7 +118,7 @@ class _Search:
     def __init__(self, hierarchy: Hierarchy, left: Values) -> None:
         self._hierarchy, self._left = hierarchy, left
         finest = hierarchy.finest
-        self._work, self._direction = (new_field(finest.shape, finest.dtype) for _ in range(2))
+        self._direction = new_field(finest.shape, finest.dtype)
         # the result of a cycle, then A times the direction
         self._other = np.empty(finest.size, finest.dtype)
         self._before = math.inf
@@ -135,12 +135,10 @@ class _Search:
         finest, left, other = self._hierarchy.finest, self._left, self._other
         loops: Any = kernels if finest.dtype == np.float32 else transfer_twins
         direction = self._direction
-        product = self._hierarchy.cycle(left, self._work, other)
+        product = self._hierarchy.cycle(left, other)
         turn = product / self._before
-
-        finest.in_bands(lambda first, last: loops.steer(other, direction, turn, first, last, finest.edge))
         self._before = product
-        curvature = finest.times(direction, other)
+        curvature = finest.advance(direction, other, turn)
         if not (product > 0 and curvature > 0):
             return None
         length = product / curvature
