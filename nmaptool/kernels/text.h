@@ -8,7 +8,7 @@
 #include "arrays.h"
 
 /* MOST_TEXT: room for the longest number, of 309 digits and MOST_DECIMALS */
-enum { PLACES = 3, MOST_DIGITS = 19, MOST_DECIMALS = 400, MOST_TEXT = 720, G_DIGITS = 9, LONGEST_WORD = 64, DIVISORS = 23 };
+enum { ROW_NUMBERS = 3, MOST_DIGITS = 19, MOST_DECIMALS = 400, MOST_TEXT = 720, G_DIGITS = 9, LONGEST_WORD = 64, DIVISORS = 23 };
 
 static const uint64_t TEN_TO[MOST_DIGITS + 1] = {1u, 10u, 100u, 1000u, 10000u, 100000u, 1000000u, 10000000u, 100000000u,
     1000000000u, 10000000000u, 100000000000u, 1000000000000u, 10000000000000u, 100000000000000u, 1000000000000000u,
@@ -18,13 +18,13 @@ static const double DIVISOR[DIVISORS] = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7,
 
 /* What stands before, between and after the three numbers of a row. */
 typedef struct {
-    const char *word[PLACES + 1];
-    size_t size[PLACES + 1];
+    const char *word[ROW_NUMBERS + 1];
+    size_t size[ROW_NUMBERS + 1];
 } Words;
 
 static int take_words(const Array *array, Words *words) {
     const char *at = (const char *)array->buf, *end = at + array->len;
-    for (int i = 0; i <= PLACES; i++) {
+    for (int i = 0; i <= ROW_NUMBERS; i++) {
         const char *zero = at < end ? memchr(at, 0, (size_t)(end - at)) : NULL;
         if (!zero || zero - at > LONGEST_WORD) return 0;
         words->word[i] = at;
@@ -152,7 +152,7 @@ INLINE char *put_word(char *to, const Words *words, int i) {
 }
 
 static char *put_row_end(char *to, const Words *words, char *start, int64_t *state) {
-    to = put_word(to, words, PLACES);
+    to = put_word(to, words, ROW_NUMBERS);
     state[0] = to - start;
     state[1]++;
     return to;
@@ -169,15 +169,15 @@ static PyObject *decimal_rows(PyObject *self, PyObject *args) {
     if (!take_arrays(objects, arrays, "dBBq", 4, 2)) return NULL;
     int fits = take_words(&arrays[1], &words) && LENGTH(arrays[3]) == 2 && digits <= MOST_DECIMALS, has_memory = 1;
     char *start = (char *)arrays[2].buf, *to = start;
-    const char *last = start + arrays[2].len - PLACES * (MOST_TEXT + LONGEST_WORD) - LONGEST_WORD;
+    const char *last = start + arrays[2].len - ROW_NUMBERS * (MOST_TEXT + LONGEST_WORD) - LONGEST_WORD;
     const double *values = DOUBLES(arrays[0]);
     int64_t *state = WHOLE(arrays[3]);
-    Py_ssize_t rows = LENGTH(arrays[0]) / PLACES;
+    Py_ssize_t rows = LENGTH(arrays[0]) / ROW_NUMBERS;
     if (fits) state[0] = state[1] = 0;
     for (Py_ssize_t row = 0; fits && row < rows && to <= last; row++) { /* holds the lock: rare numbers are Python's */
-        for (int i = 0; i < PLACES && to; i++) {
+        for (int i = 0; i < ROW_NUMBERS && to; i++) {
             to = put_word(to, &words, i);
-            to = digits < 0 ? put_general(to, values[PLACES * row + i]) : put_fixed(to, values[PLACES * row + i], digits);
+            to = digits < 0 ? put_general(to, values[ROW_NUMBERS * row + i]) : put_fixed(to, values[ROW_NUMBERS * row + i], digits);
         }
         has_memory = to != NULL;
         if (!has_memory) break;
@@ -197,14 +197,14 @@ static PyObject *whole_rows(PyObject *self, PyObject *args) {
     if (!take_arrays(objects, arrays, "iBBq", 4, 2)) return NULL;
     int fits = take_words(&arrays[1], &words) && LENGTH(arrays[3]) == 2 && first > -((int64_t)1 << 40) && first < (int64_t)1 << 40;
     char *start = (char *)arrays[2].buf, *to = start;
-    const char *last = start + arrays[2].len - PLACES * (MOST_TEXT + LONGEST_WORD) - LONGEST_WORD;
+    const char *last = start + arrays[2].len - ROW_NUMBERS * (MOST_TEXT + LONGEST_WORD) - LONGEST_WORD;
     const int32_t *values = INTS(arrays[0]);
     int64_t *state = WHOLE(arrays[3]);
-    Py_ssize_t rows = LENGTH(arrays[0]) / PLACES;
+    Py_ssize_t rows = LENGTH(arrays[0]) / ROW_NUMBERS;
     if (fits) state[0] = state[1] = 0;
     for (Py_ssize_t row = 0; fits && row < rows && to <= last; row++) {
-        for (int i = 0; i < PLACES; i++) {
-            int64_t value = values[PLACES * row + i] + (int64_t)first;
+        for (int i = 0; i < ROW_NUMBERS; i++) {
+            int64_t value = values[ROW_NUMBERS * row + i] + (int64_t)first;
             to = put_word(to, &words, i);
             if (value < 0) *to++ = '-';
             to = put_whole(to, value < 0 ? (uint64_t)-value : (uint64_t)value);

@@ -60,12 +60,12 @@ INLINE const char *read_word(const char *at, const char *end, const Words *words
 /* Reads a row; NULL if it has another form. */
 static const char *read_row(const char *at, const char *end, const Words *words, int64_t first, double *decimals,
                             int32_t *wholes) {
-    for (int i = 0; i < PLACES; i++) {
+    for (int i = 0; i < ROW_NUMBERS; i++) {
         at = read_word(at, end, words, i);
         if (at) at = decimals ? read_decimal(at, end, decimals + i) : read_whole(at, end, first, wholes + i);
         if (!at) return NULL;
     }
-    return read_word(at, end, words, PLACES);
+    return read_word(at, end, words, ROW_NUMBERS);
 }
 
 /* Reads rows from state[0] on until one has another form; state gets the place after them and their number. */
@@ -74,8 +74,8 @@ static void read_all(const Array *text, const Words *words, int64_t first, doubl
     const char *begin = (const char *)text->buf, *end = begin + text->len, *at = begin + state[0];
     Py_ssize_t row = 0;
     while (row < most) {
-        const char *next = read_row(at, end, words, first, decimals ? decimals + PLACES * row : NULL,
-                                    wholes ? wholes + PLACES * row : NULL);
+        const char *next = read_row(at, end, words, first, decimals ? decimals + ROW_NUMBERS * row : NULL,
+                                    wholes ? wholes + ROW_NUMBERS * row : NULL);
         if (!next) break;
         at = next;
         row++;
@@ -97,7 +97,7 @@ static PyObject *read_rows(PyObject *args, int is_whole) {
     if (fits) {
         Py_BEGIN_ALLOW_THREADS
         read_all(&arrays[0], &words, first, is_whole ? NULL : DOUBLES(arrays[2]), is_whole ? INTS(arrays[2]) : NULL,
-                 LENGTH(arrays[2]) / PLACES, state);
+                 LENGTH(arrays[2]) / ROW_NUMBERS, state);
         Py_END_ALLOW_THREADS
     }
     return finished_with(arrays, 4, fits, 1, 0);
