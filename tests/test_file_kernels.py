@@ -7,7 +7,7 @@ import pytest
 
 from nmaptool import kernels
 from nmaptool.io.solids.text import decimals_as_text, wholes_as_text, words_of
-from nmaptool.kernels import text_twins, triangle_twins
+from nmaptool.kernels import face_twins, text_twins, triangle_twins
 
 needs_compiler = pytest.mark.skipif(not kernels.IS_COMPILED, reason="built without a C compiler")
 LOOPS = [
@@ -125,6 +125,32 @@ def test_corners_are_marked(loops):
 
 
 @needs_compiler
+@pytest.mark.parametrize(("rows", "cols"), [(1, 1), (1, 2), (2, 1), (2, 3), (9, 14), (70, 33)])
+def test_faces_of_pixels_match_their_twin(rows, cols):
+    random = rng()
+    z, inside = random.normal(size=(rows + 1, cols + 1)), random.random((rows, cols)) < 0.7
+    z[random.random(z.shape) < 0.3] = 0  # ties
+    for before, end in ((0, rows), (1, rows), (0, max(1, rows - 1))):
+        if before >= end:
+            continue
+        above = z[: min(end + 2, rows + 1)]
+        found, twin = (np.zeros((end - before, cols), bool) for _ in range(2))
+        kernels.falling_diagonals(above, cols + 1, before, found)
+        face_twins.falling_diagonals(above, cols + 1, before, twin)
+        assert np.array_equal(found, twin)
+    falls, count = random.random((rows, cols)) < 0.5, np.count_nonzero(inside)
+    for is_back in (False, True):
+        found, twin = (np.zeros((2 * count, 3), np.int32) for _ in range(2))
+        assert kernels.pixel_faces(inside, falls, cols + 1, is_back, found) == count
+        assert face_twins.pixel_faces(inside, falls, cols + 1, is_back, twin) == count
+        assert np.array_equal(found, twin)
+        # every triangle has the area of half a pixel, and the sign of its side
+        y, x = np.divmod(found, cols + 1)
+        area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
+        assert (area == (1 if is_back else -1)).all()
+
+
+@needs_compiler
 def test_sizes_that_do_not_match_are_refused():
     points, faces = triangles()
     wrong = "the sizes of the arrays do not match"
@@ -132,6 +158,10 @@ def test_sizes_that_do_not_match_are_refused():
         kernels.stl_records(points, faces, np.empty((len(faces) - 1, 50), np.uint8))
     with pytest.raises(ValueError, match=wrong):
         kernels.stl_records(points[:-1], faces, np.empty((len(faces), 50), np.uint8))
+    with pytest.raises(ValueError, match=wrong):
+        kernels.falling_diagonals(np.zeros((3, 4)), 4, 0, np.zeros((3, 3), bool))
+    with pytest.raises(ValueError, match=wrong):
+        kernels.pixel_faces(np.ones((2, 3), bool), np.ones((1, 3), bool), 4, False, np.zeros((12, 3), np.int32))
     with pytest.raises(ValueError, match=wrong):
         kernels.mark_corners(faces, np.zeros(len(points) - 1, bool))
     with pytest.raises(ValueError, match=wrong):

@@ -7,6 +7,7 @@ split the work into parts that do not depend on the number of threads, so result
 from __future__ import annotations
 
 import nmaptool.kernels.coarsening as coarsening
+import nmaptool.kernels.face_twins as face_twins
 import nmaptool.kernels.grid_twins as grid_twins
 import nmaptool.kernels.pair_twins as pair_twins
 import nmaptool.kernels.pixel_twins as pixel_twins
@@ -43,6 +44,8 @@ rows_times = getattr(_FAST, "rows_times", row_twins.rows_times)
 rows_product = getattr(_FAST, "rows_product", row_twins.rows_product)
 move = getattr(_FAST, "move", transfer_twins.move)
 system_product = getattr(_FAST, "system_product", system_twins.system_product)
+falling_diagonals = getattr(_FAST, "falling_diagonals", face_twins.falling_diagonals)
+pixel_faces = getattr(_FAST, "pixel_faces", face_twins.pixel_faces)
 stl_records = getattr(_FAST, "stl_records", triangle_twins.stl_records)
 mark_corners = getattr(_FAST, "mark_corners", triangle_twins.mark_corners)
 triangle_sums = getattr(_FAST, "triangle_sums", triangle_twins.triangle_sums)

@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "coarsening.h"
 #include "directions.h"
+#include "faces.h"
 #include "grid.h"
 #include "pairs.h"
 #include "pixels.h"
@@ -35,6 +36,8 @@ static PyMethodDef methods[] = {
     {"pixel_sums", pixel_sums, METH_VARARGS, "See nmaptool.kernels.pixel_twins."},
     {"system_product", system_product, METH_VARARGS, "See nmaptool.kernels.system_twins."},
     {"at_faces", at_faces, METH_VARARGS, "See nmaptool.kernels.pair_twins."},
+    {"falling_diagonals", falling_diagonals, METH_VARARGS, "See nmaptool.kernels.face_twins."},
+    {"pixel_faces", pixel_faces, METH_VARARGS, "See nmaptool.kernels.face_twins."},
     {"stl_records", stl_records, METH_VARARGS, "See nmaptool.kernels.triangle_twins."},
     {"mark_corners", mark_corners, METH_VARARGS, "See nmaptool.kernels.triangle_twins."},
     {"triangle_sums", triangle_sums, METH_VARARGS, "See nmaptool.kernels.triangle_twins."},

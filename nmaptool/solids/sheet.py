@@ -8,8 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from nmaptool import kernels
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.grid import found_in, places, touching_vertices
+from nmaptool.kernels.face_twins import two_each
 from nmaptool.solids.outline import CORNERS, corner_nodes
 from nmaptool.solids.rim import rim_heights
 from nmaptool.solids.shape import Shape
@@ -131,32 +133,39 @@ class Sheet:
         corners = np.stack([corner_nodes(row, col, shape.mask.shape[1], shape.splits, name) for name in CORNERS])
         nodes, local = np.unique(corners, return_inverse=True)
         numbers = dict(zip(CORNERS, local.reshape(corners.shape).astype(np.int32), strict=True))
-        faces = _two_each(numbers, self.falls_at(row, col))
+        faces = two_each([numbers[name] for name in ("nw", "ne", "sw", "se")], self.falls_at(row, col))
         return Part(self.xyz_of(nodes), faces if self.facing > 0 else faces[:, ::-1], nodes + self.first_node)
 
     def _band(self, top: int, end: int) -> Part:
         """The triangles of rows ``top`` to ``end``."""
         shape, width = self.shape, self.shape.mask.shape[1] + 1
-        first = top * width
-        count = (end + 1 - top) * width
-        grid = np.arange(count, dtype=np.int32).reshape(-1, width)
-        corners = {"nw": grid[:-1, :-1], "ne": grid[:-1, 1:], "sw": grid[1:, :-1], "se": grid[1:, 1:]}
+        first, count = top * width, (end + 1 - top) * width
         nodes = np.arange(first, first + count, dtype=np.int64)
         seconds = self._seconds(top, end)
         if len(seconds):
-            corners = {name: each.copy() for name, each in corners.items()}
-            vertices = shape.splits.vertices[seconds] - first
-            row, col = np.divmod(vertices, width)
-            extra = (count + np.arange(len(seconds))).astype(np.int32)
-            right = shape.splits.lower_is_right[seconds]
-            corners["nw"][row[right], col[right]] = extra[right]
-            corners["ne"][row[~right], col[~right] - 1] = extra[~right]
+            faces = self._split_faces(top, end, seconds)
             nodes = np.concatenate([nodes, shape.splits.first + seconds])
-        inside = shape.mask[top:end]
-        faces = _two_each({name: each[inside] for name, each in corners.items()}, self.falls(top, end)[inside])
-        if self.facing < 0:
-            faces = faces[:, ::-1]
+        else:
+            inside = np.ascontiguousarray(shape.mask[top:end])
+            faces = np.empty((2 * int(np.count_nonzero(inside)), 3), np.int32)
+            falls = np.ascontiguousarray(self.falls(top, end))
+            kernels.pixel_faces(inside, falls, width, self.facing < 0, faces)
         return Part(self._xyz(top, end, nodes[count:]), faces, nodes + self.first_node)
+
+    def _split_faces(self, top: int, end: int, seconds: Nodes) -> Faces:
+        """The triangles of rows with vertices that are split."""
+        splits, width = self.shape.splits, self.shape.mask.shape[1] + 1
+        grid = np.arange((end + 1 - top) * width, dtype=np.int32).reshape(-1, width)
+        corners = {"nw": grid[:-1, :-1], "ne": grid[:-1, 1:], "sw": grid[1:, :-1], "se": grid[1:, 1:]}
+        corners = {name: each.copy() for name, each in corners.items()}
+        row, col = np.divmod(splits.vertices[seconds] - top * width, width)
+        extra = (grid.size + np.arange(len(seconds))).astype(np.int32)
+        right = splits.lower_is_right[seconds]
+        corners["nw"][row[right], col[right]] = extra[right]
+        corners["ne"][row[~right], col[~right] - 1] = extra[~right]
+        inside = self.shape.mask[top:end]
+        faces = two_each([corners[name][inside] for name in ("nw", "ne", "sw", "se")], self.falls(top, end)[inside])
+        return faces if self.facing > 0 else faces[:, ::-1]
 
     def _xyz(self, top: int, end: int, seconds: Nodes) -> Float64:
         """The vertices of rows ``top`` to ``end`` of the grid, and the second nodes there."""
@@ -210,23 +219,7 @@ def falling_diagonals(z_mm: Float64, top: int, end: int) -> Mask:
 
     Splitting there preserves diagonal ridges and valleys.
     """
-    rows = np.clip(np.arange(top - 1, end + 2), 0, len(z_mm) - 1)
-    z = np.pad(z_mm[rows], ((0, 0), (1, 1)), mode="edge")
-    bend_falling = np.abs(z[:-3, :-3] - z[1:-2, 1:-2] - z[2:-1, 2:-1] + z[3:, 3:])
-    bend_rising = np.abs(z[3:, :-3] - z[2:-1, 1:-2] - z[1:-2, 2:-1] + z[:-3, 3:])
-    falls: Mask = bend_falling <= bend_rising
+    low, high = max(top - 1, 0), min(end + 2, len(z_mm))
+    rows, falls = np.ascontiguousarray(z_mm[low:high]), np.empty((end - top, z_mm.shape[1] - 1), bool)
+    kernels.falling_diagonals(rows, z_mm.shape[1], top - low, falls)
     return falls
-
-
-def _two_each(corners: dict[str, Faces], falls: Mask) -> Faces:
-    """(2 n, 3) int32: two triangles for each of n pixels with those corners, counter-clockwise seen from the viewer."""
-    nw, ne, sw, se = (corners[name] for name in ("nw", "ne", "sw", "se"))
-    faces = np.empty((len(nw), 2, 3), np.int32)
-    # falling: nw sw se, nw se ne; rising: nw sw ne, sw se ne
-    faces[:, 0, 0] = nw
-    faces[:, 0, 1] = sw
-    faces[:, 0, 2] = np.where(falls, se, ne)
-    faces[:, 1, 0] = np.where(falls, nw, sw)
-    faces[:, 1, 1] = se
-    faces[:, 1, 2] = ne
-    return faces.reshape(-1, 3)
