@@ -10,7 +10,7 @@ import numpy as np
 
 from nmaptool import kernels
 from nmaptool.io.solids.text import decimals_as_text, wholes_as_text, words_of
-from nmaptool.kernels import text_twins, triangle_twins
+from nmaptool.kernels import face_twins, text_twins, triangle_twins
 
 # a band of a large relief
 _ROWS, _COLS = 64, 1024
@@ -28,7 +28,10 @@ def file_rows(repeats: int, best: Callable[[Callable[[], object], int], float]) 
     )
     faces = faces.astype(np.int32)
     decimals, wholes = b"".join(decimals_as_text(points, _WORDS)), b"".join(wholes_as_text(faces, _WORDS))
+    z = points[:, 2].reshape(_ROWS + 1, -1)
     return [
+        _row("falling_diagonals", face_twins, corner.size, partial(_diagonals, z), repeats, best),
+        _row("pixel_faces", face_twins, corner.size, _pixels, repeats, best),
         _row("stl_records", triangle_twins, len(faces), partial(_records, points, faces), repeats, best),
         _row("triangle_sums", triangle_twins, len(faces), partial(_sums, points, faces), repeats, best),
         _row("mark_corners", triangle_twins, len(faces), partial(_marks, points, faces), repeats, best),
@@ -56,6 +59,15 @@ def _row(
 ) -> list[str]:
     fast, slow = (best(partial(work, getattr(loops, name)), repeats) for loops in (kernels, twins))
     return [name, f"{fast / count * 1e6:.0f} ns a row", f"{fast:.2f}", f"{slow:.2f}", f"{slow / fast:.1f}"]
+
+
+def _diagonals(z: Any, loop: Callable[..., float]) -> None:
+    loop(z, _COLS + 1, 0, np.empty((_ROWS, _COLS), bool))
+
+
+def _pixels(loop: Callable[..., float]) -> None:
+    inside, faces = np.ones((_ROWS, _COLS), bool), np.empty((2 * _ROWS * _COLS, 3), np.int32)
+    loop(inside, inside, _COLS + 1, False, faces)
 
 
 def _records(points: Any, faces: Any, loop: Callable[..., float]) -> None:

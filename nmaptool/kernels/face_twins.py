@@ -60,7 +60,7 @@ def pixel_faces(inside: Mask, falls: Mask, width: int, is_back: bool, out: Ints)
 
 
 def two_each(corners: Sequence[Ints], falls: Mask) -> Ints:
-    """(2 n, 3) int32: two triangles for each of n pixels with corners nw, ne, sw, se, counter-clockwise for the viewer."""
+    """(2 n, 3) int32: two triangles for each of n pixels with corners nw, ne, sw, se, counter-clockwise from +z."""
     nw, ne, sw, se = corners
     faces = np.empty((len(nw), 2, 3), np.int32)
     # falling: nw sw se, nw se ne; rising: nw sw ne, sw se ne
