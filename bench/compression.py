@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 import nmaptool as nm
 from bench.maps import scene
 from bench.report import Report
-from bench.solids import bumps
+from bench.surfaces import bumps
 from bench.table import table
 from nmaptool.io import compression
 from nmaptool.io.solids.threemf import MODEL_PATH

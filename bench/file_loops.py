@@ -28,7 +28,7 @@ def file_rows(repeats: int, best: Callable[[Callable[[], object], int], float]) 
     )
     faces = faces.astype(np.int32)
     decimals, wholes = b"".join(decimals_as_text(points, _WORDS)), b"".join(wholes_as_text(faces, _WORDS))
-    z = points[:, 2].reshape(_ROWS + 1, -1)
+    z = np.ascontiguousarray(points[:, 2]).reshape(_ROWS + 1, -1)
     return [
         _row("falling_diagonals", face_twins, corner.size, partial(_diagonals, z), repeats, best),
         _row("pixel_faces", face_twins, corner.size, _pixels, repeats, best),

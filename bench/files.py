@@ -91,7 +91,7 @@ def _reading(path: Path) -> Callable[[], Any]:
 
 
 def _writing(side: int, path: Path) -> Callable[[], Any]:
-    from bench.solids import bumps
+    from bench.surfaces import bumps
     from nmaptool.io.pictures.heights import write_height
 
     height = bumps(side, side)

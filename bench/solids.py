@@ -14,13 +14,9 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from bench.report import Report
 from bench.table import table
-
-if TYPE_CHECKING:
-    from nmaptool import Height
 
 
 @dataclass(frozen=True)
@@ -52,17 +48,6 @@ def jobs(side: int) -> tuple[Job, ...]:
     )
 
 
-def bumps(rows: int, cols: int) -> Height:
-    """Smooth bumps with a fine texture, 100 mm long and about 4 mm high."""
-    import numpy as np
-
-    import nmaptool as nm
-
-    y, x = np.mgrid[0 : 1 : (rows + 1) * 1j, 0 : 1 : (cols + 1) * 1j]
-    z_mm = 2 + np.sin(9 * x) * np.cos(7 * y) + 0.9 * np.sin(2 * x + 1) + 0.05 * np.sin(90 * x) * np.sin(70 * y + 1)
-    return nm.Height(z_mm, np.ones((rows, cols), bool), nm.Frame(rows, cols, pitch_mm=100 / max(cols, rows)))
-
-
 def child(job: Job) -> dict[str, float]:
     """Make, write and check one solid; CPU seconds of each stage, and the peak above the heights."""
     import dataclasses
@@ -71,6 +56,7 @@ def child(job: Job) -> dict[str, float]:
 
     import nmaptool as nm
     from bench import peak
+    from bench.surfaces import bumps
     from nmaptool.io.solids.check import check_written
     from nmaptool.io.solids.writer import write_solid
 
