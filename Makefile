@@ -18,7 +18,13 @@ JOBS ?= auto
 
 setup: $(STAMP)
 
-# also compiles the inner loops, if there is a C compiler
+# where the inner loops are not compiled, make setup tries again
+ifneq ($(filter setup,$(MAKECMDGOALS)),)
+ifeq ($(wildcard nmaptool/_compiled.*),)
+.PHONY: $(STAMP)
+endif
+endif
+
 $(STAMP): pyproject.toml setup.sh $(wildcard nmaptool/kernels/*.[ch])
 	@sh setup.sh $(VENV)
 	@touch $(STAMP)

@@ -17,6 +17,7 @@ from nmaptool.core.progress import Progress
 from nmaptool.options.fields import Options, option
 from nmaptool.options.kinds import Switch
 from nmaptool_cli.mentions import in_flags
+from nmaptool_cli.missing_loops import loop_warnings
 from nmaptool_cli.streams import STDOUT, Inputs, names_in, readable, refuse_inputs, standard_output
 
 if TYPE_CHECKING:
@@ -159,6 +160,7 @@ class Run:
             report = outputs.write(value, report)
         if done is not None:
             done()
+        self.warn(*loop_warnings(self._given))
         for name in outputs.names if written is None else written:
             self.say(f"  wrote {'the map to standard output' if name == STDOUT else name}")
         self.speak()
