@@ -1,6 +1,7 @@
 # make demo   reliefs of the samples, in gallery/
 # make test   every check and test; make test JOBS=1 uses one process instead of one per core
 # make test-long  the same, with all random trials
+# make test-numpy the tests alone, with NumPy in place of the compiled loops
 # make check  the checks without the tests
 # make bench  speed and memory, as ratios in one run
 # make filter retrain the filter in the package
@@ -14,7 +15,7 @@ STAMP := $(VENV)/.ready
 # processes that run tests: auto is one per core
 JOBS ?= auto
 
-.PHONY: demo test test-long check bench filter samples setup clean
+.PHONY: demo test test-long test-numpy check bench filter samples setup clean
 
 setup: $(STAMP)
 
@@ -51,6 +52,9 @@ test: check
 
 test-long: check
 	$(BIN)/python -m pytest -m "not house" -n $(JOBS) --dist worksteal --long
+
+test-numpy: $(STAMP)
+	NMAPTOOL_KERNELS=numpy $(BIN)/python -m pytest -m "not house" -n $(JOBS) --dist worksteal
 
 bench: $(STAMP)
 	$(BIN)/python -m bench.solver
