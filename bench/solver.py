@@ -14,6 +14,7 @@ from bench.rivals import SOLVERS
 from bench.runs import Answer, Job, Outcome, measure
 from bench.systems import Case
 from bench.table import table
+from bench.tasks import transforms
 
 TOLERANCES = (1e-6, 1e-10)
 Results = dict[tuple[Case, str], Outcome]
@@ -141,7 +142,7 @@ def main() -> None:
         rows = [row_of(*key, found[key], reference(found, key[0]), memory) for key in _shown(found)]
         say(f"### {title}\n\n{table(_HEADER, rows) if rows else 'nothing measured'}")
     say("\n\n".join(part for part in (_missing(results), compare(options.limit, options.spend)) if part))
-    say("\n".join(checks(results)))
+    say("\n".join(checks(results, transforms(4096, 4096, 3))))
     say(report.surroundings())
     report.write("\n\n".join([body[-1], *body[:-1]]))
 
