@@ -3,7 +3,7 @@
 # make test-long  the same, with all random trials
 # make test-numpy the tests alone, with NumPy in place of the compiled loops
 # make check  the checks without the tests
-# make bench  speed and memory: every figure with its goal, and ratios to rivals in the same run
+# make bench  speed and memory in 40 minutes: every figure with its goal, and ratios to rivals in the same run
 # make bench-quick the figures that matter most, in two minutes
 # make filter retrain the filter in the package
 #

@@ -62,7 +62,7 @@ def main() -> int:
     rows: list[Check] = []
     codes = []
     for name in names:
-        said, code = run(name, ["--write"] if options.write else [])
+        said, code = run(name, [*MODULES[name], *(["--write"] if options.write else [])])
         codes.append(code)
         rows += checks_in(said)
         if code:

@@ -66,7 +66,9 @@ def line(
     if most is not None:
         parts[0] += f", at most {most:g}: {'ok' if found <= most else 'MISSED'}"
     if rival is not None and rival[1]:
-        parts.append(f"{rival[0]} {rival[1]:.3g}, x {found / rival[1]:.2g}")
+        ratio = found / rival[1]
+        times = f"{ratio:.0f}" if ratio > 99 else f"{ratio:.2g}"
+        parts.append(f"{rival[0]} {rival[1]:.3g}, x {times}")
     if peak is not None:
         parts.append(f"peak {peak / 1e9:.2f} GB")
     return "; ".join(parts)

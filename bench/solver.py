@@ -29,7 +29,7 @@ def groups_of(sizes: list[int], side: int) -> dict[str, list[Case]]:
     motif = [Case(900, 1000, background=background) for background in ("cut", "plane", "free")]
     thin = [square(family) for family in ("tree", "lines 20%", "maze", "noise", "hair")]
     weights = [square(weights=name) for name in ("mu map", "span 1e4", "span 1e4, 16 px", "span 1e12")]
-    full = [Case(900, 1000, "full"), square("full", "mu map"), *(Case(n, n, "full") for n in sizes[-1:])]
+    full = [Case(900, 1000, "full"), square("full", "mu map"), *(Case(n, n, "full") for n in sizes[-2:])]
     return {
         "A motif at 1000x900 px": [*motif, Case(900, 1000, beta=0.0)],
         "The motif by size": [Case(n, n) for n in sizes],

@@ -1,4 +1,4 @@
-"""Update the lists in README.md from tables in the code: ``python docs/readme_tables.py``."""
+"""Update the lists in README.md from tables in the code: ``python -m docs.readme_tables``."""
 
 import re
 from collections.abc import Iterator
@@ -44,8 +44,20 @@ def speed() -> str:
     quick = sections_of(RESULTS.read_text(encoding="utf-8")).get("quick", "")
     rivals = [check for check in checks_in(quick) if check.rival]
     rows = ["| task | time | rival | its time | ratio |", "|---|---:|---|---:|---:|"]
-    rows += [f"| {one.what} | {one.found} | {one.rival} | {one.its} s | {one.ratio} |" for one in rivals]
+    for one in rivals:
+        ours, its = (_milliseconds(text.split()[0]) for text in (one.found, one.its))
+        rows.append(f"| {one.what} | {ours} | {one.rival} | {its} | {one.ratio} |")
     return "\n".join(rows) + "\n"
+
+
+def _milliseconds(seconds: str) -> str:
+    """Seconds as text, in ms with two or three digits.
+
+    >>> _milliseconds("1.91"), _milliseconds("0.119"), _milliseconds("3.98e-05")
+    ('1910 ms', '119 ms', '0.040 ms')
+    """
+    value = 1000 * float(seconds)
+    return f"{value:.0f} ms" if value >= 10 else f"{value:.2g} ms" if value >= 0.1 else f"{value:.3f} ms"
 
 
 def _rows(head: str, entries: Iterator[tuple[str, str]]) -> str:
