@@ -6,6 +6,7 @@ With --write, each benchmark stores its section of results.md, and README.md get
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -64,7 +65,7 @@ def main() -> int:
     for name in names:
         said, code = run(name, [*MODULES[name], *(["--write"] if options.write else [])])
         codes.append(code)
-        rows += checks_in(said)
+        rows += [dataclasses.replace(check, what=f"{name}: {check.what}") for check in checks_in(said)]
         if code:
             rows.append(failed(name, code))
     verdict = conditions(first, bandwidth(), surroundings.busy())

@@ -123,8 +123,8 @@ def test_one_table_ends_a_run_and_a_failed_benchmark_is_in_it(monkeypatch, capsy
     ]
     assert rows[0] == list(HEADER[:4])
     assert rows[2:] == [
-        ["a start", "0.2 s", "0.25", "ok"],
-        ["a filter", "3 s", "2", "MISSED"],
+        ["relief: a start", "0.2 s", "0.25", "ok"],
+        ["bake: a filter", "3 s", "2", "MISSED"],
         ["bake", "exit code 1", "", "FAILED"],
     ]
 
