@@ -18,7 +18,7 @@ __all__ = ["DirectMethod", "Method", "Solution", "Solver", "choose", "prepare"]
 
 # the time of multigrid depends on the size of the box around the unknowns, that of amg on their number; if their share
 # of the box is below this, amg is faster (bench.crossover)
-_SPARSE = 0.05
+_SPARSE = 0.01
 
 
 def choose(system: QuadSystem, wanted: str) -> str:
