@@ -13,7 +13,7 @@ from bench.report import Report
 from bench.table import table
 from nmaptool import kernels
 from nmaptool.core.errors import UsageError
-from nmaptool.kernels import grid_twins, pair_twins, pixel_twins, system_twins, transfer_twins
+from nmaptool.kernels import coarsening, grid_twins, pair_twins, pixel_twins, sweep_twins, system_twins, transfer_twins
 
 SIZES = ((900, 1000), (4096, 4096))
 # as many vertices as the solver gives a loop at once
@@ -44,18 +44,16 @@ def grid_loops(rows: int, cols: int) -> dict[str, tuple[Any, tuple[Any, ...]]]:
     def plain() -> Any:
         return random.random(size, np.float32)
 
-    quarter, x, one, two, out = field(), field(), plain(), plain(), plain()
-    couplings = (quarter, field(), field(), field())
+    x, one, two, out = field(), plain(), plain(), plain()
+    couplings = (field(), field(), field(), field())
     return {
-        "finest_product": (grid_twins, (quarter, x, one, np.ones(size, bool), out, cols)),
-        "finest_finish": (grid_twins, (quarter, x, one, two, out, cols)),
         "coarse_step": (grid_twins, (*couplings, x, field(), one, two, cols)),
         "coarse_left": (grid_twins, (*couplings, x, one, two, out, cols)),
         "move": (transfer_twins, (x, one, random.random(size), two, 0.5, 1.5)),
     }
 
 
-_AFTER = {"finest_product": (True,), "finest_finish": (-1 / 3,), "coarse_step": (0.7,), "coarse_left": ()}
+_AFTER: dict[str, tuple[float, ...]] = {"coarse_step": (0.7,), "coarse_left": ()}
 
 
 def in_bands(loop: Callable[..., float], arguments: tuple[Any, ...], after: tuple[Any, ...], size: int) -> None:
@@ -75,6 +73,47 @@ def grid_rows(rows: int, cols: int, repeats: int) -> list[list[str]]:
         )
         out.append([name, f"{cols}x{rows}", f"{fast:.2f}", f"{slow:.2f}", f"{slow / fast:.1f}"])
     return out
+
+
+def sweep(
+    loop: Callable[..., float], arguments: tuple[Any, ...], ends: list[tuple[int, int]], after: tuple[Any, ...]
+) -> None:
+    """Call a loop for every band of rows."""
+    for first, last in ends:
+        loop(*arguments, first, last, *after)
+
+
+def finest_rows(rows: int, cols: int, repeats: int) -> list[list[str]]:
+    """The rows of the sweeps over the finest level, and of what makes the next coarser one."""
+    random, size, coarse = np.random.default_rng(0), rows * cols, ((rows + 1) // 2, (cols + 1) // 2)
+    width = coarse[1] + 1
+    quarter, direction = (np.pad(random.random(size, np.float32), cols + 1) for _ in range(2))
+    step, residual, out = (random.random(size, np.float32) for _ in range(3))
+    x, *ways = (np.pad(random.random(coarse[0] * coarse[1], np.float32), width) for _ in range(9))
+    results = tuple(np.zeros_like(x) for _ in range(13))
+    unknown, beside = np.ones(size, bool), np.zeros(cols + 1, np.float32)
+    finest = quarter, step, residual
+    jobs: dict[str, tuple[Any, int, tuple[Any, ...], tuple[Any, ...]]] = {
+        "coarsen_finest": (coarsening, coarse[0], ((quarter, step, unknown), results), (False,)),
+        "finest_descend": (sweep_twins, coarse[0], (finest, tuple(ways), (x[width:-width],)), (-1 / 3,)),
+        "finest_ascend": (sweep_twins, coarse[0], ((*finest, x), tuple(ways), (out,)), (-1 / 3,)),
+        "finest_advance": (
+            sweep_twins,
+            rows,
+            ((quarter, step, unknown, beside, beside), (direction, out)),
+            (0.5, False),
+        ),
+    }
+    table_rows = []
+    for name, (twins, height, arrays, after) in jobs.items():
+        at_once = max(1, _BAND * height // size)
+        ends = [(first, min(first + at_once, height)) for first in range(0, height, at_once)]
+        fast, slow = (
+            best(partial(sweep, getattr(loops, name), (*arrays, rows, cols), ends, after), repeats)
+            for loops in (kernels, twins)
+        )
+        table_rows.append([name, f"{cols}x{rows}", f"{fast:.2f}", f"{slow:.2f}", f"{slow / fast:.1f}"])
+    return table_rows
 
 
 def heights_row(rows: int, cols: int, repeats: int) -> list[str]:
@@ -129,6 +168,7 @@ def main() -> None:
     if not kernels.IS_COMPILED:
         raise UsageError("the loops are not compiled; install a C compiler, then run make setup")
     rows = [row for size in SIZES for row in grid_rows(*size, options.repeat)]
+    rows += [row for size in SIZES for row in finest_rows(*size, options.repeat)]
     rows += [heights_row(*size, options.repeat) for size in SIZES]
     rows += [pair_row(options.repeat), pixel_row(options.repeat)]
     report.end(

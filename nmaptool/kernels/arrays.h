@@ -77,7 +77,21 @@ static int take_arrays(PyObject **objects, Array *arrays, const char *kinds, int
     return 1;
 }
 
-static int all_below(const int64_t *values, Py_ssize_t count, int64_t limit) {
+/* The same for the arrays of some tuples, whose lengths are known; those of the last tuple are written to. */
+static int take_tuples(PyObject **tuples, const int *lengths, int tuple_count, Array *arrays, const char *kinds) {
+    PyObject *objects[32];
+    int count = 0;
+    for (int k = 0; k < tuple_count; k++) {
+        if (PyTuple_Size(tuples[k]) != lengths[k]) {
+            PyErr_SetString(PyExc_ValueError, "the number of arrays does not match");
+            return 0;
+        }
+        for (int i = 0; i < lengths[k]; i++) objects[count++] = PyTuple_GetItem(tuples[k], i);
+    }
+    return take_arrays(objects, arrays, kinds, count, lengths[tuple_count - 1]);
+}
+
+KERNEL int all_below(const int64_t *values, Py_ssize_t count, int64_t limit) {
     int inside = 1;
     for (Py_ssize_t i = 0; i < count; i++) inside &= values[i] >= 0 && values[i] < limit;
     return inside;

@@ -4,40 +4,46 @@
 #define NMAPTOOL_TRANSFER_H
 
 #include "arrays.h"
+#include "grid.h"
+#include <stdlib.h>
 
 /* weights of a coarse vertex at its fine neighbours, in the layout of the coarse grid */
 enum { B_W, B_E, U_N, U_S, D_NW, D_NE, D_SW, D_SE, WAYS };
 
-/* One coarse row of the residual: `on`, `over` and `under` are the fine row at the vertices, above and below; NULL outside. */
+/* One coarse row of the residual: `on`, `over` and `under` are the fine row at the vertices, above and below. Each loop takes
+   the fine columns in pairs, so that loads become vectors; `carry` (cols + 1) holds what a pair gives to the next vertex. */
 KERNEL void restrict_row(const float *restrict on, const float *restrict over, const float *restrict under,
-                         const float *const *w, Py_ssize_t cols, Py_ssize_t fine, float *restrict out) {
-    Py_ssize_t odd = fine / 2; /* fine columns between the vertices */
-    for (Py_ssize_t j = 0; j < cols; j++) out[j] = on[2 * j];
-    for (Py_ssize_t j = 0; j < odd; j++) out[j] += w[B_W][j] * on[2 * j + 1];
-    for (Py_ssize_t j = 1; j < cols; j++) out[j] += w[B_E][j - 1] * on[2 * j - 1];
-    if (under) {
-        for (Py_ssize_t j = 0; j < cols; j++) out[j] += w[U_N][j] * under[2 * j];
-        for (Py_ssize_t j = 0; j < odd; j++) out[j] += w[D_NW][j] * under[2 * j + 1];
-        for (Py_ssize_t j = 1; j < cols; j++) out[j] += w[D_NE][j - 1] * under[2 * j - 1];
+                         const float *const *w, Py_ssize_t cols, Py_ssize_t fine, float *restrict carry, float *restrict out) {
+    const float *b_w = w[B_W], *b_e = w[B_E], *u_n = w[U_N], *d_nw = w[D_NW], *d_ne = w[D_NE];
+    const float *u_s = w[U_S] - cols, *d_sw = w[D_SW] - cols, *d_se = w[D_SE] - cols;
+    Py_ssize_t pairs = fine / 2, last = cols - 1;
+    for (Py_ssize_t j = 0; j < pairs; j++) {
+        float beside = on[2 * j + 1], below = under[2 * j + 1], above = over[2 * j + 1];
+        out[j] = on[2 * j] + b_w[j] * beside + u_n[j] * under[2 * j] + d_nw[j] * below + u_s[j] * over[2 * j] + d_sw[j] * above;
+        carry[j + 1] = b_e[j] * beside + d_ne[j] * below + d_se[j] * above;
     }
-    if (over) {
-        for (Py_ssize_t j = 0; j < cols; j++) out[j] += w[U_S][j - cols] * over[2 * j];
-        for (Py_ssize_t j = 0; j < odd; j++) out[j] += w[D_SW][j - cols] * over[2 * j + 1];
-        for (Py_ssize_t j = 1; j < cols; j++) out[j] += w[D_SE][j - 1 - cols] * over[2 * j - 1];
-    }
+    if (pairs < cols) out[last] = on[2 * last] + u_n[last] * under[2 * last] + u_s[last] * over[2 * last];
+    carry[0] = 0;
+    for (Py_ssize_t j = 0; j < cols; j++) out[j] += carry[j];
 }
 
-/* Adds the interpolation of one coarse row to the fine row at its vertices and, if there is one, the row below. */
+/* Adds the interpolation of one coarse row to the fine row at its vertices and the row below; NULL if there is none. */
 KERNEL void prolong_row(const float *restrict x, const float *const *w, Py_ssize_t cols, Py_ssize_t fine, float *restrict on,
                         float *restrict under) {
-    Py_ssize_t odd = fine / 2;
-    for (Py_ssize_t j = 0; j < cols; j++) on[2 * j] += x[j];
-    for (Py_ssize_t j = 0; j < odd; j++) on[2 * j + 1] += w[B_W][j] * x[j] + w[B_E][j] * x[j + 1];
+    const float *b_w = w[B_W], *b_e = w[B_E], *u_n = w[U_N], *u_s = w[U_S], *next = x + cols;
+    const float *d_nw = w[D_NW], *d_ne = w[D_NE], *d_sw = w[D_SW], *d_se = w[D_SE];
+    Py_ssize_t pairs = fine / 2, last = cols - 1;
+    for (Py_ssize_t j = 0; j < pairs; j++) {
+        on[2 * j] += x[j];
+        on[2 * j + 1] += b_w[j] * x[j] + b_e[j] * x[j + 1];
+    }
+    if (pairs < cols) on[2 * last] += x[last];
     if (!under) return;
-    for (Py_ssize_t j = 0; j < cols; j++) under[2 * j] += w[U_N][j] * x[j] + w[U_S][j] * x[j + cols];
-    for (Py_ssize_t j = 0; j < odd; j++)
-        under[2 * j + 1] += (w[D_NW][j] * x[j] + w[D_NE][j] * x[j + 1]) +
-                            (w[D_SW][j] * x[j + cols] + w[D_SE][j] * x[j + cols + 1]);
+    for (Py_ssize_t j = 0; j < pairs; j++) {
+        under[2 * j] += u_n[j] * x[j] + u_s[j] * next[j];
+        under[2 * j + 1] += (d_nw[j] * x[j] + d_ne[j] * x[j + 1]) + (d_sw[j] * next[j] + d_se[j] * next[j + 1]);
+    }
+    if (pairs < cols) under[2 * last] += u_n[last] * x[last] + u_s[last] * next[last];
 }
 
 static void at_row(const Array *arrays, Py_ssize_t cols, Py_ssize_t row, const float **w) {
@@ -63,20 +69,23 @@ static PyObject *restrict_rows(PyObject *self, PyObject *args) {
     Py_ssize_t rows = fine_cols > 0 ? LENGTH(arrays[WAYS]) / fine_cols : 0; /* from fine row 2 * first + top */
     int fits = weights_fit(arrays, last, cols) && 0 <= first && first <= last && (top == 0 || top == -1) &&
                cols == (fine_cols + 1) / 2 && rows >= 2 * (last - first) - 1 - top && LENGTH(arrays[WAYS + 1]) >= last * cols;
-    if (fits) {
+    /* a row of zeros, for the rows outside, and what pairs carry on */
+    float *room = fits ? calloc(fine_cols + cols + 1, sizeof(float)) : NULL;
+    if (room) {
         Py_BEGIN_ALLOW_THREADS
         const float *fine = FLOATS(arrays[WAYS]);
         for (Py_ssize_t i = first; i < last; i++) {
             const float *w[WAYS];
             Py_ssize_t at = 2 * (i - first) - top;
             at_row(arrays, cols, i, w);
-            restrict_row(fine + at * fine_cols, at > 0 ? fine + (at - 1) * fine_cols : NULL,
-                         at + 1 < rows ? fine + (at + 1) * fine_cols : NULL, w, cols, fine_cols,
+            restrict_row(fine + at * fine_cols, at > 0 ? fine + (at - 1) * fine_cols : room,
+                         at + 1 < rows ? fine + (at + 1) * fine_cols : room, w, cols, fine_cols, room + fine_cols,
                          FLOATS(arrays[WAYS + 1]) + i * cols);
         }
         Py_END_ALLOW_THREADS
+        free(room);
     }
-    return finished_with(arrays, WAYS + 2, fits, 1, 0);
+    return finished_with(arrays, WAYS + 2, fits, room != NULL, 0);
 }
 
 /* prolong(b_w, b_e, u_n, u_s, d_nw, d_ne, d_sw, d_se, coarse, fine, fine_cols, cols, fine_rows, first, last) -> 0.0 */
@@ -107,10 +116,6 @@ static PyObject *prolong_rows(PyObject *self, PyObject *args) {
     return finished_with(arrays, WAYS + 2, fits, 1, 0);
 }
 
-KERNEL void steer_by(float *restrict direction, const float *restrict other, float turn, Py_ssize_t count) {
-    for (Py_ssize_t i = 0; i < count; i++) direction[i] = turn * direction[i] + other[i];
-}
-
 KERNEL void move_by(double *restrict z, float *restrict left, const float *restrict direction, const float *restrict product,
                     double length, double size, Py_ssize_t count) {
     double far = length * size;
@@ -119,24 +124,6 @@ KERNEL void move_by(double *restrict z, float *restrict left, const float *restr
         z[i] += far * direction[i];
         left[i] -= near * product[i];
     }
-}
-
-/* steer(other, direction, turn, start, stop, margin) -> 0.0: direction = turn * direction + other */
-static PyObject *steer(PyObject *self, PyObject *args) {
-    PyObject *o[2];
-    Array arrays[2];
-    double turn;
-    Py_ssize_t start, stop, margin;
-    (void)self;
-    if (!PyArg_ParseTuple(args, "OOdnnn", &o[0], &o[1], &turn, &start, &stop, &margin) || !take_arrays(o, arrays, "ff", 2, 1))
-        return NULL;
-    int fits = 0 <= start && start <= stop && margin >= 0 && LENGTH(arrays[0]) >= stop && LENGTH(arrays[1]) >= stop + margin;
-    if (fits) {
-        Py_BEGIN_ALLOW_THREADS
-        steer_by(FLOATS(arrays[1]) + margin + start, FLOATS(arrays[0]) + start, (float)turn, stop - start);
-        Py_END_ALLOW_THREADS
-    }
-    return finished_with(arrays, 2, fits, 1, 0);
 }
 
 /* move(direction, product, z, left, length, size, start, stop, margin) -> float: the squared norm of the new residual */

@@ -114,22 +114,6 @@ def prolong_rows(
     return 0.0
 
 
-def steer(other: Values, direction: Values, turn: float, start: int, stop: int, margin: int) -> float:
-    """Set ``direction`` to ``turn`` times itself plus ``other``; returns 0.
-
-    Parameters
-    ----------
-    other : flat
-    direction : flat with margins
-    turn : float
-    start, stop, margin : int
-    """
-    own = direction[margin + start : margin + stop]
-    own *= turn
-    own += other[start:stop]
-    return 0.0
-
-
 def move(
     direction: Values,
     product: Values,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from scipy import sparse
+if TYPE_CHECKING:
+    from scipy import sparse
 
 _COARSEST = 500
 

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-import nmaptool.kernels.grid_twins as grid_twins
+import nmaptool.kernels.coarsening as coarsening
+import nmaptool.kernels.sweep_twins as sweep_twins
 from nmaptool import kernels
 from nmaptool.core.parallel import for_each_band, map_parallel
-from nmaptool.solver.multigrid.level import Shape, band_size, inner, margin, new_field
-from nmaptool.solver.multigrid.split import HALO, KINDS, Split, sorted_rows
-from nmaptool.solver.multigrid.values import Values
+from nmaptool.kernels.grid_twins import Values
+from nmaptool.solver.multigrid.level import Shape, band_size, inner, margin, new_field, rows_at_once
+from nmaptool.solver.multigrid.transfer import Transfer
 from nmaptool.solver.system import QuadSystem
 
 # A is at most the sum of the weights around a vertex + beta, so 4/3 of the inverse of that sum is below 2 / A; with
@@ -48,16 +49,12 @@ class Finest:
         self.quarter = new_field(self.shape, dtype)
         np.multiply(system.weight, 0.25, out=inner(self.quarter, self.shape)[:-1, :-1], casting="unsafe")
         self.beta = system.beta.reshape(-1).astype(dtype, copy=False)
-        self._loops: Any = kernels if self.dtype == np.float32 else grid_twins
+        self._loops: Any = kernels if self.dtype == np.float32 else sweep_twins
         self.unknown = system.unknown.reshape(-1)
         self.holds = bool(system.held.any())
         self.step = np.zeros(self.size, dtype)
         self._bands = max(band_size(self.size), 16 * cols)
         for_each_band(self.size, self._bands, self._lay_step)
-
-    def in_bands(self, work: Callable[[int, int], object]) -> None:
-        """Call ``work`` with the start and stop of each band of vertices."""
-        for_each_band(self.size, self._bands, lambda band: work(band.start, band.stop))
 
     def sum_over_bands(self, work: Callable[[int, int], float]) -> float:
         """Return the sum of ``work(start, stop)`` over all bands of vertices."""
@@ -67,17 +64,6 @@ class Finest:
     def dot(self, one: Values, two: Values) -> float:
         """Return the inner product of two flat arrays without margins."""
         return self.sum_over_bands(lambda start, stop: inner_product(one[start:stop], two[start:stop]))
-
-    def times(self, x: Values, out: Values) -> float:
-        """Write A x to ``out`` (no margins), for x with margins, and return x^T A x."""
-
-        def band(start: int, stop: int) -> float:
-            product: float = self._loops.finest_product(
-                self.quarter, x, self.beta, self.unknown, out, self.shape[1], start, stop, self.holds
-            )
-            return product
-
-        return self.sum_over_bands(band)
 
     def _around(self, start: int, stop: int) -> Values:
         """Return the sum of the quarters around each vertex of a range."""
@@ -93,79 +79,79 @@ class Finest:
         unknown = self.unknown[band]
         np.divide(_STEP, total, out=self.step[band], where=unknown & (total > 0))
 
-    def start(self, residual: Values, z: Values) -> None:
-        """Do the first smoothing step, from zero: z (with margins) from the residual."""
-        edge = self.edge
-        self.in_bands(
-            lambda start, stop: np.multiply(
-                residual[start:stop], self.step[start:stop], out=z[edge + start : edge + stop]
+    def descend(self, residual: Values, way: Transfer, out: Values) -> None:
+        """Restrict what one smoothing step from zero leaves of ``residual`` to ``out``, (coarse vertices,)."""
+
+        def band(part: slice) -> None:
+            self._loops.finest_descend(
+                *((self.quarter, self.step, residual), way.ordered, (out,), *self.shape),
+                *(part.start, part.stop, 1 - _STEP),
             )
-        )
 
-    def left_rows(self, residual: Values, z: Values, first: int, last: int) -> Values:
-        """Return the (last - first, cols) residual after `start`."""
-        cols = self.shape[1]
-        left = np.empty((last - first, cols), self.dtype)
-        self._loops.finest_left(self.quarter, z, residual, left.reshape(-1), cols, first * cols, last * cols, 1 - _STEP)
-        return left
+        for_each_band(way.coarse[0], rows_at_once(way.coarse), band)
 
-    def finish(self, residual: Values, z: Values, out: Values) -> float:
-        """Do the last smoothing step, from z to ``out`` (no margins); return the inner product of out and residual."""
+    def ascend(self, residual: Values, way: Transfer, x: Values, out: Values) -> float:
+        """Interpolate ``x`` (with margins), do the last smoothing step and return its inner product with ``residual``.
 
-        def band(start: int, stop: int) -> float:
-            product: float = self._loops.finest_finish(
-                self.quarter, z, residual, self.step, out, self.shape[1], start, stop, 1 - _STEP
+        ``out`` is (size,).
+        """
+
+        def band(part: slice) -> float:
+            product: float = self._loops.finest_ascend(
+                *((self.quarter, self.step, residual, x), way.ordered, (out,), *self.shape),
+                *(part.start, part.stop, 1 - _STEP),
             )
             return product
 
-        return self.sum_over_bands(band)
+        return math.fsum(map_parallel(_bands(way.coarse), band))
 
-    def split(self, first: int, last: int) -> Split:
-        """Return rows ``first`` to ``last`` of the next coarser grid, sorted by kind; see `split.Split`."""
-        rows, cols = self.shape
-        coarse = (rows + 1) // 2, (cols + 1) // 2
-        top, bottom = max(2 * (first - HALO) - 2, 0), min(2 * (last + HALO) + 2, rows)
-        start, stop = top * cols, bottom * cols
-        edge = self.edge
-        quarter = self.quarter[edge + start - cols - 1 : edge + stop + cols + 1]  # with a margin
-        here = slice(cols + 1, cols + 1 + stop - start)
-        full = {
-            "e": quarter[here] + quarter[1 : 1 + stop - start],
-            "s": quarter[here] + quarter[cols : cols + stop - start],
-            "se": quarter[here],
-            "sw": quarter[cols : cols + stop - start],
-        }
-        tie = np.array(self.beta[start:stop], self.dtype)
-        if self.holds:
-            full = self._free_only(full, tie, top, bottom)
-        arrays = {}
-        for name, values in {**full, "tie": tie}.items():
-            grid = values.reshape(-1, cols)
-            for kind, part in sorted_rows(grid, top, coarse, first, last).items():
-                arrays[f"{name}_{kind}"] = part
-        split = Split(arrays, coarse[1], last - first)
-        for kind, _, _ in KINDS:
-            split.keep(f"out_{kind}")
-        return split
+    def advance(self, direction: Values, other: Values, turn: float) -> float:
+        """Turn a direction and multiply it by A.
 
-    def _free_only(self, full: dict[str, Values], tie: Values, top: int, bottom: int) -> dict[str, Values]:
-        """Return the couplings between unknown vertices; those to held vertices are added to ``tie``."""
-        rows, cols = self.shape
-        padded = np.zeros((bottom - top + 2, cols + 2), self.dtype)
-        above, below = max(top - 1, 0), min(bottom + 1, rows)
-        padded[above - top + 1 : below - top + 1, 1:-1] = self.unknown.reshape(rows, cols)[above:below]
-        own = padded[1:-1, 1:-1]
-        out = {}
-        ties = tie.reshape(-1, cols)
-        for name, down, across in (("e", 0, 1), ("s", 1, 0), ("se", 1, 1), ("sw", 1, -1)):
-            values = full[name].reshape(-1, cols)
-            other = padded[1 + down : padded.shape[0] - 1 + down, 1 + across : padded.shape[1] - 1 + across]
-            out[name] = (values * own * other).ravel()
-            ties += values * own * (1 - other)
-            # the lower end of the coupling
-            lower = values * (1 - own) * other
-            ties[down:, max(across, 0) : cols + min(across, 0)] += lower[
-                : lower.shape[0] - down, max(-across, 0) : cols - max(across, 0)
-            ]
-        ties *= own
-        return out
+        Parameters
+        ----------
+        direction : flat with margins
+            Becomes ``turn`` times itself plus ``other``.
+        other : (size,)
+            Becomes A times the direction.
+        turn : float
+
+        Returns
+        -------
+        float
+            The product of both.
+        """
+        cols, bands = self.shape[1], _bands(self.shape)
+
+        def turned(row: int) -> Values:
+            """Return a row of the new direction, and one number more; zeros outside."""
+            out = np.zeros(cols + 1, self.dtype)
+            if 0 <= row < self.shape[0]:
+                here = self.edge + row * cols
+                np.multiply(direction[here : here + cols], turn, out=out[:cols])
+                out[:cols] += other[row * cols : (row + 1) * cols]
+            return out
+
+        # bands write to both arrays, so what they read of each other is computed first
+        beside = [(turned(band.start - 1), turned(band.stop)) for band in bands]
+
+        def work(number: int) -> float:
+            band = bands[number]
+            product: float = self._loops.finest_advance(
+                *((self.quarter, self.beta, self.unknown, *beside[number]), (direction, other), *self.shape),
+                *(band.start, band.stop, turn, self.holds),
+            )
+            return product
+
+        return math.fsum(map_parallel(range(len(bands)), work))
+
+    def coarsen(self, results: tuple[Values, ...], first: int, last: int) -> None:
+        """Write rows ``first`` to ``last`` of the next coarser level; see `nmaptool.kernels.coarsening`."""
+        loops = kernels.coarsen_finest if self.dtype == np.float32 else coarsening.coarsen_finest
+        loops((self.quarter, self.beta, self.unknown), results, *self.shape, first, last, self.holds)
+
+
+def _bands(shape: Shape) -> list[slice]:
+    """Return the bands of rows of a grid."""
+    at_once = rows_at_once(shape)
+    return [slice(first, min(first + at_once, shape[0])) for first in range(0, shape[0], at_once)]

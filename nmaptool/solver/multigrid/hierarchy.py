@@ -3,92 +3,57 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import DTypeLike
 
+import nmaptool.kernels.coarsening as coarsening
+from nmaptool import kernels
 from nmaptool.core.parallel import for_each_band
+from nmaptool.kernels.coarsening import BACK, DIRECTIONS, WEIGHTS
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.multigrid.coarsest import assemble, coarse_solver
 from nmaptool.solver.multigrid.finest import Finest
-from nmaptool.solver.multigrid.galerkin import coarse_couplings, coarse_ties
-from nmaptool.solver.multigrid.interpolation import WEIGHTS, interpolate
 from nmaptool.solver.multigrid.level import Shape, Stencil, inner, margin, new_field, rows_at_once
 from nmaptool.solver.multigrid.off_grid import coarse_off_grid, none, transfer
 from nmaptool.solver.multigrid.relaxation import Relaxation
-from nmaptool.solver.multigrid.split import DIRECTIONS, KINDS, Split
 from nmaptool.solver.multigrid.transfer import Transfer
-from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
 # a grid this small, or a level with this share of off-grid vertices, is solved algebraically
 _SMALLEST = 2000
 _MOST_STRAYS = 0.4
-# up to _FEW coarse vertices, a second thread does not pay; _BAND limits a band, which needs about 70 arrays
+# up to _FEW coarse vertices, a second thread does not pay; _BAND limits a band, which needs about 70 arrays in NumPy
 _FEW, _BAND = 20_000, 1 << 16
-
-
-class _Found:
-    """Results of coarsening in the layout of the finer level; needed only where vertices may become off-grid."""
-
-    def __init__(self, shape: Shape, dtype: DTypeLike) -> None:
-        self.shape = shape
-        self.off_grid_vertex, self.scale, self.lack, self.rest = (np.zeros(shape, dtype) for _ in range(4))
-
-    def keep(self, split: Split, first: int, last: int) -> None:
-        """Copy the rows of a band back into the order of the level."""
-        for name, into in (
-            ("stray", self.off_grid_vertex),
-            ("scale", self.scale),
-            ("lack", self.lack),
-            ("rest", self.rest),
-        ):
-            for kind, down, across in KINDS:
-                if f"{name}_{kind}" not in split.arrays:
-                    continue
-                where = into[2 * first + down : 2 * last : 2, across::2]
-                values = split(f"{name}_{kind}").reshape(-1, split.cols)
-                where[:] = values[: where.shape[0], : where.shape[1]]
 
 
 def coarsen(fine: Finest | Stencil) -> tuple[Transfer, Stencil]:
     """Return the transfer to the next coarser level, and that level."""
     shape: Shape = (fine.shape[0] + 1) // 2, (fine.shape[1] + 1) // 2
-    couplings = {name: new_field(shape, fine.dtype) for name in DIRECTIONS}
     weights = {name: new_field(shape, fine.dtype) for name in WEIGHTS}
+    couplings = {name: new_field(shape, fine.dtype) for name in DIRECTIONS}
     tie = new_field(shape, fine.dtype)
-    found = _Found(fine.shape, fine.dtype) if isinstance(fine, Stencil) else None
-
-    def band(part: slice) -> None:
-        first, last = part.start, part.stop
-        split = fine.split(first, last)
-        interpolate(split)
-        split.reach(0)
-        rows = slice(first, last)
-        for name in WEIGHTS:
-            inner(weights[name], shape)[rows] = split(name).reshape(-1, shape[1])
-        for name, values in coarse_couplings(split).items():
-            inner(couplings[name], shape)[rows] = values.reshape(-1, shape[1])
-        inner(tie, shape)[rows] = coarse_ties(split).reshape(-1, shape[1])
-        if found is not None:
-            found.keep(split, first, last)
-
-    for_each_band(shape[0], rows_at_once(shape, _FEW, _BAND), band)
-    off_grid, moved = none(fine.dtype), None
-    if isinstance(fine, Stencil) and found is not None:
-        became = np.flatnonzero(found.off_grid_vertex)
-        if fine.off_grid.count or len(became):
-            moved = transfer(fine.off_grid, fine.couplings, fine.shape, became, found.scale.ravel())
-            off_grid = coarse_off_grid(
-                fine.off_grid,
-                moved,
-                fine.couplings,
-                fine.shape,
-                weights,
-                fine.diagonal - inner(fine.tie, fine.shape).ravel(),
-                found.rest.ravel(),
-                found.lack.ravel(),
-            )
+    results = (*weights.values(), *couplings.values(), tie)
+    if isinstance(fine, Finest):
+        _in_bands(shape, lambda first, last: fine.coarsen(results, first, last))
+        return Transfer(fine.shape, shape, weights, None), Stencil(shape, couplings, tie, none(fine.dtype))
+    inputs = (*fine.ordered, fine.tie, fine.to_off_grid())
+    stray, scale, lack, rest = back = tuple(np.zeros(fine.size, fine.dtype) for _ in BACK)
+    loops = kernels.coarsen_coarse if fine.dtype == np.float32 else coarsening.coarsen_coarse
+    _in_bands(shape, lambda first, last: loops(inputs, (*results, *back), *fine.shape, first, last))
+    became = np.flatnonzero(stray)
+    if not fine.off_grid.count and not len(became):
+        return Transfer(fine.shape, shape, weights, None), Stencil(shape, couplings, tie, none(fine.dtype))
+    moved = transfer(fine.off_grid, fine.couplings, fine.shape, became, scale)
+    sums = fine.diagonal - inner(fine.tie, fine.shape).ravel()
+    off_grid = coarse_off_grid(fine.off_grid, moved, fine.couplings, fine.shape, weights, sums, rest, lack)
     return Transfer(fine.shape, shape, weights, moved), Stencil(shape, couplings, tie, off_grid)
+
+
+def _in_bands(shape: Shape, work: Callable[[int, int], object]) -> None:
+    """Call ``work`` with the first and last row of each band of the coarse level."""
+    for_each_band(shape[0], rows_at_once(shape, _FEW, _BAND), lambda band: work(band.start, band.stop))
 
 
 class Hierarchy:
@@ -116,10 +81,12 @@ class Hierarchy:
             if few or level.off_grid.count > _MOST_STRAYS * active:
                 break
             self.relaxations.append(Relaxation(level))
+        # the right-hand side of each coarse level
+        self._loads = [np.empty(way.coarse[0] * way.coarse[1], self.finest.dtype) for way in self.transfers]
         self._factor = 1.0
         self.last = level
         self._coarsest = assemble(level)
-        self._solve = coarse_solver(self._coarsest.matrix)
+        self._solve = coarse_solver(self._coarsest)
 
     def under(self, system: QuadSystem, factor: float) -> Hierarchy:
         """Return a hierarchy with these coarse levels and the finest level of a similar system.
@@ -140,14 +107,12 @@ class Hierarchy:
         other._factor = factor
         return other
 
-    def cycle(self, residual: Values, z: Values, out: Values) -> float:
+    def cycle(self, residual: Values, out: Values) -> float:
         """One V-cycle.
 
         Parameters
         ----------
         residual : flat
-        z : flat with margins
-            Work space.
         out : flat
             The correction.
 
@@ -157,14 +122,12 @@ class Hierarchy:
             Inner product of the correction and the residual.
         """
         finest, way = self.finest, self.transfers[0]
-        finest.start(residual, z)
-        coarse = np.empty(way.coarse[0] * way.coarse[1], residual.dtype)
-        way.restrict(lambda first, last: finest.left_rows(residual, z, first, last), coarse)
+        coarse = self._loads[0]
+        finest.descend(residual, way, coarse)
         if self._factor != 1:
             coarse *= 1 / self._factor
         x, _ = self._descend(0, coarse, np.zeros(0, residual.dtype))
-        way.prolong(x, z)
-        return finest.finish(residual, z, out)
+        return finest.ascend(residual, way, x, out)
 
     def _descend(self, number: int, residual: Values, at_strays: Values) -> tuple[Values, Values]:
         """Return the corrections on coarse level ``number``: on the grid (with margins) and at off-grid vertices."""
@@ -174,21 +137,19 @@ class Hierarchy:
         relax.load(residual, at_strays)
         relax.smooth(first=True)
         left, left_strays = relax.left()
-        grid = left.reshape(way.fine)
-        below = np.empty(way.coarse[0] * way.coarse[1], residual.dtype)
-        way.restrict(lambda first, last: grid[first:last], below)
+        below = self._loads[number + 1]
+        way.restrict(left, below)
         moved = way.off_grid
         down = np.zeros(0, residual.dtype)
         if moved is not None:
-            down = moved.back @ left[moved.rows]
+            down = moved.back.times(left[moved.rows])
             down[: moved.kept] += left_strays
         x, off_grid = self._descend(number + 1, below, down)
         way.prolong(x, relax.x)
         if moved is not None:
-            relax.x[margin(way.fine) + moved.rows] += moved.weights @ off_grid
+            relax.x[margin(way.fine) + moved.rows] += moved.weights.times(off_grid)
             relax.off_grid += off_grid[: moved.kept]
         relax.smooth(first=False)
-        relax.forget_load()
         return relax.x, relax.off_grid
 
     def _at_bottom(self, residual: Values, at_strays: Values) -> tuple[Values, Values]:

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from nmaptool.core.parallel import for_each_band
+from nmaptool.kernels.coarsening import DIRECTIONS
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.multigrid.off_grid import OffGrid
-from nmaptool.solver.multigrid.split import DIRECTIONS, HALO, Split, sorted_rows
-from nmaptool.solver.multigrid.values import Values
 
 Shape = tuple[int, int]
 # most elements in a band: with smaller bands, threads wait for each other longer than they compute
@@ -105,23 +105,10 @@ class Stencil:
         """The couplings to the east, south, south-east and south-west."""
         return [self.couplings[direction] for direction in DIRECTIONS]
 
-    def split(self, first: int, last: int) -> Split:
-        """Return rows ``first`` to ``last`` of the next coarser grid, sorted by kind."""
-        coarse = (self.shape[0] + 1) // 2, (self.shape[1] + 1) // 2
-        arrays = {}
-        for name, values in {**self.couplings, "tie": self.tie}.items():
-            for kind, part in sorted_rows(inner(values, self.shape), 0, coarse, first, last).items():
-                arrays[f"{name}_{kind}"] = part
-        top, bottom = max(2 * (first - HALO), 0), min(2 * (last + HALO), self.shape[0])
-        out = self._to_off_grid(top, bottom)
-        for kind, part in sorted_rows(out, top, coarse, first, last).items():
-            arrays[f"out_{kind}"] = part
-        return Split(arrays, coarse[1], last - first)
-
-    def _to_off_grid(self, top: int, bottom: int) -> Values:
-        """Return the (bottom - top, cols) couplings to off-grid vertices."""
-        cols = self.shape[1]
-        out = np.zeros((bottom - top, cols), self.dtype)
-        first, last = np.searchsorted(self.off_grid.near, (top * cols, bottom * cols))
-        out.flat[self.off_grid.near[first:last] - top * cols] = self.off_grid.sums_at_grid()[first:last]
+    def to_off_grid(self) -> Values:
+        """Return the (size,) couplings to off-grid vertices; an empty array if there are none."""
+        if not self.off_grid.count:
+            return np.zeros(0, self.dtype)
+        out = np.zeros(self.size, self.dtype)
+        out[self.off_grid.near] = self.off_grid.sums_at_grid()
         return out

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 import nmaptool.kernels.transfer_twins as transfer_twins
 from nmaptool import kernels
 from nmaptool.core.arrays import Float64
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.method import Report
 from nmaptool.solver.multigrid.hierarchy import Hierarchy
 from nmaptool.solver.multigrid.level import new_field
-from nmaptool.solver.multigrid.values import Values
 from nmaptool.solver.system import QuadSystem
 
 # down to this reduction the updated residual matches the heights; below it, it must be recomputed
@@ -37,9 +37,13 @@ def _factor(made_for: QuadSystem, system: QuadSystem) -> float | None:
         acting = old > 0
         if not np.array_equal(acting, new > 0):
             return None
-        ratios = np.divide(new, old, out=np.ones(old.shape, np.float32), where=acting)
-        least = min(least, float(np.min(ratios, where=acting, initial=np.inf)))
-        most = max(most, float(np.max(ratios, where=acting, initial=0)))
+        if not acting.any():
+            continue
+        first = acting.argmax()
+        # elsewhere, a ratio that occurs: reductions with a mask are slow
+        ratios = np.full(old.shape, new.flat[first] / old.flat[first], np.float32)
+        np.divide(new, old, out=ratios, where=acting)
+        least, most = min(least, float(ratios.min())), max(most, float(ratios.max()))
     return math.sqrt(least * most) if most <= _MOST_CHANGE * least else None
 
 
@@ -118,7 +122,7 @@ class _Search:
     def __init__(self, hierarchy: Hierarchy, left: Values) -> None:
         self._hierarchy, self._left = hierarchy, left
         finest = hierarchy.finest
-        self._work, self._direction = (new_field(finest.shape, finest.dtype) for _ in range(2))
+        self._direction = new_field(finest.shape, finest.dtype)
         # the result of a cycle, then A times the direction
         self._other = np.empty(finest.size, finest.dtype)
         self._before = math.inf
@@ -135,12 +139,10 @@ class _Search:
         finest, left, other = self._hierarchy.finest, self._left, self._other
         loops: Any = kernels if finest.dtype == np.float32 else transfer_twins
         direction = self._direction
-        product = self._hierarchy.cycle(left, self._work, other)
+        product = self._hierarchy.cycle(left, other)
         turn = product / self._before
-
-        finest.in_bands(lambda first, last: loops.steer(other, direction, turn, first, last, finest.edge))
         self._before = product
-        curvature = finest.times(direction, other)
+        curvature = finest.advance(direction, other, turn)
         if not (product > 0 and curvature > 0):
             return None
         length = product / curvature

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
-from scipy import sparse
+from numpy.typing import DTypeLike
 
-from nmaptool.solver.multigrid.values import Values
-
-Places = NDArray[np.int64]
+import nmaptool.solver.multigrid.rows as sparse
+from nmaptool.kernels.grid_twins import Values
+from nmaptool.solver.multigrid.rows import Places, Rows
 
 
 @dataclass(eq=False)
@@ -22,34 +21,46 @@ class OffGrid:
     count : int
     near : (n,) int64
         Flat indices of the grid vertices that off-grid vertices are coupled to, ascending.
-    to_grid : (n, count) CSR
-    among : (count, count) CSR
-        Symmetric, without a diagonal.
+    to_grid : Rows
+        (n, count).
+    among : Rows
+        (count, count), symmetric, without a diagonal.
     tie : (count,)
         Coupling to fixed heights.
     """
 
     count: int
     near: Places
-    to_grid: sparse.csr_matrix
-    among: sparse.csr_matrix
+    to_grid: Rows
+    among: Rows
     tie: Values
 
     def __post_init__(self) -> None:
-        self.from_grid = self.to_grid.T.tocsr()
-        self.total = np.asarray(self.from_grid.sum(axis=1) + self.among.sum(axis=1), self.tie.dtype).ravel()
+        self.from_grid = self.to_grid.transposed()
+        self.total = self.from_grid.sums() + self.among.sums()
         self.diagonal = self.total + self.tie
         self.inverse = np.divide(1, self.diagonal, out=np.zeros(self.count, self.tie.dtype), where=self.diagonal > 0)
 
     def sums_at_grid(self) -> Values:
         """Return the (n,) sums of the couplings of the grid vertices ``near`` to off-grid vertices."""
-        return np.asarray(self.to_grid.sum(axis=1), self.tie.dtype).ravel()
+        return self.to_grid.sums()
 
 
 def none(dtype: DTypeLike) -> OffGrid:
     """Return an empty set of off-grid vertices."""
-    empty = sparse.csr_matrix((0, 0), dtype=dtype)
+    empty = sparse.none(0, 0, dtype)
     return OffGrid(0, np.zeros(0, np.int64), empty, empty, np.zeros(0, dtype))
+
+
+def _numbered(size: int, *places: Places) -> tuple[Places, Places]:
+    """Return all places, ascending and each once, and the (size,) number of each; -1 elsewhere."""
+    here = np.zeros(size, bool)
+    for some in places:
+        here[some] = True
+    found = np.flatnonzero(here)
+    number = np.full(size, -1, np.int64)
+    number[found] = np.arange(len(found))
+    return found, number
 
 
 # the eight neighbours: step down, step across, direction of the coupling, whether it is stored at this vertex
@@ -88,27 +99,25 @@ _FROM = {
 }
 
 
-def grid_weights(weights: dict[str, Values], shape: tuple[int, int], places: Places) -> sparse.csr_matrix:
-    """Return the rows of the interpolation between the grids for the vertices at ``places`` of the finer grid."""
+def grid_weights(weights: dict[str, Values], shape: tuple[int, int], places: Places) -> Rows:
+    """Return the interpolation between the grids to the vertices at ``places`` of the finer grid, transposed."""
     cols, coarse_rows, coarse_cols = shape[1], (shape[0] + 1) // 2, (shape[1] + 1) // 2
-    down, across = places // cols, places % cols
+    down, across = np.divmod(places, cols)
     own = (down // 2) * coarse_cols + across // 2
     kind = 2 * (down % 2) + across % 2
-    rows, columns, values = (
-        [np.flatnonzero(kind == 0)],
-        [own[kind == 0]],
-        [np.ones(int((kind == 0).sum()), weights["b_w"].dtype)],
-    )
+    on = np.flatnonzero(kind == 0)
+    rows, columns, values = [own[on]], [on], [np.ones(len(on), weights["b_w"].dtype)]
     for number, parts in _FROM.items():
         mine = np.flatnonzero(kind == number)
         for name, step_down, step_across in parts:
             value = weights[name][coarse_cols + 1 + own[mine]]
             found = np.flatnonzero(value)
-            rows.append(mine[found])
-            columns.append(own[mine[found]] + step_down * coarse_cols + step_across)
+            rows.append(own[mine[found]] + step_down * coarse_cols + step_across)
+            columns.append(mine[found])
             values.append(value[found])
-    entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-    return sparse.csr_matrix(entries, shape=(len(places), coarse_rows * coarse_cols))
+    return sparse.from_entries(
+        np.concatenate(rows), np.concatenate(columns), np.concatenate(values), (coarse_rows * coarse_cols, len(places))
+    )
 
 
 @dataclass(eq=False)
@@ -122,15 +131,16 @@ class OffGridTransfer:
     rows : (n,) int64
         Flat indices of the grid vertices that interpolate from off-grid vertices, including those that become off-grid;
         ascending.
-    weights : (n, off-grid vertices of the next level) CSR
+    weights : Rows
+        (n, off-grid vertices of the next level).
     """
 
     kept: int
     rows: Places
-    weights: sparse.csr_matrix
+    weights: Rows
 
     def __post_init__(self) -> None:
-        self.back = self.weights.T.tocsr()
+        self.back = self.weights.transposed()
 
 
 def transfer(
@@ -155,8 +165,8 @@ def transfer(
         Factor from off-grid couplings to weights; 0 for coarse vertices and new off-grid ones.
     """
     kept, added = off_grid.count, len(became)
-    old = off_grid.to_grid.tocoo()
-    rows, columns, values = [off_grid.near[old.row]], [old.col], [old.data]
+    old = off_grid.to_grid
+    rows, columns, values = [off_grid.near[old.row]], [old.column], [old.value]
     whose, where, how = links(couplings, shape, became)
     # only diagonal vertices interpolate from other kinds: from those beside and under, which are settled before them
     diagonal = (where // shape[1] % 2 == 1) & (where % shape[1] % 2 == 1)
@@ -172,8 +182,8 @@ def transfer(
     row = np.concatenate([row[found], became])
     column = np.concatenate([column[found], kept + np.arange(added)])
     value = np.concatenate([value[found], np.ones(added, scale.dtype)])
-    places, position = np.unique(row, return_inverse=True)
-    weights = sparse.csr_matrix((value, (position, column)), shape=(len(places), kept + added))
+    places, number = _numbered(shape[0] * shape[1], row)
+    weights = sparse.from_entries(number[row], column, value, (len(places), kept + added))
     return OffGridTransfer(kept, places, weights)
 
 
@@ -200,41 +210,47 @@ def coarse_off_grid(
     rest, lack : (rows * cols)
         Ties that remain after interpolation, and 1 minus the sum of its weights; see `galerkin.coarse_ties`.
     """
-    kept, count = moved.kept, moved.weights.shape[1]
+    kept, count, moving = moved.kept, moved.weights.count, len(moved.rows)
     whose, where, how = links(couplings, shape, moved.rows)
-    places = np.unique(np.concatenate([where, moved.rows, off_grid.near]))
-    size = len(places)
-
-    def at(what: Places) -> Places:
-        return np.searchsorted(places, what)
-
-    pull = sparse.csr_matrix((how, (at(where), whose)), shape=(size, len(moved.rows)))
-    mine = sparse.csr_matrix((-total[moved.rows], (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape)
-    near = off_grid.to_grid.tocoo()
-    widened = sparse.csr_matrix((near.data, (at(off_grid.near)[near.row], near.col)), shape=(size, count))
-    on_grid = (pull + mine) @ moved.weights + widened  # (A P) at the grid vertices
-    coarse = (grid_weights(grid, shape, places).T @ on_grid).tocoo()
-    # at the off-grid vertices
-    spread = sparse.csr_matrix(
-        (np.ones(len(moved.rows), total.dtype), (at(moved.rows), np.arange(len(moved.rows)))), shape=pull.shape
-    )
-    own = widened[:, :kept].T @ (spread @ moved.weights) + _padded(off_grid.among, kept, count)
-    among = moved.back @ (spread.T @ on_grid)
-    among = among + sparse.vstack([own, sparse.csr_matrix((count - kept, count), dtype=total.dtype)])
-    among = among.tocoo()
-    link = (among.row != among.col) & (among.data > 0)
-    tie = moved.back @ rest[moved.rows]
-    tie[:kept] += off_grid.tie + off_grid.from_grid @ lack[off_grid.near]
-    found = coarse.data > 0
-    near_places, position = np.unique(coarse.row[found], return_inverse=True)
-    return OffGrid(
-        count,
-        near_places.astype(np.int64),
-        sparse.csr_matrix((coarse.data[found], (position, coarse.col[found])), shape=(len(near_places), count)),
-        sparse.csr_matrix((among.data[link], (among.row[link], among.col[link])), shape=(count, count)),
-        np.maximum(tie, 0),
-    )
+    near = off_grid.near
+    places, number = _numbered(shape[0] * shape[1], where, moved.rows, near)
+    ones = np.ones(len(near), total.dtype)
+    # (A P) at the grid vertices
+    on_grid = sparse.from_entries(
+        number[np.concatenate([where, moved.rows, near])],
+        np.concatenate([whose, np.arange(moving + len(near))]),
+        np.concatenate([how, -total[moved.rows], ones]),
+        (len(places), moving + len(near)),
+    ).product(sparse.below_each_other([moved.weights, off_grid.to_grid], count))
+    coarse = grid_weights(grid, shape, places).product(on_grid)
+    coarse = coarse.where(coarse.value > 0)
+    among = _among(off_grid, moved, on_grid, number)
+    tie = moved.back.times(rest[moved.rows])
+    tie[:kept] += off_grid.tie + off_grid.from_grid.times(lack[near])
+    has_any = np.diff(coarse.start) > 0
+    to_grid = Rows(np.append(coarse.start[:-1][has_any], coarse.start[-1]), coarse.column, coarse.value, count)
+    return OffGrid(count, np.flatnonzero(has_any), to_grid, among, np.maximum(tie, 0))
 
 
-def _padded(values: sparse.csr_matrix, rows: int, cols: int) -> sparse.csr_matrix:
-    return sparse.csr_matrix((values.data, values.indices, values.indptr), shape=(rows, cols))
+def _among(off_grid: OffGrid, moved: OffGridTransfer, on_grid: Rows, number: Places) -> Rows:
+    """Return the couplings among the off-grid vertices of the next level.
+
+    ``number`` gives the row of ``on_grid``, which is (A P), for the vertices of the grid.
+    """
+    back, among, from_grid, count = moved.back, off_grid.among, off_grid.from_grid, moved.weights.count
+    _, moving = _numbered(len(number), moved.rows)
+    near = moving[off_grid.near[from_grid.column]]
+    found = near >= 0
+    product = sparse.from_entries(
+        np.concatenate([back.row, from_grid.row[found], among.row]),
+        np.concatenate(
+            [
+                number[moved.rows[back.column]],
+                len(on_grid) + near[found],
+                len(on_grid) + len(moved.rows) + among.column,
+            ]
+        ),
+        np.concatenate([back.value, from_grid.value[found], among.value]),
+        (count, len(on_grid) + len(moved.rows) + count),
+    ).product(sparse.below_each_other([on_grid, moved.weights, sparse.identity(count, back.value.dtype)], count))
+    return product.where((product.row != product.column) & (product.value > 0))

@@ -8,8 +8,8 @@ import numpy as np
 
 import nmaptool.kernels.grid_twins as grid_twins
 from nmaptool import kernels
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.multigrid.level import Stencil, in_bands, new_field
-from nmaptool.solver.multigrid.values import Values
 
 # the smoother damps modes whose eigenvalue is more than this share of the largest one
 _LOWEST = 0.35
@@ -65,10 +65,6 @@ class Relaxation:
         """Set the right-hand side."""
         self._load, self._load_strays = residual, off_grid
 
-    def forget_load(self) -> None:
-        """Release the right-hand side, so its memory is free for the next cycle."""
-        self._load, self._load_strays = self.x, self.off_grid
-
     def smooth(self, first: bool) -> None:
         """Do two steps; the first ones start from zero, the last ones are in reverse order."""
         level = self.level
@@ -86,9 +82,8 @@ class Relaxation:
         off_grid, edge = self.level.off_grid, self.level.edge
         if not off_grid.count:
             return None
-        return off_grid.to_grid @ self.off_grid, off_grid.from_grid @ self.x[
-            edge + off_grid.near
-        ] + off_grid.among @ self.off_grid
+        from_grid = off_grid.from_grid.times(self.x[edge + off_grid.near])
+        return off_grid.to_grid.times(self.off_grid), from_grid + off_grid.among.times(self.off_grid)
 
     def _step(self, length: float) -> None:
         """Replace x by x + length D^-1 (load - A x)."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +10,10 @@ import numpy as np
 import nmaptool.kernels.transfer_twins as transfer_twins
 from nmaptool import kernels
 from nmaptool.core.parallel import for_each_band
-from nmaptool.solver.multigrid.interpolation import WEIGHTS
+from nmaptool.kernels.coarsening import WEIGHTS
+from nmaptool.kernels.grid_twins import Values
 from nmaptool.solver.multigrid.level import Shape, rows_at_once
 from nmaptool.solver.multigrid.off_grid import OffGridTransfer
-from nmaptool.solver.multigrid.values import Values
 
 
 @dataclass(eq=False)
@@ -36,19 +35,20 @@ class Transfer:
     off_grid: OffGridTransfer | None
 
     def __post_init__(self) -> None:
-        self._loops: Any = kernels if self.weights[WEIGHTS[0]].dtype == np.float32 else transfer_twins
+        self.dtype = self.weights[WEIGHTS[0]].dtype
+        self._loops: Any = kernels if self.dtype == np.float32 else transfer_twins
 
-    def restrict(self, rows_of: Callable[[int, int], Values], out: Values) -> None:
-        """Write the coarse residual to ``out`` (flat); ``rows_of(first, last)`` gives (n, cols) fine rows."""
+    def restrict(self, fine: Values, out: Values) -> None:
+        """Write the coarse residual to ``out``; both are flat."""
         rows, cols = self.coarse
 
         def band(part: slice) -> None:
             first, last = part.start, part.stop
             above = max(2 * first - 1, 0)
-            fine = rows_of(above, min(2 * last, self.fine[0]))
+            below = min(2 * last, self.fine[0])
             self._loops.restrict_rows(
-                *self._ordered,
-                fine.reshape(-1),
+                *self.ordered,
+                fine[above * self.fine[1] : below * self.fine[1]],
                 out,
                 self.fine[1],
                 cols,
@@ -60,8 +60,9 @@ class Transfer:
         for_each_band(rows, rows_at_once(self.coarse), band)
 
     @property
-    def _ordered(self) -> list[Values]:
-        return [self.weights[name] for name in WEIGHTS]
+    def ordered(self) -> tuple[Values, ...]:
+        """The weights in the order of `WEIGHTS`."""
+        return tuple(self.weights[name] for name in WEIGHTS)
 
     def prolong(self, coarse: Values, out: Values) -> None:
         """Add the interpolated coarse correction to ``out``; both fields have margins."""
@@ -69,7 +70,7 @@ class Transfer:
 
         def band(part: slice) -> None:
             self._loops.prolong_rows(
-                *self._ordered, coarse, out, self.fine[1], cols, self.fine[0], part.start, part.stop
+                *self.ordered, coarse, out, self.fine[1], cols, self.fine[0], part.start, part.stop
             )
 
         for_each_band(rows, rows_at_once(self.coarse), band)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import DTypeLike
 
-from nmaptool.solver.multigrid.values import Values
+from nmaptool.kernels.grid_twins import Values
 
 # each kind and its offset in the level, rows down and columns across, from the coarse vertex
 KINDS = (("o", 0, 0), ("b", 0, 1), ("u", 1, 0), ("d", 1, 1))

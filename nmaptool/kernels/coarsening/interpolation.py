@@ -12,8 +12,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from nmaptool.solver.multigrid.split import LINKS, Split
-from nmaptool.solver.multigrid.values import Values, add_product
+from nmaptool.kernels.coarsening.split import LINKS, Split
+from nmaptool.kernels.grid_twins import Values, add_product
 
 # a vertex becomes off-grid if its coarse neighbours have less than this share of its couplings
 HELD_SHARE = 0.4

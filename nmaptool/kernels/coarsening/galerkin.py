@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nmaptool.solver.multigrid.split import LINKS, Split
-from nmaptool.solver.multigrid.values import Values, add_product
+from nmaptool.kernels.coarsening.split import LINKS, Split
+from nmaptool.kernels.grid_twins import Values, add_product
 
 _Term = tuple[str, int, int]
 # the vertices that interpolate from the coarse vertex at (0, 0): kind, down, across, and the weight's name
