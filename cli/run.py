@@ -56,6 +56,8 @@ class Run:
     ----------
     given : mapping
         The options, by their class.
+    named : mapping
+        The names of the options that are on the command line, by class.
     words : mapping
         Values of the flags that may be given once for each input.
     per_input : PerInput or None
@@ -63,9 +65,14 @@ class Run:
     """
 
     def __init__(
-        self, given: Mapping[type[Options], Options], words: Mapping[str, Any], per_input: PerInput | None
+        self,
+        given: Mapping[type[Options], Options],
+        named: Mapping[type[Options], tuple[str, ...]],
+        words: Mapping[str, Any],
+        per_input: PerInput | None,
     ) -> None:
         self._given = given
+        self._named = named
         self._words = words
         self._per_input = per_input
         self._messages: list[str] = []
@@ -77,6 +84,11 @@ class Run:
     def __getitem__(self, options: type[_Given]) -> _Given:
         """The options of a class."""
         return cast("_Given", self._given[options])
+
+    def named(self, options: type[Options]) -> dict[str, Any]:
+        """The options of a class that are on the command line."""
+        given = self[options]
+        return {name: getattr(given, name) for name in self._named[options]}
 
     def per_input(self, count: int) -> list[Any]:
         """The options of each of ``count`` inputs."""
