@@ -1,8 +1,10 @@
 # make demo   reliefs of the samples, in gallery/
 # make test   every check and test; make test JOBS=1 uses one process instead of one per core
 # make test-long  the same, with all random trials
+# make test-numpy the tests alone, with NumPy in place of the compiled loops
 # make check  the checks without the tests
-# make bench  speed and memory, as ratios in one run
+# make bench  speed and memory in 40 minutes: every figure with its goal, and ratios to rivals in the same run
+# make bench-quick the figures that matter most, in two minutes
 # make filter retrain the filter in the package
 #
 # Each first sets up a virtual environment in .venv, and the system packages for it if it has the rights.
@@ -14,11 +16,17 @@ STAMP := $(VENV)/.ready
 # processes that run tests: auto is one per core
 JOBS ?= auto
 
-.PHONY: demo test test-long check bench filter samples setup clean
+.PHONY: demo test test-long test-numpy check bench bench-quick filter samples setup clean
 
 setup: $(STAMP)
 
-# also compiles the inner loops, if there is a C compiler
+# where the inner loops are not compiled, make setup tries again
+ifneq ($(filter setup,$(MAKECMDGOALS)),)
+ifeq ($(wildcard nmaptool/_compiled.*),)
+.PHONY: $(STAMP)
+endif
+endif
+
 $(STAMP): pyproject.toml setup.sh $(wildcard nmaptool/kernels/*.[ch])
 	@sh setup.sh $(VENV)
 	@touch $(STAMP)
@@ -46,16 +54,14 @@ test: check
 test-long: check
 	$(BIN)/python -m pytest -m "not house" -n $(JOBS) --dist worksteal --long
 
+test-numpy: $(STAMP)
+	NMAPTOOL_KERNELS=numpy $(BIN)/python -m pytest -m "not house" -n $(JOBS) --dist worksteal
+
 bench: $(STAMP)
-	$(BIN)/python -m bench.solver
-	$(BIN)/python -m bench.crossover
-	$(BIN)/python -m bench.kernels
-	$(BIN)/python -m bench.session
-	$(BIN)/python -m bench.relief
-	$(BIN)/python -m bench.bake
-	$(BIN)/python -m bench.reconstruct
-	$(BIN)/python -m bench.learned
-	$(BIN)/python -m bench.compose
+	$(BIN)/python -m bench
+
+bench-quick: $(STAMP)
+	$(BIN)/python -m bench --quick
 
 clean:
 	rm -rf $(VENV) gallery build *.egg-info nmaptool/_compiled.*

@@ -6,6 +6,7 @@ in ``make check``. Plain ``pytest`` runs everything in one process.
 """
 
 import contextlib
+import importlib.util
 import os
 import shutil
 import sys
@@ -18,6 +19,9 @@ from _pytest.doctest import DoctestItem
 ROOT = Path(__file__).parent
 # before NumPy is imported: OpenBLAS would start a thread per core in each process
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# where the compiled loops were not built, commands would warn in every test
+if importlib.util.find_spec("nmaptool._compiled") is None:
+    os.environ.setdefault("NMAPTOOL_KERNELS", "numpy")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -29,6 +29,17 @@ fi
 
 [ -x "$venv/bin/python" ] || [ -x "$venv/Scripts/python" ] || "$python" -m venv "$venv"
 if [ -d "$venv/Scripts" ]; then bin=$venv/Scripts; else bin=$venv/bin; fi # Windows has Scripts
+
+# the inner loops are compiled; without a C compiler, or Python's headers, slower NumPy code takes their place
+missing=$("$python" -c 'import os, shutil, sys, sysconfig
+compiler = os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc"
+header = os.path.join(sysconfig.get_path("include"), "Python.h")
+packages = [] if shutil.which(compiler.split()[0]) else ["gcc", "libc6-dev"]
+print(*packages, *([] if os.path.exists(header) else ["python%d.%d-dev" % sys.version_info[:2]]))')
+compiler="apt-get install -y $missing"
+if [ -n "$missing" ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
+    { apt-get update -q && $compiler; } || echo "This failed, so the inner loops are not compiled: $compiler" >&2
+fi
 echo "installing nmaptool into $venv"
 # PIP_FLAGS may say more, such as --only-binary :all: --no-binary pyopengl
 # shellcheck disable=SC2086
@@ -36,6 +47,11 @@ echo "installing nmaptool into $venv"
 # the type checker knows packages by their folders: cli is the package nmaptool_cli
 mkdir -p "$venv/typing"
 ln -sfn "$PWD/cli" "$venv/typing/nmaptool_cli"
+
+if ! "$bin/python" -c 'import nmaptool._compiled' 2>/dev/null; then
+    echo "The inner loops were not compiled; slower NumPy code takes their place. Install a C compiler with" >&2
+    echo "Python's headers${missing:+ (on Debian and Ubuntu: sudo $compiler)}, then run: make setup" >&2
+fi
 
 # rendering meshes needs the OpenGL libraries (and pyglet one of X), but no graphics card or display
 draws='from nmaptool.render import gl

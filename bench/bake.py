@@ -104,9 +104,13 @@ def goals_of(measured: list[Measured]) -> list[str]:
     lines = []
     for goal in GOALS:
         for m in measured:
-            found = (m.seconds | m.figures).get(goal.figure)
-            if found is not None and goal.faces in (None, m.wanted):
-                lines.append(line(f"{goal.figure}, {m.name}", found, goal.most, ""))
+            if goal.faces not in (None, m.wanted):
+                continue
+            what = f"{goal.figure}, {m.name}"
+            if goal.figure in m.seconds:
+                lines.append(line(what, m.seconds[goal.figure], goal.most, "s", rival=("a plain copy", m.copy)))
+            elif goal.figure in m.figures:
+                lines.append(line(what, m.figures[goal.figure], goal.most, ""))
     return lines
 
 

@@ -12,6 +12,7 @@ import sys
 import sysconfig
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -85,11 +86,21 @@ def run(job: Job) -> Runs:
         If the exit code is not 0; the message includes its stderr.
     """
     # next to this interpreter, because "nmap" on the PATH may be the network scanner
-    command = [str(Path(sysconfig.get_path("scripts")) / "nmap"), *job.arguments]
+    return run_command([str(Path(sysconfig.get_path("scripts")) / "nmap"), *job.arguments], job.times)
+
+
+def run_command(command: Sequence[str], times: int) -> Runs:
+    """Run a program once without and then ``times`` times with measuring it.
+
+    Raises
+    ------
+    RuntimeError
+        If the exit code is not 0; the message includes its stderr.
+    """
     # an installed command has its bytecode, whatever the shell says
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     seconds, cpu_seconds, peaks = [], [], []
-    for turn in range(job.times + 1):
+    for turn in range(times + 1):
         with tempfile.TemporaryFile() as messages:
             started = time.perf_counter()
             process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=messages, env=environment)
@@ -100,7 +111,7 @@ def run(job: Job) -> Runs:
             process.returncode = os.waitstatus_to_exitcode(status)
             if process.returncode != 0:
                 messages.seek(0)
-                raise RuntimeError(f"{job.name}: exit code {process.returncode}: {messages.read().decode()}")
+                raise RuntimeError(f"{' '.join(command)}: exit code {process.returncode}: {messages.read().decode()}")
         peaks.append(usage.ru_maxrss * (1 if sys.platform == "darwin" else 1024))
     return Runs(tuple(seconds), tuple(cpu_seconds), max(peaks))
 
@@ -154,7 +165,9 @@ def main() -> None:
             runs = run(job)
             rows.append(row_of(job, runs))
             if job.most_seconds is not None:
-                checks.append(line(f"{job.name}, CPU", min(runs.cpu_seconds), job.most_seconds, "s"))
+                checks.append(line(f"{job.name}, CPU", min(runs.cpu_seconds), job.most_seconds, "s", peak=runs.peak))
+            if job.most_bytes is not None:
+                checks.append(line(f"{job.name}, peak", runs.peak / 1e9, job.most_bytes / 1e9, "GB"))
             if job.report is not None:
                 layer_reports.append(account_of(job, job.report))
     preface = (

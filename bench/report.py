@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from bench.table import Neighborhood, write_section
+from bench.page import write_section
+from bench.table import Neighborhood
 
 
 class Report:

@@ -18,7 +18,7 @@ from bench.table import line, table
 _STEPS = 12
 _SLIDERS = ("mu", "beta", "slope_cap", "delta", "height", "width")
 _PREVIEW = 1e-5
-_MOST_ERROR = 1e-4  # of the range of the heights
+MOST_ERROR = 1e-4  # of the range of the heights
 # at most, by the side of the picture
 _MOST_SECONDS = {512: 0.040, 1000: 0.100}
 _MOST_WITHOUT_A_SOLVE = 0.001
@@ -77,7 +77,8 @@ def maps_of(family: str, side: int) -> tuple[nm.NormalMap, nm.NormalMap]:
     return Scene(first.normals, mask).cut_out(), Scene(second.normals, mask).cut_out()
 
 
-def _most_seconds(slider: str, side: int) -> float | None:
+def most_seconds(slider: str, side: int) -> float | None:
+    """The goal of a step of a slider; None if it has none at this size."""
     if slider in ("delta", "height", "width"):
         return _MOST_WITHOUT_A_SOLVE if side == min(_MOST_SECONDS) else None
     return _MOST_SECONDS.get(side)
@@ -100,9 +101,9 @@ def rows_at(side: int) -> tuple[list[list[str]], list[str]]:
             error = max(error, measured.error)
             cells = [f"{middle[s] * 1e3:.1f} ({min(measured.seconds[s]) * 1e3:.1f})" for s in _SLIDERS]
             rows.append([*named, f"{middle['first'] * 1e3:.0f}", *cells, f"{measured.error:.0e}"])
-    checks = [line(f"error of previews at {side} px, of the range", error, _MOST_ERROR, "")]
+    checks = [line(f"error of previews at {side} px, of the range", error, MOST_ERROR, "")]
     for slider in _SLIDERS:
-        most = _most_seconds(slider, side)
+        most = most_seconds(slider, side)
         if most is not None:
             checks.append(line(f"new {slider} at {side} px, any mask", worst[slider], most, "s"))
     return rows, checks

@@ -1,4 +1,4 @@
-"""Layout of results: tables, description of the machine, sections of results.md."""
+"""Layout of results: tables, and the description of the machine."""
 
 from __future__ import annotations
 
@@ -13,13 +13,9 @@ from datetime import date
 from importlib.metadata import version
 from pathlib import Path
 
-RESULTS = Path(__file__).with_name("results.md")
+from bench.checks import line as line
+
 _PACKAGES = ("numpy", "scipy", "pyamg")
-_TITLE = (
-    "# Measured speed and memory\n\nMade by `python -m bench.solver --write` and likewise by `bench.crossover`, "
-    "`bench.kernels`, `bench.session`,\n`bench.relief`, `bench.bake`, `bench.compose`, `bench.reconstruct` and "
-    "`bench.learned`."
-)
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -32,14 +28,6 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         return f"| {' | '.join(padded)} |"
 
     return "\n".join([line(header), line(rule), *(line(row) for row in rows)])
-
-
-def line(what: str, found: float | None, most: float, unit: str) -> str:
-    """One check, against an upper limit."""
-    if found is None:
-        return f"check: {what}: not measured"
-    shown = f"{found:.3g} {unit}".rstrip()
-    return f"check: {what}: {shown}, at most {most:g}: {'ok' if found <= most else 'MISSED'}"
 
 
 class Neighborhood:
@@ -67,12 +55,17 @@ class Neighborhood:
             ]
         )
 
-    def _others_now(self) -> str:
+    def busy(self) -> float | None:
+        """Cores that other processes kept busy on average; None if the system does not tell."""
         now = _seconds_of_others()
         if now is None or self._others is None:
+            return None
+        return max(now - self._others, 0.0) / (time.perf_counter() - self._started)
+
+    def _others_now(self) -> str:
+        busy, wall = self.busy(), time.perf_counter() - self._started
+        if busy is None:
             return "this system does not report the load by other processes"
-        wall = time.perf_counter() - self._started
-        busy = max(now - self._others, 0.0) / wall
         return f"other processes kept {busy:.2f} cores busy on average during the {wall:.0f} s of the run"
 
 
@@ -92,12 +85,3 @@ def cpu_model() -> str:
     info = Path("/proc/cpuinfo")
     named = re.search(r"^model name\s*:\s*(.+)$", info.read_text(encoding="utf-8"), re.M) if info.exists() else None
     return named[1] if named else platform.machine()
-
-
-def write_section(name: str, body: str) -> None:
-    """Replace the section of the same name in results.md; the others stay."""
-    text = RESULTS.read_text(encoding="utf-8") if RESULTS.exists() else ""
-    sections = dict(part.split("\n", 1) for part in re.split(r"^## ", text, flags=re.M)[1:])
-    sections[name] = body
-    parts = [_TITLE, *(f"## {title}\n\n{sections[title].strip()}" for title in sorted(sections))]
-    RESULTS.write_text("\n\n".join(parts) + "\n", encoding="utf-8")

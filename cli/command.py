@@ -46,10 +46,12 @@ class Command:
     def __call__(self, *files: Any, **words: Any) -> int | None:
         """Run the command with the parsed arguments."""
         given: dict[type[Options], Options] = {}
+        named: dict[type[Options], tuple[str, ...]] = {}
         for options in self.classes:
             names = [field.name for field in dataclasses.fields(options)]
-            given[options] = options(**{name: words.pop(name) for name in names if name in words})
-        return self.function(Run(given, words, self.per_input), *files)
+            named[options] = tuple(name for name in names if name in words)
+            given[options] = options(**{name: words.pop(name) for name in named[options]})
+        return self.function(Run(given, named, words, self.per_input), *files)
 
     def parameters(self) -> Iterator[inspect.Parameter]:
         """File names first, then every flag."""

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import time
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.options import HeightsAt, ReadOptions, ReliefOptions, SolidOptions
-from nmaptool.options.fields import Options, choice_of, option
-from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS
+from nmaptool.options import HeightsAt, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
+from nmaptool.options.fields import choice_of, option
+from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS, is_recipe
 from nmaptool.options.kinds import Switch
 from nmaptool.options.plain_values import plain_values
 from nmaptool_cli.command import command
-from nmaptool_cli.inputs import read_grey, read_map
 from nmaptool_cli.outputs import FileOf, ReportOutputs
+from nmaptool_cli.relief_sources import Sources, map_sources, recipe_sources
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import refuse_stream
 
@@ -37,38 +36,6 @@ _CALLED = {
     "wall_mask": "the wall mask",
     "surface": "the curved background",
 }
-
-
-@dataclass(frozen=True)
-class ReliefInputs(Options, group="Inputs"):
-    """Files besides the map.
-
-    Parameters
-    ----------
-    detail:
-        Detail map of the same size. --mu sets how strongly its detail is kept or exaggerated.
-    mask:
-        Grey picture, white where the motif is. Default: found from the map's own background.
-    surface:
-        Curved background for --background surface: a normal map, or heights in mm (.exr .tif .npy).
-    mu_map:
-        Grey picture that multiplies mu per pixel.
-    beta_map:
-        Grey picture that multiplies beta per pixel.
-    delta_map:
-        Grey picture that multiplies delta per pixel.
-    wall_mask:
-        Grey picture, white where the motif stands with the walls of --edge wall; the rest runs down into the plate.
-        Default: all of it. nmap compose stack --walls writes one for layers with edge = "wall".
-    """
-
-    detail: str | None = option(None)
-    mask: str | None = option(None)
-    surface: str | None = option(None)
-    mu_map: str | None = option(None)
-    beta_map: str | None = option(None)
-    delta_map: str | None = option(None)
-    wall_mask: str | None = option(None)
 
 
 @dataclass(frozen=True)
@@ -111,9 +78,9 @@ class ReliefOutputs(ReportOutputs):
         return relief_outputs(self.output, preview=self.preview, at=self.at, **self.shared)
 
 
-@command(ReliefInputs, ReliefOutputs, ReliefOptions, SolidOptions, ReadOptions)
+@command(ReliefFiles, ReliefOutputs, ReliefOptions, SolidOptions, ReadOptions)
 def relief(run: Run, map: str, /) -> None:
-    """Make a relief in millimetres from one or two normal maps.
+    """Make a relief in millimetres from one or two normal maps, or from a recipe.
 
     The original map with --detail keeps both shape and detail; a base map alone keeps only the structure.
 
@@ -122,27 +89,27 @@ def relief(run: Run, map: str, /) -> None:
     Parameters
     ----------
     map:
-        Original or base normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
+        Original or base normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input. Or a recipe
+        (.toml): its layers are composed, and its table [relief] holds options and files, which flags replace.
     """
-    inputs = asdict(run[ReliefInputs])
-    given = run[ReliefOutputs]
-    outputs = given.plan(run.options.json, run[SolidOptions])
-    run.begin(outputs, original=map, **inputs)
     import nmaptool as nm
     from nmaptool.io.output.relief import WrittenRelief
     from nmaptool_cli.wording.reliefs import describe_relief
     from nmaptool_cli.wording.solids import describe_solid
 
-    with run.work() as (files, progress), _named_inputs(inputs):
-        maps, result = _solve(run, files, progress)
-        solid = nm.solid(result, run[SolidOptions]) if given.meshes else None
-    describe_relief(run, maps, result)
+    given, outputs, sources = _begin(run, map)
+    with run.work() as (files, progress), _named_inputs(sources.files):
+        work = sources.read(run, files, progress)
+        result = work.solved(progress)
+        solid = nm.solid(result, sources.solid) if given.meshes else None
+    run.say(*work.notes)
+    describe_relief(run, work.maps, result)
     if solid is not None:
         describe_solid(run, solid, given.meshes)
-    read = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in maps]
-    metadata = run.header(inputs=read, reading=asdict(run[ReadOptions]), **result.report.to_dict())
+    read = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in work.maps]
+    metadata = run.header(inputs=read, reading=asdict(run[ReadOptions]), **work.facts, **result.report.to_dict())
     if solid is not None:
-        metadata["solid"] = {"options": plain_values(run[SolidOptions]), **solid.to_dict()}
+        metadata["solid"] = {"options": plain_values(sources.solid), **solid.to_dict()}
     if given.dry_run:
         run.say("  nothing written (--dry-run)")
         run.finish(dataclasses.replace(outputs, targets=(), report=None), WrittenRelief(result), metadata)
@@ -155,26 +122,13 @@ def relief(run: Run, map: str, /) -> None:
     run.finish(outputs, WrittenRelief(result, solid), metadata, written=written, watched=watched)
 
 
-def _solve(run: Run, files: Mapping[str, Any], progress: Progress | None) -> tuple[list[nm.NormalMap], nm.Relief]:
-    """Read the inputs and solve; returns the maps that were read, the original first, and the relief."""
-    import nmaptool as nm
-
-    started = time.perf_counter()
-    original = read_map(run, files["original"])
-    detail = None
-    if files["detail"] is not None:
-        detail = read_map(run, files["detail"], like=original, own_layer=False)
-    surface = None
-    if files["surface"] is not None:
-        pitch_mm, _ = nm.pitch_of(original, run[ReliefOptions])
-        reading = dataclasses.replace(run[ReadOptions], layer=None)
-        surface = nm.read_surface(files["surface"], reading, like=original, pitch_mm=pitch_mm)
-    greys = {role: read_grey(run, files[role]) for role in ("mask", "mu_map", "beta_map", "delta_map", "wall_mask")}
-    read_s = time.perf_counter() - started
-    result = nm.relief(original, detail, surface=surface, **greys, options=run[ReliefOptions], progress=progress)
-    report = dataclasses.replace(result.report, seconds={"reading": read_s, **result.report.seconds})
-    maps = [each for each in (original, detail, surface) if isinstance(each, nm.NormalMap)]
-    return maps, dataclasses.replace(result, report=report)
+def _begin(run: Run, name: str) -> tuple[ReliefOutputs, Outputs[WrittenRelief], Sources]:
+    """Check everything that can be checked before the work."""
+    given = run[ReliefOutputs]
+    sources = recipe_sources(run, name) if is_recipe(name) else map_sources(run)
+    outputs = given.plan(run.options.json, run[SolidOptions])
+    run.begin(outputs, **{sources.role: name}, **sources.inputs)
+    return given, outputs, sources
 
 
 @contextlib.contextmanager

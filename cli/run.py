@@ -17,6 +17,7 @@ from nmaptool.core.progress import Progress
 from nmaptool.options.fields import Options, option
 from nmaptool.options.kinds import Switch
 from nmaptool_cli.mentions import in_flags
+from nmaptool_cli.missing_loops import loop_warnings
 from nmaptool_cli.streams import STDOUT, Inputs, names_in, readable, refuse_inputs, standard_output
 
 if TYPE_CHECKING:
@@ -55,6 +56,8 @@ class Run:
     ----------
     given : mapping
         The options, by their class.
+    named : mapping
+        The names of the options that are on the command line, by class.
     words : mapping
         Values of the flags that may be given once for each input.
     per_input : PerInput or None
@@ -62,9 +65,14 @@ class Run:
     """
 
     def __init__(
-        self, given: Mapping[type[Options], Options], words: Mapping[str, Any], per_input: PerInput | None
+        self,
+        given: Mapping[type[Options], Options],
+        named: Mapping[type[Options], tuple[str, ...]],
+        words: Mapping[str, Any],
+        per_input: PerInput | None,
     ) -> None:
         self._given = given
+        self._named = named
         self._words = words
         self._per_input = per_input
         self._messages: list[str] = []
@@ -76,6 +84,11 @@ class Run:
     def __getitem__(self, options: type[_Given]) -> _Given:
         """The options of a class."""
         return cast("_Given", self._given[options])
+
+    def named(self, options: type[Options]) -> dict[str, Any]:
+        """The options of a class that are on the command line."""
+        given = self[options]
+        return {name: getattr(given, name) for name in self._named[options]}
 
     def per_input(self, count: int) -> list[Any]:
         """The options of each of ``count`` inputs."""
@@ -159,6 +172,7 @@ class Run:
             report = outputs.write(value, report)
         if done is not None:
             done()
+        self.warn(*loop_warnings(self._given))
         for name in outputs.names if written is None else written:
             self.say(f"  wrote {'the map to standard output' if name == STDOUT else name}")
         self.speak()

@@ -1,9 +1,11 @@
-"""Update the lists in README.md from tables in the code: ``python docs/readme_tables.py``."""
+"""Update the lists in README.md from tables in the code: ``python -m docs.readme_tables``."""
 
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from bench.checks import checks_in
+from bench.page import RESULTS, sections_of
 from nmaptool.io.pictures.formats import READ_FORMATS
 from nmaptool.options import BLEND_MODES
 from nmaptool.options.formats import NORMAL_MAP_FORMATS, RELIEF_FORMATS, WORKSPACE_FORMATS
@@ -28,7 +30,34 @@ def lists() -> dict[str, str]:
     pictures = "\n".join(
         ["| file | what is read |", "|---|---|", *(f"| {one.name} | {one.description} |" for one in READ_FORMATS)]
     )
-    return {"blend modes": _rows("mode", modes), "depth pictures": depths, "pictures": pictures + "\n", **written}
+    return {
+        "speed": speed(),
+        "blend modes": _rows("mode", modes),
+        "depth pictures": depths,
+        "pictures": pictures + "\n",
+        **written,
+    }
+
+
+def speed() -> str:
+    """The rows of `bench.quick` that have a rival, from the stored results."""
+    quick = sections_of(RESULTS.read_text(encoding="utf-8")).get("quick", "")
+    rivals = [check for check in checks_in(quick) if check.rival]
+    rows = ["| task | time | rival | its time | ratio |", "|---|---:|---|---:|---:|"]
+    for one in rivals:
+        ours, its = (_milliseconds(text.split()[0]) for text in (one.found, one.its))
+        rows.append(f"| {one.what} | {ours} | {one.rival} | {its} | {one.ratio} |")
+    return "\n".join(rows) + "\n"
+
+
+def _milliseconds(seconds: str) -> str:
+    """Seconds as text, in ms with two or three digits.
+
+    >>> _milliseconds("1.91"), _milliseconds("0.119"), _milliseconds("3.98e-05")
+    ('1910 ms', '119 ms', '0.040 ms')
+    """
+    value = 1000 * float(seconds)
+    return f"{value:.0f} ms" if value >= 10 else f"{value:.2g} ms" if value >= 0.1 else f"{value:.3f} ms"
 
 
 def _rows(head: str, entries: Iterator[tuple[str, str]]) -> str:
@@ -54,5 +83,10 @@ def stale(text: str) -> list[str]:
     return [name for name, rows in lists().items() if shown.get(name) != rows]
 
 
-if __name__ == "__main__":
+def update() -> None:
+    """Write the current lists to README.md."""
     README.write_text(filled(README.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    update()

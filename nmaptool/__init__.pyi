@@ -51,6 +51,8 @@ from .io.pictures.normal_maps import read_grey as read_grey
 from .io.pictures.normal_maps import read_normal_map as read_normal_map
 from .io.pictures.normal_maps import read_raster as read_raster
 from .io.recipes.reader import read_recipe as read_recipe
+from .io.recipes.scenes import Scene as Scene
+from .io.recipes.scenes import read_scene as read_scene
 from .io.recipes.stacks import Stack as Stack
 from .io.recipes.stacks import read_stack as read_stack
 from .io.workspaces.files import read_workspace as read_workspace
@@ -75,6 +77,7 @@ from .options import MeshReadOptions as MeshReadOptions
 from .options import PackOptions as PackOptions
 from .options import ReadOptions as ReadOptions
 from .options import ReconstructOptions as ReconstructOptions
+from .options import ReliefFiles as ReliefFiles
 from .options import ReliefOptions as ReliefOptions
 from .options import SmoothOptions as SmoothOptions
 from .options import SolidOptions as SolidOptions
@@ -126,6 +129,7 @@ from .types.recipe import Recipe as Recipe
 from .types.recipe import RecipeGroup as RecipeGroup
 from .types.recipe import RecipeLayer as RecipeLayer
 from .types.recipe import RecipeLink as RecipeLink
+from .types.recipe import RecipeRelief as RecipeRelief
 from .types.reconstruction import Reconstruction as Reconstruction
 from .types.reconstruction import ReconstructReport as ReconstructReport
 from .types.reconstruction import SmoothReport as SmoothReport

@@ -40,6 +40,7 @@ def written(key, value):
         ("[[layer]] with a file", nm.LayerOptions, LAYER_KEYS),
         ("[[layer]] as a group", nm.GroupOptions, GROUP_KEYS),
         ("[layer.read]", nm.ReadOptions, READ_KEYS),
+        ("[relief]", nm.ReliefFiles, tuple(f.name for f in dataclasses.fields(nm.ReliefFiles))),
     ],
 )
 def test_every_key_is_documented_with_its_default(title, options, keys):
@@ -68,8 +69,9 @@ def test_every_value_of_a_key_is_documented():
 
 
 def test_the_example_runs(tmp_path, png, run):
-    (example,) = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
-    (tmp_path / "scene.toml").write_text(example, encoding="utf-8")
+    example, relief = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
+    (tmp_path / "scene.toml").write_text(f"{example}\n{relief}", encoding="utf-8")
+    (tmp_path / "detail.toml").write_text('[[layer]]\nfile = "leaf.png"\n', encoding="utf-8")
     nm.write_normal_map(waves(90, 120, 3), tmp_path / "plate.exr")
     nm.write_normal_map(waves(40, 50, 6, disc=True), tmp_path / "leaf.png")
     bunny = waves(64, 64, 9, disc=True)
@@ -87,6 +89,9 @@ def test_the_example_runs(tmp_path, png, run):
         "  border.toml",
     ):
         assert line in done.err
+    done = run("relief", tmp_path / "scene.toml", "-o", tmp_path / "scene.stl", "--triangles", "5k")
+    assert done.code == 0, done.err
+    assert "= 3.000 mm" in done.err
     recipe = nm.read_recipe(tmp_path / "scene.toml")
     used = {key for layer in recipe.layers for key in re.findall(r"(\w+) =", nm.to_toml(nm.Recipe((layer,))))}
     assert used >= {"file", "at", "anchor", "scale", "rotate", "feather", "mask", "strength", "mode", "green", "hidden"}

@@ -2,6 +2,7 @@
 
 import dataclasses
 import io
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -50,6 +51,7 @@ def values():
         *recipe.layers,
     ]
     found.append(nm.solid(relief))
+    found.append(nm.read_scene(Path(__file__).parents[1] / "samples" / "scene.toml"))
     results = [relief, composition, depth, layers, smoothed]
     found += [*results, *(result.report for result in results), relief.height, layers.report.mixture]
     found += [comparison, *comparison.contenders.values(), *comparison.rendered_views.values(), workspace, unpacked]

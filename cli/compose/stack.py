@@ -89,7 +89,7 @@ def stack(run: Run, recipe: str, /) -> None:
     written = composed_map(result, nm.to_toml(layers.recipe))
     files = {"recipe": recipe, "recipes": list(read.sources), "layers": list(read.files)}
     facts = {"outside": list(layers.outside), "hidden": list(read.hidden), "notes": list(read.notes)}
-    more = list(_notes(layers))
+    more = list(notes_of(layers))
     finish_edit(run, outputs, result, layers.maps, written=written, more=more, files=files, **facts)
 
 
@@ -106,7 +106,7 @@ def _read(run: Run, recipe: str) -> nm.Recipe:
         return nm.read_recipe(files["recipe"], folder=folder, name=recipe, max_megapixels=limit)
 
 
-def _notes(layers: nm.Stack) -> Iterator[str]:
+def notes_of(layers: nm.Stack) -> Iterator[str]:
     """Hidden layers, notes, and files outside the recipe's folder."""
     for label in layers.recipe.hidden:
         yield f"{label}: hidden, left out"

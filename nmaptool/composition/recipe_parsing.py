@@ -12,11 +12,29 @@ from typing import Any
 from nmaptool.composition.recipe_places import LineOf, Place
 from nmaptool.core.errors import InputError, LimitError, UsageError
 from nmaptool.core.mentions import rendered, written_name
-from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
+from nmaptool.options import (
+    CanvasOptions,
+    GroupOptions,
+    LayerOptions,
+    ReadOptions,
+    ReliefFiles,
+    ReliefOptions,
+    SolidOptions,
+)
 from nmaptool.options.fields import Options, kind_of
-from nmaptool.options.kinds import Kind, Switch, Text
+from nmaptool.options.kinds import Count, Kind, Switch, Text
 from nmaptool.options.length_kinds import ScaleText
-from nmaptool.types.recipe import DEEPEST, READ_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
+from nmaptool.types.recipe import (
+    DEEPEST,
+    READ_KEYS,
+    RELIEF_KEYS,
+    Entry,
+    Recipe,
+    RecipeGroup,
+    RecipeLayer,
+    RecipeLink,
+    RecipeRelief,
+)
 
 # kinds of the keys that are not options
 _FILE_KINDS: dict[str, Kind] = {
@@ -30,11 +48,13 @@ _NAMES = {"file": "a normal map", "recipe": "a recipe", "mask": "a grey picture"
 _PLACE_KEYS = tuple(f.name for f in fields(LayerOptions))
 _GROUP_OPTIONS = tuple(f.name for f in fields(GroupOptions))
 _CANVAS_KEYS = tuple(f.name for f in fields(CanvasOptions))
+_FILE_KEYS = tuple(f.name for f in fields(ReliefFiles))
+_SOLID_KEYS = tuple(f.name for f in fields(SolidOptions))
 _CONTENTS = ("file", "recipe", "layer")
 LAYER_KEYS = ("file", *_PLACE_KEYS, "mask", "hidden", "read")
 GROUP_KEYS = ("layer", "recipe", *_GROUP_OPTIONS, "mask", "hidden")
 _ALL_KEYS = tuple(dict.fromkeys((*LAYER_KEYS, *GROUP_KEYS)))
-_KEYS = frozenset((*_ALL_KEYS, *READ_KEYS, *_CANVAS_KEYS))
+_KEYS = frozenset((*_ALL_KEYS, *READ_KEYS, *_CANVAS_KEYS, *_FILE_KEYS, *RELIEF_KEYS, *_SOLID_KEYS))
 _LONGEST_SHOWN = 60
 
 
@@ -46,8 +66,8 @@ def parse_recipe(
     Parameters
     ----------
     values : mapping
-        ``canvas`` (table, optional) and ``layer`` (list of tables); keys are the fields of the options, with _
-        or -.
+        ``canvas`` and ``relief`` (tables, optional) and ``layer`` (list of tables); keys are the fields of the options,
+        with _ or -.
     name : str
         Name of the recipe for messages.
     folder : str
@@ -73,14 +93,29 @@ def parse_recipe(
     <Recipe recipe: 2 layers, 2 files, canvas of the lowest layer's size>
     """
     top = Place(name, line_of)
-    known = _known(values, ("canvas", "layer"), top)
+    known = _known(values, ("canvas", "layer", "relief"), top)
     canvas = CanvasOptions()
     if "canvas" in known:
         place = top.to("canvas", title="canvas")
         table = _known(_table(known["canvas"], place, "[canvas]"), _CANVAS_KEYS, place)
         canvas = _options(CanvasOptions, _typed(CanvasOptions, table, place), place)
     layers = _entries(known["layer"], top, "", 1) if "layer" in known else ()
-    return Recipe(layers, canvas, name, folder)
+    relief = _relief(known["relief"], top.to("relief", title="relief")) if "relief" in known else None
+    return Recipe(layers, canvas, name, folder, relief=relief)
+
+
+def _relief(found: Any, place: Place) -> RecipeRelief:
+    known = _known(_table(found, place, "[relief]"), (*_FILE_KEYS, *RELIEF_KEYS, *_SOLID_KEYS), place)
+    parts: list[dict[str, Any]] = []
+    for kind, keys in ((ReliefFiles, _FILE_KEYS), (ReliefOptions, RELIEF_KEYS), (SolidOptions, _SOLID_KEYS)):
+        given = _typed(kind, {key: value for key, value in known.items() if key in keys}, place)
+        made = _options(kind, given, place)
+        parts.append({key: getattr(made, key) for key in given})
+    files, options, solid = parts
+    for key, value in files.items():
+        if value == "":
+            raise InputError(f"{place.named(key)}: {written_name(key)}: found nothing, expected the name of a file")
+    return RecipeRelief(ReliefFiles(**files), options, solid)
 
 
 def _entries(found: Any, around: Place, number: str, depth: int) -> tuple[Entry, ...]:
@@ -189,9 +224,10 @@ def _value(kind: Kind, value: Any, key: str, place: Place) -> Any:
 
 
 def _number(kind: Kind, value: Any, key: str, place: Place) -> Any:
-    is_scale = isinstance(kind, ScaleText)
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        expected = f"a number such as {kind.such_as}" + (', text such as "0.5,0.7" or "30mm"' if is_scale else "")
+    is_scale, is_whole = isinstance(kind, ScaleText), isinstance(kind, Count)
+    if not isinstance(value, int if is_whole else int | float) or isinstance(value, bool):
+        texts = ', text such as "0.5,0.7" or "30mm"' if is_scale else ""
+        expected = f"a {'whole ' if is_whole else ''}number such as {kind.such_as}{texts}"
         raise InputError(f"{place.named(key)}: {written_name(key)}: found {_shown(value)}, expected {expected}")
     try:
         number = float(value)
@@ -199,7 +235,7 @@ def _number(kind: Kind, value: Any, key: str, place: Place) -> Any:
         raise InputError(
             f"{place.named(key)}: {written_name(key)}: found {_shown(value)}, which is too large"
         ) from None
-    return number_text(number) if is_scale else number
+    return number_text(number) if is_scale else value if is_whole else number
 
 
 def _options(kind: Any, given: Mapping[str, Any], place: Place) -> Any:

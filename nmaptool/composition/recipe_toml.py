@@ -9,7 +9,7 @@ from typing import Any
 from nmaptool.composition.recipe_parsing import number_text
 from nmaptool.core.errors import InputError
 from nmaptool.core.units import Length, Offset
-from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions
+from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReliefFiles
 from nmaptool.types.recipe import Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
 
 _SHORT = {"\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f", "\r": "\\r", '"': '\\"', "\\": "\\\\"}
@@ -43,6 +43,9 @@ def to_toml(recipe: Recipe) -> str:
     lines = list(_pairs(_given(recipe.canvas, CanvasOptions())))
     if lines:
         lines = ["[canvas]", *lines, ""]
+    if recipe.relief is not None:
+        files = _given(recipe.relief.files, ReliefFiles())
+        lines += ["[relief]", *_pairs({**files, **recipe.relief.options, **recipe.relief.solid}), ""]
     for layer in recipe.layers:
         lines += _entry(layer, "layer")
     return "\n".join(lines)

@@ -9,7 +9,7 @@ from typing import Any
 
 def load_extension() -> Any:
     """The extension; None if it was not built, or ``NMAPTOOL_KERNELS=numpy`` asks for NumPy."""
-    if os.environ.get("NMAPTOOL_KERNELS") == "numpy":
+    if _is_switched_off():
         return None
     try:
         return importlib.import_module("nmaptool._compiled")
@@ -20,3 +20,12 @@ def load_extension() -> Any:
 def kernels_in_use() -> str:
     """``compiled`` or ``numpy``, for reports."""
     return "numpy" if load_extension() is None else "compiled"
+
+
+def extension_is_missing() -> bool:
+    """Whether the extension was not built, although nothing asks for NumPy."""
+    return not _is_switched_off() and load_extension() is None
+
+
+def _is_switched_off() -> bool:
+    return os.environ.get("NMAPTOOL_KERNELS") == "numpy"

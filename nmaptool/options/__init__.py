@@ -21,6 +21,7 @@ from nmaptool.options.learned import DescriptorOptions, TrainOptions
 from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.reconstruct import Boundary, ReconstructOptions, Scheme, SmoothOptions
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
+from nmaptool.options.relief_files import ReliefFiles
 from nmaptool.options.solid import Outline, SolidOptions
 from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.workspace import PackOptions
@@ -59,6 +60,7 @@ __all__ = [
     "PackOptions",
     "ReadOptions",
     "ReconstructOptions",
+    "ReliefFiles",
     "ReliefOptions",
     "Renderer",
     "Scheme",

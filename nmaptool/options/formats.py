@@ -96,6 +96,9 @@ WORKSPACE_FORMATS: dict[str, WorkspaceFormat] = {
 LAYER_FORMATS: dict[str, bool] = {"exr": True, "png": False}
 
 
+RECIPE_ENDING = ".toml"
+
+
 class _HasEnding(Protocol):
     """A path, or an object that represents a file."""
 
@@ -115,3 +118,8 @@ def check_ending(place: _HasEnding, endings: Collection[str], what: str) -> None
     found = f"ends in {place.suffix}; " if place.suffix else "has no ending; "
     verb = "is" if what.startswith(("a ", "an ", "the ")) else "are"
     raise UsageError(f"{place}: {found if len(endings) > 1 else ''}{what} {verb} written as {', '.join(endings)}")
+
+
+def is_recipe(name: str) -> bool:
+    """Whether a file name is that of a recipe."""
+    return name.lower().endswith(RECIPE_ENDING)

@@ -44,7 +44,7 @@ class SolidOptions(Options, group="Solid"):
     base: Length | None = option(None, LengthText("2mm"))
     shell: Length | None = option(None, LengthText("1.5mm"))
     hollow: Length | None = option(None, LengthText("1.2mm"))
-    outline: Outline = option("auto", choice_of(Outline))
+    outline: Outline = option("auto", choice_of(Outline, "smooth"))
     one_piece: bool = option(False, Switch())
     max_error: Length | None = option(None, LengthText("0.01mm"))
     triangles: str | None = option(None, ManyText("200k", low=100))

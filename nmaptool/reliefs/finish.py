@@ -78,11 +78,12 @@ def finish(
         return _finished(above, layout, pitch_mm, delta, 1.0, statistics)
     if wanted_px is None or options.fit == "scale":
         above, statistics = heights.at(delta, settings, warm_start)
-        scale = 1.0
+        scale, range_px = 1.0, layout.range_of(above)
         if wanted_px is not None:
-            scale = _factor(above, layout, wanted_px, options)
+            scale = _factor(above, range_px, layout, wanted_px, options)
             above *= scale
-        return _finished(above, layout, pitch_mm, delta, scale, statistics)
+            range_px = scale * range_px[0], scale * range_px[1]
+        return _finished(above, layout, pitch_mm, delta, scale, statistics, range_px)
     first, second, statistics = heights.parts(settings, warm_start)
     slope, inside = 1.0, layout.inside
     if options.fit == "slope":
@@ -99,9 +100,11 @@ def _in_px(length: Length | None, layout: Layout, pitch_mm: float) -> float | No
     return None if length is None else length.to_mm(pitch_mm, max(layout.motif.shape)) / pitch_mm
 
 
-def _factor(above: Float64, layout: Layout, wanted_px: float, options: ReliefOptions) -> float:
+def _factor(
+    above: Float64, range_px: tuple[float, float], layout: Layout, wanted_px: float, options: ReliefOptions
+) -> float:
     """Return the factor on all heights."""
-    low, high = layout.range_of(above)
+    low, high = range_px
     base_px = layout.domain.base_px
     rounding = 1e-12 * max(1.0, float(np.abs(above).max()), 0.0 if base_px is None else float(np.abs(base_px).max()))
     if high - low <= rounding:
@@ -110,10 +113,19 @@ def _factor(above: Float64, layout: Layout, wanted_px: float, options: ReliefOpt
 
 
 def _finished(
-    above: Float64, layout: Layout, pitch_mm: float, delta: float, scale: float, statistics: SolveStatistics
+    above: Float64,
+    layout: Layout,
+    pitch_mm: float,
+    delta: float,
+    scale: float,
+    statistics: SolveStatistics,
+    range_px: tuple[float, float] | None = None,
 ) -> FinishedHeights:
-    """Return the heights in mm; ``above``, in px above the background, is overwritten."""
-    low, high = layout.range_of(above)
+    """Return the heights in mm; ``above``, in px above the background, is overwritten.
+
+    ``range_px`` is its lowest and highest value on the surface, if they are known.
+    """
+    low, high = layout.range_of(above) if range_px is None else range_px
     relief_range_mm = (high - low) * pitch_mm
     below = layout.share_below(above) if layout.holds else 0.0
     if layout.domain.base_px is not None:

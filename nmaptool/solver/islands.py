@@ -40,6 +40,12 @@ class Constants:
 class Islands:
     """The islands of a system, and sums, norms and constants on them.
 
+    Parameters
+    ----------
+    system : QuadSystem
+    like : Islands, optional
+        Those of a system in which the same faces have a weight and the same vertices are held.
+
     Attributes
     ----------
     count : int
@@ -48,13 +54,18 @@ class Islands:
         Index 0 is for vertices outside every island and never floats.
     """
 
-    def __init__(self, system: QuadSystem) -> None:
+    def __init__(self, system: QuadSystem, like: Islands | None = None) -> None:
         self._system = system
-        self._faces, self.count = system.faces()
-        # islands without held vertices; a single island that is held entirely does not float
-        self._loose = self._find_loose()
-        if self.count > 1:
-            _ = self._runs
+        if like is None:
+            self._faces, self.count = system.faces()
+            # islands without held vertices; a single island that is held entirely does not float
+            self._loose = self._find_loose()
+            if self.count > 1:
+                _ = self._runs
+        else:
+            self._faces, self.count, self._loose = like._faces, like.count, like._loose
+            if "_runs" in vars(like):
+                self._runs = like._runs
         self._ties = np.zeros(self.count + 1)
         self.floating: Mask = np.zeros(self.count + 1, bool)
         self._weak = self.floating

@@ -18,7 +18,7 @@ __all__ = ["DirectMethod", "Method", "Solution", "Solver", "choose", "prepare"]
 
 # the time of multigrid depends on the size of the box around the unknowns, that of amg on their number; if their share
 # of the box is below this, amg is faster (bench.crossover)
-_SPARSE = 0.05
+_SPARSE = 0.01
 
 
 def choose(system: QuadSystem, wanted: str) -> str:
@@ -71,21 +71,23 @@ def prepare(
     chosen = choose(inside, method)
     kind = kind_of(chosen, inside.has_wide_weights)
     planned = plan(inside.weight.shape, int(np.count_nonzero(inside.unknown)), kind, memory_limit_bytes)
+    if chosen == "multigrid":
+        # imported when used: each method needs libraries that the others do not
+        from nmaptool.solver.multigrid.method import MultigridMethod
+
+        other = like.method if like is not None and isinstance(like.method, MultigridMethod) else None
+        multigrid = MultigridMethod(inside, other)
+        islands = Islands(inside, like.islands if like is not None and multigrid.borrowed else None)
+        return Solver(window, inside, multigrid, islands, planned)
     islands = Islands(inside)
-    return Solver(window, inside, _method(chosen, inside, islands, like), islands, planned)
+    return Solver(window, inside, _method(chosen, inside, islands), islands, planned)
 
 
-def _method(name: str, system: QuadSystem, islands: Islands, like: Solver | None) -> Method:
-    # imported when used: each needs libraries that the others do not
+def _method(name: str, system: QuadSystem, islands: Islands) -> Method:
     if name == "dct":
         from nmaptool.solver.dct import DctMethod
 
         return DctMethod(system)
-    if name == "multigrid":
-        from nmaptool.solver.multigrid.method import MultigridMethod
-
-        other = None if like is None else like.method
-        return MultigridMethod(system, other if isinstance(other, MultigridMethod) else None)
     from nmaptool.solver.amg import AmgMethod
 
     return AmgMethod(system, islands)

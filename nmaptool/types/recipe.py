@@ -11,14 +11,23 @@ from dataclasses import dataclass, field, fields
 from typing import Any, ClassVar, TypeAlias
 
 from nmaptool.core.errors import InputError
-from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReadOptions
+from nmaptool.options import (
+    CanvasOptions,
+    GroupOptions,
+    LayerOptions,
+    ReadOptions,
+    ReliefFiles,
+    ReliefOptions,
+    SolidOptions,
+)
 from nmaptool.types.shown import OneLine, counted
 
 # limits for nested groups and recipes, and for all layers: larger recipes are mistakes or attacks
 DEEPEST = 16
 MOST_LAYERS = 1000
 
-# a recipe cannot raise the size limit of its maps
+# a recipe cannot raise the size limit of its maps, or the memory of the solver
+RELIEF_KEYS = tuple(f.name for f in fields(ReliefOptions) if f.name != "memory_limit")
 READ_KEYS = tuple(f.name for f in fields(ReadOptions) if f.name != "max_megapixels")
 
 
@@ -172,6 +181,39 @@ class RecipeLink(_Part):
         return f"{self.label}: {self.recipe}{', hidden' if self.hidden else ''}"
 
 
+@dataclass(frozen=True, repr=False)
+class RecipeRelief(OneLine):
+    """How the composed map becomes a relief.
+
+    Parameters
+    ----------
+    files : ReliefFiles
+        Relative to the recipe's folder. The detail may be a recipe, too.
+    options : mapping
+        Fields of `nmaptool.ReliefOptions` that are given, without ``memory_limit``.
+    solid : mapping
+        Fields of `nmaptool.SolidOptions` that are given.
+
+    Raises
+    ------
+    UsageError
+        If a value is not accepted, or values contradict each other.
+    """
+
+    files: ReliefFiles = field(default_factory=ReliefFiles)
+    options: Mapping[str, Any] = field(default_factory=dict)
+    solid: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        ReliefOptions(**self.options)
+        SolidOptions(**self.solid)
+
+    def _line(self) -> str:
+        given = {**vars(self.files), **self.options, **self.solid}
+        named = [f"{name} {value}" for name, value in given.items() if value is not None]
+        return ", ".join(named) or "default options"
+
+
 Entry: TypeAlias = RecipeLayer | RecipeGroup | RecipeLink
 
 
@@ -192,6 +234,8 @@ class Recipe(OneLine):
         The recipes it was read from.
     notes : tuple of str
         What was ignored when it was read.
+    relief : RecipeRelief, optional
+        How the composed map becomes a relief. None: not stated; the default options.
 
     Raises
     ------
@@ -205,6 +249,7 @@ class Recipe(OneLine):
     folder: str = field(default="", compare=False)
     sources: tuple[str, ...] = field(default=(), compare=False)
     notes: tuple[str, ...] = field(default=(), compare=False)
+    relief: RecipeRelief | None = None
 
     def __post_init__(self) -> None:
         if not self.layers:

@@ -143,6 +143,8 @@ class _Linking:
         if inner.canvas != CanvasOptions():
             outer = chain.recipes[0][1]
             self.notes.append(f"{path}: its canvas is ignored; its layers are placed on the canvas of {outer}")
+        if inner.relief is not None:
+            self.notes.append(f"{path}: its [relief] is ignored; only its layers are used")
         return inner
 
 

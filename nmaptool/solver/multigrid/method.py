@@ -37,9 +37,13 @@ def _factor(made_for: QuadSystem, system: QuadSystem) -> float | None:
         acting = old > 0
         if not np.array_equal(acting, new > 0):
             return None
-        ratios = np.divide(new, old, out=np.ones(old.shape, np.float32), where=acting)
-        least = min(least, float(np.min(ratios, where=acting, initial=np.inf)))
-        most = max(most, float(np.max(ratios, where=acting, initial=0)))
+        if not acting.any():
+            continue
+        first = acting.argmax()
+        # elsewhere, a ratio that occurs: reductions with a mask are slow
+        ratios = np.full(old.shape, new.flat[first] / old.flat[first], np.float32)
+        np.divide(new, old, out=ratios, where=acting)
+        least, most = min(least, float(ratios.min())), max(most, float(ratios.max()))
     return math.sqrt(least * most) if most <= _MOST_CHANGE * least else None
 
 

@@ -1,0 +1,143 @@
+"""What `nmap relief` makes a relief from: maps, or a recipe with a table ``[relief]``."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nmaptool.core.progress import Progress
+from nmaptool.options import ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
+from nmaptool_cli.inputs import read_grey, read_map
+from nmaptool_cli.run import Run
+
+if TYPE_CHECKING:
+    import nmaptool as nm
+
+
+@dataclass
+class Work:
+    """Inputs that have been read.
+
+    Attributes
+    ----------
+    arguments : mapping
+        Those of `nmaptool.relief`.
+    maps : list of NormalMap
+        The maps that were read, for messages.
+    read_s : float
+        Seconds of reading.
+    facts : mapping
+        More entries of the report.
+    notes : list of str
+        More messages.
+    """
+
+    arguments: Mapping[str, Any]
+    maps: Sequence[nm.NormalMap]
+    read_s: float
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+    def solved(self, progress: Progress | None) -> nm.Relief:
+        """The relief; its report states the seconds of reading."""
+        import nmaptool as nm
+
+        result = nm.relief(**self.arguments, progress=progress)
+        report = dataclasses.replace(result.report, seconds={"reading": self.read_s, **result.report.seconds})
+        return dataclasses.replace(result, report=report)
+
+
+@dataclass(frozen=True)
+class Sources:
+    """The inputs by role, and the options after the recipe, if there is one.
+
+    Attributes
+    ----------
+    role : str
+        Role of the first argument in the report.
+    inputs : mapping
+        Other files to read, by role.
+    files : mapping
+        Names of the files besides the map, by role, for messages.
+    solid : SolidOptions
+    recipe : Recipe or None
+    """
+
+    role: str
+    inputs: Mapping[str, Any]
+    files: Mapping[str, str | None]
+    solid: SolidOptions
+    recipe: nm.Recipe | None = None
+
+    def read(self, run: Run, files: Mapping[str, Any], progress: Progress | None) -> Work:
+        """Read the inputs."""
+        return _read_maps(run, files) if self.recipe is None else _read_recipe(run, self.recipe, progress)
+
+
+def map_sources(run: Run) -> Sources:
+    """The sources of a relief of maps."""
+    files = asdict(run[ReliefFiles])
+    return Sources("original", files, files, run[SolidOptions])
+
+
+def recipe_sources(run: Run, name: str) -> Sources:
+    """The sources of a relief of a recipe; flags replace what its table ``[relief]`` says."""
+    import nmaptool as nm
+
+    run.begin(recipe=name)
+    recipe = nm.read_recipe(name, max_megapixels=run[ReadOptions].max_megapixels)
+    own = recipe.relief or nm.RecipeRelief()
+    # flags are relative to the current folder, names in the recipe to its own
+    flags = {role: str(Path(file).absolute()) for role, file in run.named(ReliefFiles).items() if file is not None}
+    relief = nm.RecipeRelief(
+        dataclasses.replace(own.files, **flags),
+        {**own.options, **run.named(ReliefOptions)},
+        {**own.solid, **run.named(SolidOptions)},
+    )
+    recipe = dataclasses.replace(recipe, relief=relief)
+    place = Path(recipe.folder)
+    files = {role: None if file is None else str(place / file) for role, file in asdict(relief.files).items()}
+    read = (*recipe.sources, *recipe.files)
+    inputs = {"files": tuple(str(place / file) for file in read), **files}
+    return Sources("recipe", inputs, files, SolidOptions(**relief.solid), recipe)
+
+
+def _read_maps(run: Run, files: Mapping[str, Any]) -> Work:
+    import nmaptool as nm
+
+    started = time.perf_counter()
+    original = read_map(run, files["original"])
+    detail = None
+    if files["detail"] is not None:
+        detail = read_map(run, files["detail"], like=original, own_layer=False)
+    surface = None
+    if files["surface"] is not None:
+        pitch_mm, _ = nm.pitch_of(original, run[ReliefOptions])
+        reading = dataclasses.replace(run[ReadOptions], layer=None)
+        surface = nm.read_surface(files["surface"], reading, like=original, pitch_mm=pitch_mm)
+    greys = {role: read_grey(run, files[role]) for role in ("mask", "mu_map", "beta_map", "delta_map", "wall_mask")}
+    arguments = {
+        "original": original,
+        "detail": detail,
+        "surface": surface,
+        "options": run[ReliefOptions],
+        **greys,
+    }
+    maps = [each for each in (original, detail, surface) if isinstance(each, nm.NormalMap)]
+    return Work(arguments, maps, time.perf_counter() - started)
+
+
+def _read_recipe(run: Run, recipe: nm.Recipe, progress: Progress | None) -> Work:
+    import nmaptool as nm
+    from nmaptool_cli.compose.stack import notes_of
+
+    started = time.perf_counter()
+    scene = nm.read_scene(recipe, run[ReadOptions], progress=progress)
+    notes = [note for stack in scene.stacks for note in notes_of(stack)]
+    notes += [f"nmap: warning: {text}" for text in scene.composition.report.warnings]
+    facts = {"layers": list(recipe.files), "hidden": list(recipe.hidden), "notes": list(recipe.notes)}
+    return Work(scene.inputs, scene.maps, time.perf_counter() - started, facts, notes)
