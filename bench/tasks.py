@@ -34,11 +34,6 @@ def transforms(rows: int, cols: int, repeat: int) -> float:
     return best_of_both(there_and_back, repeat)[0]
 
 
-def mesh_copy(mesh: Mesh, repeat: int) -> float:
-    """Seconds of a plain copy of a mesh's arrays."""
-    return best_of_both(lambda: (mesh.vertices.copy(), mesh.faces.copy()), repeat)[0]
-
-
 def file_copy(path: Path, repeat: int) -> float:
     """CPU seconds of writing the bytes of a file to another."""
     held, other = path.read_bytes(), path.with_suffix(".copy")
