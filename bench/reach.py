@@ -9,6 +9,7 @@ from bench.systems import Case
 from bench.table import line
 
 _MOTIFS = [Case(900, 1000, background=background) for background in ("cut", "plane", "free")]
+_THIN = [Case(1024, 1024, family) for family in ("tree", "lines 20%", "maze", "noise", "hair")]
 Results = Mapping[tuple[Case, str], Outcome]
 
 
@@ -32,10 +33,26 @@ def checks(results: Results, transforms: float | None = None) -> list[str]:
             "s",
             rival=_rival(results, 1),
         ),
+        *_thin(results),
         line("the motif at 4096 px, setup and solve to 1e-6", _total(results, large, "multigrid", 0), 2.5, "s"),
         line("its memory beyond the input", _bytes_per_pixel(results, large), 60, "bytes per pixel"),
         line("time per pixel at 8192 px over that at 1024 px", _growth(results, small, Case(8192, 8192)), 1.3, "times"),
         line("dct at 4096 px to 1e-6", cosine, 0.7, "s", rival=("SciPy's transforms", transforms)),
+    ]
+
+
+def _thin(results: Results) -> list[str]:
+    """Thin and ragged masks, with the goal of the motif per pixel."""
+    goal = round(0.12 * _THIN[0].pixels / 9e5, 3)
+    return [
+        line(
+            f"{case.family} at 1024 px, setup and solve to 1e-6",
+            _total(results, case, "multigrid", 0),
+            goal,
+            "s",
+            rival=("pyamg", _total(results, case, "aggregation", 0)),
+        )
+        for case in _THIN
     ]
 
 
