@@ -54,17 +54,16 @@ def solves() -> list[str]:
 
 
 def meshes() -> list[str]:
-    """The surface filter beside a copy of the mesh, and smoothing beside MeshLab."""
+    """The surface filter, and smoothing beside MeshLab."""
     import nmaptool as nm
     from bench.bake_stages import load
-    from bench.tasks import best_of_both, mesh_copy, meshlab_smooth
+    from bench.tasks import best_of_both, meshlab_smooth
     from nmaptool.filters.decompose import decompose_clean
     from nmaptool.meshes.clean import clean_mesh
 
     mesh = clean_mesh(load(_FACES))[0]
     filtered = best_of_both(lambda: decompose_clean(mesh, nm.FilterOptions()), 3)[1]
-    copied = ("a plain copy", mesh_copy(mesh, 20))
-    lines = [line("surface filter, 75k faces, CPU", filtered, None, "s", rival=copied)]
+    lines = [line("surface filter, 75k faces, CPU", filtered, None, "s")]  # no library has one
     smoothed = best_of_both(lambda: nm.smooth(mesh), 2)[1]
     rival = ("MeshLab's two-step smoothing", meshlab_smooth(mesh, 3))
     lines.append(line("smooth, 75k faces, CPU", smoothed, None, "s", rival=rival))

@@ -32,12 +32,13 @@ class Job:
 
 @dataclass(frozen=True)
 class Answer:
-    """One solve. ``peak`` is the peak in bytes beyond the inputs, including set-up."""
+    """One solve: seconds, and CPU seconds. ``peak`` is the peak in bytes beyond the inputs, including set-up."""
 
     solve: float
     iterations: int
     residual: float
     peak: int
+    cpu: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,17 @@ class Outcome:
     answers: tuple[Answer | None, ...] = ()
     unknowns: int = 0
     failure: str = ""
+    setup_cpu: float = 0.0
 
     def total(self, which: int) -> float | None:
         """Seconds of setup and one solve, if known."""
         answer = None if self.failure else self.answers[which]
         return None if answer is None else self.setup + answer.solve
+
+    def cpu(self, which: int) -> float | None:
+        """CPU seconds of setup and one solve, if known."""
+        answer = None if self.failure else self.answers[which]
+        return None if answer is None else self.setup_cpu + answer.cpu
 
     @property
     def seconds(self) -> float:
@@ -133,8 +140,11 @@ def _carry_out(job: Job, problem: Problem, spend: float) -> Outcome:
 def _better(one: Outcome, other: Outcome) -> Outcome:
     """The shorter time of each part; memory and the rest come from the first run, in the clean process."""
     pairs = zip(one.answers, other.answers, strict=True)
-    answers = tuple(a and b and dataclasses.replace(a, solve=min(a.solve, b.solve)) for a, b in pairs)
-    return dataclasses.replace(one, setup=min(one.setup, other.setup), answers=answers)
+    answers = tuple(
+        a and b and dataclasses.replace(a, solve=min(a.solve, b.solve), cpu=min(a.cpu, b.cpu)) for a, b in pairs
+    )
+    setup, cpu = min(one.setup, other.setup), min(one.setup_cpu, other.setup_cpu)
+    return dataclasses.replace(one, setup=setup, setup_cpu=cpu, answers=answers)
 
 
 def _once(job: Job, problem: Problem) -> Outcome:
@@ -144,23 +154,23 @@ def _once(job: Job, problem: Problem) -> Outcome:
     system = dataclasses.replace(problem.system)  # a new one has no caches from an earlier solver
     answers: list[Answer | None] = []
     before = peak.begin()
-    started = time.perf_counter()
+    started, used = time.perf_counter(), time.process_time()
     solve = maker(job.solver)(system)
-    setup = time.perf_counter() - started
+    setup, setup_cpu = time.perf_counter() - started, time.process_time() - used
     most = peak.peak() - before
     for tolerance in job.tolerances:
         peak.begin()
-        started = time.perf_counter()
+        started, used = time.perf_counter(), time.process_time()
         try:
             z, iterations = solve(problem.load, tolerance)
         except ConvergenceError:
             answers.append(None)
             continue
-        seconds = time.perf_counter() - started
+        seconds, cpu = time.perf_counter() - started, time.process_time() - used
         most = max(most, peak.peak() - before)
-        answers.append(Answer(seconds, iterations, relative_residual(problem, z), most))
+        answers.append(Answer(seconds, iterations, relative_residual(problem, z), most, cpu))
         del z
-    return Outcome(setup, tuple(answers), int(unknowns(system).sum()))
+    return Outcome(setup, tuple(answers), int(unknowns(system).sum()), setup_cpu=setup_cpu)
 
 
 def main() -> None:

@@ -25,18 +25,13 @@ def best_of_both(job: Callable[[], object], repeat: int) -> tuple[float, float]:
 
 
 def transforms(rows: int, cols: int, repeat: int) -> float:
-    """Seconds of SciPy's cosine transform of the corners of a picture and back, on all cores."""
-    values = np.random.default_rng(0).standard_normal((rows + 1, cols + 1))
+    """Seconds of SciPy's cosine transform of the corners of a picture and back, in float32, on all cores."""
+    values = np.random.default_rng(0).standard_normal((rows + 1, cols + 1), np.float32)
 
     def there_and_back() -> None:
         fft.idctn(fft.dctn(values, type=1, workers=-1), type=1, workers=-1, overwrite_x=True)
 
     return best_of_both(there_and_back, repeat)[0]
-
-
-def mesh_copy(mesh: Mesh, repeat: int) -> float:
-    """Seconds of a plain copy of a mesh's arrays."""
-    return best_of_both(lambda: (mesh.vertices.copy(), mesh.faces.copy()), repeat)[0]
 
 
 def file_copy(path: Path, repeat: int) -> float:
