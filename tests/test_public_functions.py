@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import nmaptool as nm
+from nmaptool.options.fields import Options
 
 FUNCTIONS = {name: getattr(nm, name) for name in nm.__all__ if inspect.isroutine(inspect.unwrap(getattr(nm, name)))}
 METHODS = {
@@ -24,7 +25,8 @@ DOCUMENTED = FUNCTIONS | METHODS
 VALUES = [
     name
     for name in nm.__all__
-    if dataclasses.is_dataclass(getattr(nm, name)) and not name.endswith("Options")
+    if dataclasses.is_dataclass(kind := getattr(nm, name))
+    if not (issubclass(kind, Options) or name.endswith("Options"))
     if name not in ("Decoding", "Finding", "CurvePoint")
 ]
 

@@ -115,7 +115,7 @@ def read_scene(
     --------
     >>> scene = nm.read_scene("samples/scene.toml")
     >>> nm.relief(**scene.inputs)
-    <Relief 160 x 85 mm (640 x 340 px), 0 to 4.331 mm high, by multigrid in 8 iterations>
+    <Relief 120 x 63.75 mm (640 x 340 px), 0 to 6.36 mm high, by multigrid in 8 iterations>
     """
     reading = reading or ReadOptions()
     if not isinstance(recipe, Recipe):
