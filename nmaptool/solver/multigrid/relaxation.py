@@ -50,7 +50,7 @@ class Relaxation:
         self._load, self._load_strays = np.zeros(level.size, level.dtype), np.zeros(level.off_grid.count, level.dtype)
         size = 1.0
         for _ in range(_POWER_STEPS):
-            size = math.sqrt(float(np.dot(self.x, self.x)) + float(np.dot(self.off_grid, self.off_grid)))
+            size = self._size()
             if size == 0:
                 return 1.0
             self.x /= size
@@ -59,7 +59,11 @@ class Relaxation:
             self._step(1.0)  # x - D^-1 A x; the old x is now the work space
             np.subtract(before, self.x, out=self.x)
             self.off_grid = strays_before - self.off_grid
-        return math.sqrt(float(np.dot(self.x, self.x)) + float(np.dot(self.off_grid, self.off_grid)))
+        return self._size()
+
+    def _size(self) -> float:
+        """Return the Euclidean norm of the correction; not by BLAS, whose threads would wait for more in a loop."""
+        return math.sqrt(sum(float((part * part).sum()) for part in (self.x, self.off_grid)))
 
     def load(self, residual: Values, off_grid: Values) -> None:
         """Set the right-hand side."""
