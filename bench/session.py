@@ -17,7 +17,7 @@ from bench.table import line, table
 
 _STEPS = 12
 _SLIDERS = ("mu", "beta", "slope_cap", "delta", "height", "width")
-_PREVIEW = 1e-5
+_PREVIEW = 2e-5
 MOST_ERROR = 1e-4  # of the range of the heights
 # at most, by the side of the picture
 _MOST_SECONDS = {512: 0.040, 1000: 0.100}

@@ -114,7 +114,7 @@ class ReliefSession:
             Height, width, weights, background, solver.
         preview_tolerance : float, optional
             Relative residual, between 0 and 1, that is enough while a slider moves, if it is larger than
-            ``options.tolerance``. With 1e-5, heights are within 1e-4 of their range on all masks of bench.session. The
+            ``options.tolerance``. With 2e-5, heights are within 1e-4 of their range on all masks of bench.session. The
             report states the residual reached; a later solve without it continues from these heights.
         progress : callable, optional
             Called with the name of the stage and the share done, 0 to 1; an exception that it raises ends the solve.
