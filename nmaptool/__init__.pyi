@@ -136,6 +136,7 @@ from .types.reconstruction import SmoothReport as SmoothReport
 from .types.reconstruction import SmoothResult as SmoothResult
 from .types.relief import Relief as Relief
 from .types.relief import ReliefReport as ReliefReport
+from .types.relief_parts import ReliefParts as ReliefParts
 from .types.solid import Solid as Solid
 from .types.unpacked import UnpackedLayer as UnpackedLayer
 from .types.unpacked import UnpackResult as UnpackResult
