@@ -18,7 +18,7 @@ _REST_S = 0.3
 Send = Callable[[bytes | dict[str, Any]], None]
 
 
-class _Superseded(Exception):
+class _SupersededError(Exception):
     """Ends a solve whose result is no longer wanted."""
 
 
@@ -69,7 +69,7 @@ class Worker:
                 self._wanted = None
             try:
                 self._answer(number, document)
-            except _Superseded:
+            except _SupersededError:
                 continue
             except NmaptoolError as error:
                 self._send({"kind": "error", "request": number, "text": str(error)})
@@ -92,7 +92,7 @@ class Worker:
     def _solve(self, engine: Engine, number: int, document: Document, *, is_preview: bool) -> None:
         def watch(stage: str, share: float) -> None:
             if self._number != number:
-                raise _Superseded
+                raise _SupersededError
             if not is_preview:
                 self._send({"kind": "progress", "stage": stage, "share": share})
 
