@@ -161,3 +161,11 @@ def test_walls_have_no_parts(dome):
     d = dome(60, 60)
     with pytest.raises(UsageError, match=r"`edge='wall'`: the heights of walls are not linear in `delta`"):
         nm.ReliefSession(d.normals, mask=d.inside).parts(nm.ReliefOptions(edge="wall"))
+
+
+def test_the_heights_of_walls_come_whole(folder):
+    engine = Engine(opened([str(folder / "bunny.exr")]))
+    options = nm.ReliefOptions(edge="wall", height=nm.length("2mm"))
+    parts = engine.parts(options, is_preview=False)
+    expected = nm.relief(nm.read_normal_map(folder / "bunny.exr"), options=options)
+    assert np.allclose(parts.z_mm(77), expected.z_mm)

@@ -20,6 +20,11 @@ PREVIEW_PX = 512
 PREVIEW_TOLERANCE = 1e-5
 
 
+def has_parts(options: ReliefOptions) -> bool:
+    """Whether the page can compute other heights from two parts: not if walls may stand."""
+    return options.edge == "blend"
+
+
 class Engine:
     """The maps of a document and a session for each of the two grids.
 
@@ -47,10 +52,16 @@ class Engine:
         return _files(document) == self.files
 
     def parts(self, options: ReliefOptions, *, is_preview: bool, progress: Progress | None = None) -> ReliefParts:
-        """Solve for the parts of the heights."""
+        """Solve for the parts of the heights; if they have none, for the heights, as the first part."""
         session = self.preview if is_preview else self.full
         tolerance = PREVIEW_TOLERANCE if is_preview else None
-        return session.parts(options, preview_tolerance=tolerance, progress=progress)
+        if has_parts(options):
+            return session.parts(options, preview_tolerance=tolerance, progress=progress)
+        solved = session.solve(options, preview_tolerance=tolerance, progress=progress)
+        height = solved.height
+        pitch_mm = solved.report.pitch_mm
+        z_px = height.z_mm / pitch_mm
+        return ReliefParts(z_px, np.zeros_like(z_px), None, height.surface, height.frame, pitch_mm, 1.0)
 
     def _session(self, original: NormalMap, detail: NormalMap | None, greys: dict[str, Float32]) -> ReliefSession:
         return ReliefSession(original, detail, surface=self.scene.surface, **greys)

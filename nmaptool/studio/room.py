@@ -14,7 +14,9 @@ from nmaptool.io.output.writing import write_together
 from nmaptool.options import SolidOptions
 from nmaptool.studio.controls import controls, plain
 from nmaptool.studio.document import Document, History
+from nmaptool.studio.engine import has_parts
 from nmaptool.studio.worker import Worker
+from nmaptool.types.recipe import Recipe
 
 # options that the page applies to the parts of the heights, or that only an export uses
 _LOCAL = ("delta", "fit", "height", "width", *(f.name for f in dataclasses.fields(SolidOptions)))
@@ -52,7 +54,7 @@ class Room:
         self._moving: tuple[str, ...] = ()
         self._lock = threading.Lock()
         self._worker = Worker(self._from_worker)
-        self._solved = document.changed(dict.fromkeys(_LOCAL)).recipe
+        self._solved = _needs(document)
         self._worker.want(document)
 
     def enter(self, window: Window) -> None:
@@ -126,7 +128,7 @@ class Room:
     def _tell(self) -> None:
         """Show the changed document in every window, and solve it if the page cannot compute it from the parts."""
         now = self.history.now
-        needs = now.changed(dict.fromkeys(_LOCAL)).recipe
+        needs = _needs(now)
         if needs != self._solved:
             self._solved = needs
             self._worker.want(now)
@@ -164,3 +166,8 @@ class Room:
     def _show(self, message: bytes | dict[str, Any]) -> None:
         for window in self._windows:
             window.put(message)
+
+
+def _needs(document: Document) -> Recipe:
+    """Return what the heights that the page gets depend on."""
+    return document.changed(dict.fromkeys(_LOCAL)).recipe if has_parts(document.options) else document.recipe

@@ -18,7 +18,7 @@ const link = new Link(hear, (bytes) => see(decode(bytes)), connected);
 function change(name, value, moving) {
   say("");
   state.values = { ...state.values, [name]: value };
-  if (LOCAL.has(name)) {
+  if (LOCAL.has(name) && state.values.edge === "blend") {
     if (state.frame && value !== null) render();
     if (moving) return;
   }
