@@ -62,10 +62,10 @@ function see(frame) {
 
 function render() {
   const { frame, values } = state;
-  const { z, low, high, pitch } = combined(frame, values);
+  const { z, span, low, high, pitch } = combined(frame, values);
   view.show(z, frame.surface, frame.cols, frame.rows, { low, high, pitch });
   const size = `${((frame.cols - 1) * pitch).toFixed(1)} x ${((frame.rows - 1) * pitch).toFixed(1)} mm`;
-  $("facts").textContent = `${size}, ${(high - low).toFixed(3)} mm high`;
+  $("facts").textContent = `${size}, ${span.toFixed(3)} mm high`;
 }
 
 function say(text) {
