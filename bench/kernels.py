@@ -89,7 +89,9 @@ def finest_rows(rows: int, cols: int, repeats: int) -> list[list[str]]:
     random, size, coarse = np.random.default_rng(0), rows * cols, ((rows + 1) // 2, (cols + 1) // 2)
     width = coarse[1] + 1
     quarter, direction = (np.pad(random.random(size, np.float32), cols + 1) for _ in range(2))
-    step, residual, out = (random.random(size, np.float32) for _ in range(3))
+    # small weights: repeated products with A must not overflow
+    quarter *= np.float32(0.01)
+    step, residual, out = (np.float32(0.01) * random.random(size, np.float32) for _ in range(3))
     x, *ways = (np.pad(random.random(coarse[0] * coarse[1], np.float32), width) for _ in range(9))
     results = tuple(np.zeros_like(x) for _ in range(13))
     unknown, beside = np.ones(size, bool), np.zeros(cols + 1, np.float32)
