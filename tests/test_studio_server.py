@@ -188,8 +188,8 @@ def test_a_saved_recipe_makes_the_bytes_of_the_export(client, folder, run):
         ask(live, do="save")
         assert "give the recipe a name" in until(live, "error")["text"]
         ask(live, do="save", name="../relief")
-        assert until(live, "saved")["path"] == str(folder / "relief.toml")
         assert until(live, "state")["is_saved"] is True
+        assert until(live, "saved")["path"] == str(folder / "relief.toml")
         (folder / "other.toml").write_text("mine", encoding="utf-8")
         ask(live, do="save", name="other.toml")
         assert "other.toml: exists already" in until(live, "error")["text"]

@@ -61,7 +61,7 @@ class Engine:
         height = solved.height
         pitch_mm = solved.report.pitch_mm
         z_px = height.z_mm / pitch_mm
-        return ReliefParts(z_px, np.zeros_like(z_px), None, height.surface, height.frame, pitch_mm, 1.0)
+        return ReliefParts(z_px, np.zeros_like(z_px), None, height.domain, height.frame, pitch_mm, 1.0)
 
     def _session(self, original: NormalMap, detail: NormalMap | None, greys: dict[str, Float32]) -> ReliefSession:
         return ReliefSession(original, detail, surface=self.scene.surface, **greys)
