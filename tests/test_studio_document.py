@@ -43,8 +43,9 @@ def test_faults_of_opening(folder):
     (folder / "scene.toml").write_text('[[layer]]\nfile = "plate.exr"\n', encoding="utf-8")
     with pytest.raises(UsageError, match=r"scene\.toml: a recipe is opened alone"):
         opened([str(folder / "scene.toml"), "more.png"])
-    with pytest.raises(InputError, match="no such file"):
-        opened([str(folder / "none.toml")])
+    for name in ("none.toml", "none.png"):
+        with pytest.raises(InputError, match=rf"{name}: no such file"):
+            opened([str(folder / name)])
 
 
 def test_values_are_checked_and_defaults_left_out():

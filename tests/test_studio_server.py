@@ -1,7 +1,12 @@
 """The studio's server on this machine: who may speak to it, and what it answers."""
 
+import contextlib
 import http.client
 import json
+import re
+import signal
+import subprocess
+import sysconfig
 import threading
 import time
 from pathlib import Path
@@ -46,9 +51,10 @@ def folder(tmp_path, png):
     return write_maps(tmp_path, png)
 
 
-@pytest.fixture
-def client(folder):
-    studio = Studio(opened([str(folder / "bunny.exr")]))
+@contextlib.contextmanager
+def served(file):
+    """A client of a server that shows a file."""
+    studio = Studio(opened([str(file)]))
     thread = threading.Thread(target=studio.run)
     thread.start()
     while not studio.is_started:
@@ -57,6 +63,12 @@ def client(folder):
     studio.stop()
     thread.join(10)
     assert not thread.is_alive()
+
+
+@pytest.fixture
+def client(folder):
+    with served(folder / "bunny.exr") as found:
+        yield found
 
 
 def until(live, kind):
@@ -201,6 +213,32 @@ def test_a_saved_recipe_makes_the_bytes_of_the_export(client, folder, run):
     assert done.code == 0, done.err
     assert exported.body == (folder / "relief.stl").read_bytes()
     assert client.get("/export/zip").status == 400
+
+
+def test_a_map_that_cannot_be_read_is_said_in_every_window(tmp_path):
+    (tmp_path / "bad.png").write_bytes(b"no picture")
+    with served(tmp_path / "bad.png") as client:
+        for _ in range(2):
+            with client.live() as live:
+                assert "bad.png" in until(live, "error")["text"]
+        assert client.get("/export/stl").status == 400
+
+
+def test_ctrl_c_ends_the_command(folder):
+    command = [str(Path(sysconfig.get_path("scripts")) / "nmap"), "studio", str(folder / "bunny.exr"), "--no-browser"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        address = process.stderr.readline().strip()
+        assert re.fullmatch(r"nmap studio: http://127\.0\.0\.1:\d+/\?token=\S{32}", address)
+        host, _, token = address.removeprefix("nmap studio: http://").partition("/?token=")
+        more = {"Cookie": f"nmap-studio={token}"}
+        with connect(f"ws://{host}/live", origin=f"http://{host}", additional_headers=more, max_size=None) as live:
+            until(live, "frame")
+            process.send_signal(signal.SIGINT)
+            with pytest.raises(ConnectionClosed):
+                while True:
+                    live.recv(timeout=10)
+        assert process.wait(10) == 0
+        assert process.stderr.read() == "  Ctrl-C ends it\n"
 
 
 def test_a_taken_port_is_said(client, folder):

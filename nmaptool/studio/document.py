@@ -10,7 +10,8 @@ from typing import Any
 
 from nmaptool.composition.recipe_parsing import parse_recipe
 from nmaptool.composition.recipe_toml import to_toml
-from nmaptool.core.errors import UsageError
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.options import ReliefOptions, SolidOptions
 from nmaptool.options.formats import is_recipe
@@ -89,7 +90,7 @@ def opened(names: Sequence[str]) -> Document:
     UsageError
         If there is no file, or a recipe and other files.
     InputError, LimitError
-        If the recipe cannot be read.
+        If a file does not exist or the recipe cannot be read.
     """
     if not names:
         raise UsageError("name a map or a recipe to open")
@@ -97,6 +98,9 @@ def opened(names: Sequence[str]) -> Document:
         if len(names) > 1:
             raise UsageError(f"{names[0]}: a recipe is opened alone")
         return Document(read_recipe(names[0]), Path(names[0]).absolute())
+    for name in names:
+        if not split_layer(name)[0].is_file():
+            raise InputError(f"{name}: no such file")
     folder = Path(names[0]).absolute().parent
     layers = [{"file": _relative(Path(name).absolute(), folder)} for name in names]
     recipe = parse_recipe({"layer": layers, "relief": {}}, name=Path(names[0]).stem, folder=str(folder))

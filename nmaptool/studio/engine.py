@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
 
 from nmaptool.composition.transform import transform
-from nmaptool.core.arrays import Float32
 from nmaptool.core.progress import Progress
 from nmaptool.io.recipes.scenes import Scene, read_scene
 from nmaptool.options import ReliefOptions, TransformOptions
@@ -63,7 +64,7 @@ class Engine:
         z_px = height.z_mm / pitch_mm
         return ReliefParts(z_px, np.zeros_like(z_px), None, height.domain, height.frame, pitch_mm, 1.0)
 
-    def _session(self, original: NormalMap, detail: NormalMap | None, greys: dict[str, Float32]) -> ReliefSession:
+    def _session(self, original: NormalMap, detail: NormalMap | None, greys: dict[str, Any]) -> ReliefSession:
         return ReliefSession(original, detail, surface=self.scene.surface, **greys)
 
     def _reduced(self) -> ReliefSession:

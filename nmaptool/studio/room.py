@@ -16,7 +16,7 @@ from nmaptool.studio.controls import controls, plain
 from nmaptool.studio.document import Document, History
 from nmaptool.studio.engine import has_parts
 from nmaptool.studio.worker import Worker
-from nmaptool.types.recipe import Recipe
+from nmaptool.types.recipe import Entry, Recipe, RecipeLayer
 
 # options that the page applies to the parts of the heights, or that only an export uses
 _LOCAL = ("delta", "fit", "height", "width", *(f.name for f in dataclasses.fields(SolidOptions)))
@@ -50,7 +50,7 @@ class Room:
         self._saved = document if document.path is not None else None
         self._windows: set[Window] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._latest: bytes | None = None
+        self._latest: bytes | dict[str, Any] | None = None  # heights, or why there are none
         self._moving: tuple[str, ...] = ()
         self._lock = threading.Lock()
         self._worker = Worker(self._from_worker)
@@ -85,7 +85,7 @@ class Room:
             "path": None if now.path is None else str(now.path),
             "is_saved": now == self._saved,
             "values": {control["name"]: plain(values[control["name"]]) for control in controls()},
-            "layers": [layer.label for layer in now.recipe.layers],
+            "layers": [_name(layer) for layer in now.recipe.layers],
             "undo": undo,
             "redo": redo,
         }
@@ -157,7 +157,7 @@ class Room:
     def _from_worker(self, message: bytes | dict[str, Any]) -> None:
         """Called in the solver's thread."""
         with self._lock:
-            if isinstance(message, bytes):
+            if isinstance(message, bytes) or message["kind"] == "error":
                 self._latest = message
         loop = self._loop
         if loop is not None and not loop.is_closed():
@@ -171,3 +171,7 @@ class Room:
 def _needs(document: Document) -> Recipe:
     """Return what the heights that the page gets depend on."""
     return document.changed(dict.fromkeys(_LOCAL)).recipe if has_parts(document.options) else document.recipe
+
+
+def _name(layer: Entry) -> str:
+    return layer.options.name or (layer.file if isinstance(layer, RecipeLayer) else layer.label)

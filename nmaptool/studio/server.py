@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import secrets
 import socket
+import threading
 
 import uvicorn
 
@@ -56,8 +57,19 @@ class Studio:
         self._server = uvicorn.Server(config)
 
     def run(self) -> None:
-        """Serve until Ctrl-C or `stop`."""
-        self._server.run(sockets=[self._socket])
+        """Serve until Ctrl-C or `stop`; Ctrl-C ends it like `stop`."""
+        # in a thread, because the server would otherwise take over Ctrl-C
+        thread = threading.Thread(target=self._server.run, kwargs={"sockets": [self._socket]}, name="studio server")
+        thread.start()
+        try:
+            while thread.is_alive():
+                thread.join(0.2)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            self.stop()
+            thread.join()
+            self._socket.close()
 
     @property
     def is_started(self) -> bool:

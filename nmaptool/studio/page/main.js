@@ -107,19 +107,19 @@ async function download() {
 
 function moveLight(azimuth, elevation) {
   view.light = { azimuth: (azimuth + 360) % 360, elevation: Math.min(Math.max(elevation, 3), 89) };
-  const reach = 0.42 * Math.min($("stage").clientWidth, $("stage").clientHeight);
+  const reach = 0.42 * Math.min($("picture").clientWidth, $("picture").clientHeight);
   const out = reach * Math.cos((view.light.elevation * Math.PI) / 180);
   const angle = (view.light.azimuth * Math.PI) / 180;
   const knob = $("light");
-  knob.style.left = `${$("stage").clientWidth / 2 + out * Math.cos(angle)}px`;
-  knob.style.top = `${$("stage").clientHeight / 2 - out * Math.sin(angle)}px`;
+  knob.style.left = `${$("picture").clientWidth / 2 + out * Math.cos(angle)}px`;
+  knob.style.top = `${$("picture").clientHeight / 2 - out * Math.sin(angle)}px`;
   knob.setAttribute("aria-valuenow", Math.round(view.light.azimuth));
   knob.setAttribute("aria-valuetext", `${Math.round(view.light.azimuth)} degrees, ${Math.round(view.light.elevation)} high`);
   view.draw();
 }
 
 function dragLight(event) {
-  const box = $("stage").getBoundingClientRect();
+  const box = $("picture").getBoundingClientRect();
   const x = event.clientX - box.left - box.width / 2;
   const y = box.top + box.height / 2 - event.clientY;
   const share = Math.min(Math.hypot(x, y) / (0.42 * Math.min(box.width, box.height)), 0.999);
@@ -202,7 +202,7 @@ document.addEventListener("keydown", (event) => {
 new ResizeObserver(() => {
   moveLight(view.light.azimuth, view.light.elevation);
   view.draw();
-}).observe($("stage"));
+}).observe($("picture"));
 
 // for tests in a browser
 window.studio = { state, view };
