@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.errors import InputError, NmaptoolError, UsageError
-from nmaptool.io.output.writing import write_together
+from nmaptool.io.recipes.writer import write_recipe
 from nmaptool.options import SolidOptions
 from nmaptool.studio.controls import controls, plain
 from nmaptool.studio.document import Document, History
@@ -145,10 +145,10 @@ class Room:
                 path = path.with_name(f"{path.name}.toml")
         if path is None:
             raise UsageError("give the recipe a name to save it under, such as medal.toml")
-        text, replaces = now.text(), path == now.path or message.get("overwrite") is True
+        replaces = path == now.path or message.get("overwrite") is True
         if path.exists() and not replaces:
             raise InputError(f"{path.name}: exists already; choose another name, or replace it")
-        write_together([(path, lambda file: file.write_text(text, encoding="utf-8"))], replaces, final=False)
+        write_recipe(now.recipe, path, overwrite=replaces)
         self.history.now = self._saved = Document(now.recipe, path)
         for window in self._windows:
             window.put(self.state())
