@@ -28,6 +28,7 @@ _ORDER = (
     "Canvas",
     "Relief",
     "Solid",
+    "Studio",
     "Reading",
     "Run",
 )

@@ -55,6 +55,7 @@ from .io.recipes.scenes import Scene as Scene
 from .io.recipes.scenes import read_scene as read_scene
 from .io.recipes.stacks import Stack as Stack
 from .io.recipes.stacks import read_stack as read_stack
+from .io.recipes.writer import write_recipe as write_recipe
 from .io.workspaces.files import read_workspace as read_workspace
 from .maps.decoding import Decoded as Decoded
 from .maps.decoding import decode_image as decode_image
@@ -136,6 +137,7 @@ from .types.reconstruction import SmoothReport as SmoothReport
 from .types.reconstruction import SmoothResult as SmoothResult
 from .types.relief import Relief as Relief
 from .types.relief import ReliefReport as ReliefReport
+from .types.relief_parts import ReliefParts as ReliefParts
 from .types.solid import Solid as Solid
 from .types.unpacked import UnpackedLayer as UnpackedLayer
 from .types.unpacked import UnpackResult as UnpackResult

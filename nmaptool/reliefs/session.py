@@ -2,50 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import threading
-
-import numpy as np
+from collections.abc import Iterator
 
 from nmaptool.core.errors import UsageError
-from nmaptool.core.grid import dilated
 from nmaptool.core.progress import Progress, Stages
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs import inputs as given
-from nmaptool.reliefs.domain import build_domain
+from nmaptool.reliefs.cases import CappedPair, Case, ground_key, holds, layout_of
 from nmaptool.reliefs.finish import finish
 from nmaptool.reliefs.heights import SolveSettings, SystemHeights
-from nmaptool.reliefs.layout import Layout
-from nmaptool.reliefs.report import SolverFacts, facts_of, report_of
-from nmaptool.reliefs.rounding import rounded
-from nmaptool.reliefs.standing import Standing, bridged, flat_share, stands
-from nmaptool.reliefs.targets import CappedSlopes, Weights, build_targets, capped_slopes, to_pixels
+from nmaptool.reliefs.report import facts_of, report_of
+from nmaptool.reliefs.targets import Weights, build_targets, capped_slopes, to_pixels
 from nmaptool.solver import QuadSystem, Solver, prepare
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import FloatsLike, MaskLike, NormalsLike
-from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.relief import Relief
-
-_CappedPair = tuple[CappedSlopes, CappedSlopes | None]
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class _Case:
-    """One combination of the options that need a solve, and its results.
-
-    ``ground``, ``system`` and ``shape`` hold the values that the layout, the solver and the heights depend on.
-    """
-
-    ground: tuple[object, ...]
-    system: tuple[object, ...]
-    shape: tuple[object, ...]
-    layout: Layout
-    slope_cap: float
-    capped: _CappedPair | None
-    heights: SystemHeights
-    facts: SolverFacts
-    pulled: bool
-    steep_share: float
+from nmaptool.types.relief_parts import ReliefParts
 
 
 class ReliefSession:
@@ -95,7 +70,7 @@ class ReliefSession:
         if keep < 0:
             raise UsageError(f"`keep={keep}`: must be zero or more")
         self._keep = keep
-        self._cases: list[_Case] = []  # most recently used first
+        self._cases: list[Case] = []  # most recently used first
         self._lock = threading.Lock()
         self._solving: int | None = None  # the thread that is solving
 
@@ -144,6 +119,62 @@ class ReliefSession:
         <Relief 100 x 100 mm (8 x 8 px), 4.804 to 7.804 mm high, by dct in 0 iterations>
         """
         options = options or ReliefOptions()
+        with self._alone(preview_tolerance):
+            return self._solve(options, max(options.tolerance, preview_tolerance or 0.0), progress)
+
+    def parts(
+        self,
+        options: ReliefOptions | None = None,
+        *,
+        preview_tolerance: float | None = None,
+        progress: Progress | None = None,
+    ) -> ReliefParts:
+        """Solve for the two parts of the heights: those for delta 0, and what each unit of delta adds.
+
+        A front end that has them computes every other delta, height and width itself. What was solved is kept for
+        later calls, as with `solve`, and the other way round.
+
+        Parameters
+        ----------
+        options : ReliefOptions, optional
+            ``delta``, ``height`` and ``fit`` have no effect; ``width`` only sets the pitch.
+        preview_tolerance, progress
+            As for `solve`.
+
+        Returns
+        -------
+        ReliefParts
+
+        Raises
+        ------
+        UsageError
+            If the motif stands with walls (``edge="wall"``): their heights are not linear in delta.
+        InputError, LimitError, ConvergenceError
+            As for `solve`.
+
+        Examples
+        --------
+        >>> session = nm.ReliefSession(np.dstack([np.full((8, 8), 0.5), np.zeros((8, 8)), np.ones((8, 8))]))
+        >>> parts = session.parts(nm.ReliefOptions(background="free"))
+        >>> np.allclose(parts.z_mm(delta=40), session.solve(nm.ReliefOptions(background="free", delta=40)).z_mm)
+        True
+        """
+        options = options or ReliefOptions()
+        with self._alone(preview_tolerance):
+            stages, tolerance = Stages(progress), max(options.tolerance, preview_tolerance or 0.0)
+            case, _, (pitch_mm, _), warm_start = self._begin(options, stages)
+            if case.layout.standing is not None:
+                raise UsageError("`edge='wall'`: the heights of walls are not linear in `delta`; use `solve`")
+            with stages.stage("solve"):
+                settings = SolveSettings(tolerance, options.max_iterations, progress)
+                first, second, _ = case.heights.parts(settings, warm_start)
+        domain, original = case.layout.domain, self._maps.original
+        per_delta = to_pixels(0.0, 1.0, original.frame.longer_side, options.per_pixel)[1]
+        return ReliefParts(first, second, domain.base_px, domain.surface, original.frame, pitch_mm, per_delta)
+
+    @contextlib.contextmanager
+    def _alone(self, preview_tolerance: float | None) -> Iterator[None]:
+        """One solve after the other, and none inside its own progress callback."""
         if preview_tolerance is not None and not 0 < preview_tolerance < 1:
             raise UsageError(f"`preview_tolerance={preview_tolerance}`: must be between 0 and 1, both excluded")
         if self._solving == threading.get_ident():
@@ -151,23 +182,29 @@ class ReliefSession:
         with self._lock:
             self._solving = threading.get_ident()
             try:
-                return self._solve(options, max(options.tolerance, preview_tolerance or 0.0), progress)
+                yield
             finally:
                 self._solving = None
+
+    def _begin(
+        self, options: ReliefOptions, stages: Stages
+    ) -> tuple[Case, Weights, tuple[float, str], SystemHeights | None]:
+        """Return the case of these options, its weights, the pitch, and heights to start from."""
+        with stages.stage("inputs"):
+            pitch_mm, pitch_from = given.pitch_of(self._maps.original, options)
+            weights = self._weights(options)
+        case = self._case_for(options, weights, pitch_mm, stages)
+        warm_start = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
+        # kept even if the requested height turns out to be unreachable
+        self._cases = [case, *(c for c in self._cases if c is not case)][: self._keep]
+        return case, weights, (pitch_mm, pitch_from), warm_start
 
     def _solve(self, options: ReliefOptions, tolerance: float, progress: Progress | None) -> Relief:
         stages = Stages(progress)
         original = self._maps.original
-        with stages.stage("inputs"):
-            pitch_mm, pitch_from = given.pitch_of(original, options)
-            weights = self._weights(options)
-        case = self._case_for(options, weights, pitch_mm, stages)
-        with stages.stage("setup"):
-            warm_start = next((c.heights for c in self._cases if c is not case and c.layout is case.layout), None)
+        case, weights, (pitch_mm, pitch_from), warm_start = self._begin(options, stages)
         with stages.stage("solve"):
             settings = SolveSettings(tolerance, options.max_iterations, progress)
-            # kept even if the requested height turns out to be unreachable
-            self._cases = [case, *(c for c in self._cases if c is not case)][: self._keep]
             heights = finish(case.heights, case.layout, weights.delta, options, pitch_mm, settings, warm_start)
         with stages.stage("finish"):
             frame = dataclasses.replace(original.frame, pitch_mm=pitch_mm)
@@ -193,24 +230,24 @@ class ReliefSession:
         beta, delta = to_pixels(options.beta, options.delta, maps.original.frame.longer_side, options.per_pixel)
         return Weights(options.mu if maps.detail is not None else 0.0, beta, delta, maps.mu, maps.beta, maps.delta)
 
-    def _case_for(self, options: ReliefOptions, weights: Weights, pitch_mm: float, stages: Stages) -> _Case:
+    def _case_for(self, options: ReliefOptions, weights: Weights, pitch_mm: float, stages: Stages) -> Case:
         """Return the case of these options: a kept one, or a new one that reuses what other cases share with it."""
         maps = self._maps
         # mu and the energy have no effect without a detail map
         energy = options.energy if maps.detail is not None else "eq6"
         stiffened = weights.mu if energy == "eq6" else 0.0
-        ground = self._ground_key(options, pitch_mm)
+        ground = ground_key(maps, options, pitch_mm)
         held = ground[:1] if options.background == "surface" else ground  # the solver does not depend on its height
         system = (*held, weights.beta, stiffened, options.solver)
         shape = (weights.mu, energy, options.slope_cap)
         with stages.stage("inputs"):
             for case in self._cases:
-                if (case.ground, case.system, case.shape) == (ground, system, shape) and self._holds(case, options):
+                if (case.ground, case.system, case.shape) == (ground, system, shape) and holds(case, maps, options):
                     case.heights.solver.check_memory(options.memory_limit_bytes)
                     return case
-            same_ground = (c for c in self._cases if c.ground == ground and self._holds(c, options))
-            layout = next((c.layout for c in same_ground), None) or self._build_layout(options, pitch_mm)
-            capped: _CappedPair | None = self._capped(options.slope_cap)
+            same_ground = (c for c in self._cases if c.ground == ground and holds(c, maps, options))
+            layout = next((c.layout for c in same_ground), None) or layout_of(maps, options, pitch_mm)
+            capped: CappedPair | None = self._capped(options.slope_cap)
             stages.tell("setting up", 0.0)
             targets = build_targets(
                 maps.original, maps.detail, layout.domain, weights, options.slope_cap, energy, capped
@@ -227,7 +264,7 @@ class ReliefSession:
                 like = next((c.heights.solver for c in self._cases if c.layout is layout), None)
                 system_here = QuadSystem(weight, beta, layout.domain.held)
                 solver = prepare(system_here, options.solver, options.memory_limit_bytes, like)
-        return _Case(
+        return Case(
             ground,
             system,
             shape,
@@ -240,7 +277,7 @@ class ReliefSession:
             steep_share,
         )
 
-    def _capped(self, slope_cap: float) -> _CappedPair:
+    def _capped(self, slope_cap: float) -> CappedPair:
         """Return the capped slopes of the maps."""
         known = next((c.capped for c in self._cases if c.slope_cap == slope_cap), None)
         if known is not None:
@@ -257,43 +294,3 @@ class ReliefSession:
         if solver is not None:
             solver.check_memory(options.memory_limit_bytes)
         return solver
-
-    def _ground_key(self, options: ReliefOptions, pitch_mm: float) -> tuple[object, ...]:
-        """Return what the layout depends on, except the tolerance to which a background's normal map is integrated."""
-        if options.background != "surface":
-            return (options.background, options.edge, given.radius_px_of(options, pitch_mm))
-        return (options.background, options.slope_cap if isinstance(self._maps.surface, NormalMap) else pitch_mm)
-
-    def _holds(self, case: _Case, options: ReliefOptions) -> bool:
-        """Whether the background of a case was integrated to the requested tolerance."""
-        integrated = options.background == "surface" and isinstance(self._maps.surface, NormalMap)
-        return not integrated or case.layout.tolerance <= options.tolerance
-
-    def _build_layout(self, options: ReliefOptions, pitch_mm: float) -> Layout:
-        maps = self._maps
-        original, mask = maps.original, maps.mask
-        motif = given.motif_of(original, mask, fading=options.background in ("plane", "surface"))
-        base_px, ground = given.base_of(maps.surface, pitch_mm, options)
-        coverage = maps.coverage
-        radius_px = given.radius_px_of(options, pitch_mm)
-        if radius_px:
-            coverage = rounded(np.where(motif, coverage, np.minimum(coverage, 0.49)), radius_px)
-            motif = given.rounded_motif(coverage, options)
-        standing = None
-        if stands(options, original.normals, motif, maps.walls is not None):
-            raised = bridged(given.walled(motif, maps.walls), coverage)
-            # a pixel of plate lies between what stands and what does not
-            motif = raised if maps.walls is None else raised | (motif & ~dilated(raised, 1))
-            standing = Standing(raised)
-        domain = build_domain(
-            options.background,
-            motif,
-            original.coverage >= 0.5,
-            coverage,
-            base_px,
-            given.height_term_mask(original, motif, mask),
-            ground,
-            None if standing is None else standing.motif,
-        )
-        flat = flat_share(original.normals, motif)
-        return Layout(domain, motif, options.tolerance, coverage, standing, flat)

@@ -1,0 +1,66 @@
+"""``nmap studio``."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import webbrowser
+from dataclasses import dataclass
+
+from nmaptool.core.errors import UsageError
+from nmaptool.options.fields import Options, option
+from nmaptool.options.kinds import Count, Switch
+from nmaptool_cli.command import command
+from nmaptool_cli.run import Run
+from nmaptool_cli.streams import refuse_stream
+
+_PACKAGES = ("starlette", "uvicorn", "websockets")
+
+
+@dataclass(frozen=True)
+class StudioOptions(Options, group="Studio"):
+    """Where the studio is served.
+
+    Parameters
+    ----------
+    port:
+        Port on this machine, such as 8000. Default: a free one.
+    no_browser:
+        Only print the address; do not open it in the browser.
+    """
+
+    port: int | None = option(None, Count("8000", 1, 65535))
+    no_browser: bool = option(False, Switch())
+
+
+@command(StudioOptions)
+def studio(run: Run, /, *files: str) -> None:
+    """Shape a relief in the browser, under a light that you move.
+
+    The studio runs on your own machine and answers to nobody else. Its document is a recipe, which nmap relief turns
+    into the same relief. Ctrl-C ends it.
+
+    Example: nmap studio samples/medal_original.png
+
+    Parameters
+    ----------
+    files:
+        A recipe (.toml), or one or more normal maps as layers: {pictures}.
+    """
+    lacking = [name for name in _PACKAGES if importlib.util.find_spec(name) is None]
+    if lacking:
+        raise UsageError(
+            f'the studio needs {", ".join(lacking)}; install it with: pip install "nmaptool-relief[studio]"'
+        )
+    refuse_stream("the studio opens files", *files)
+    from nmaptool.studio.document import opened
+    from nmaptool.studio.server import Studio
+
+    given = run[StudioOptions]
+    served = Studio(opened(files), given.port or 0)
+    run.say(f"nmap studio: {served.address}", "  Ctrl-C ends it")
+    run.speak()
+    if not given.no_browser:
+        with contextlib.suppress(webbrowser.Error):
+            webbrowser.open(served.address)
+    served.run()

@@ -1,0 +1,124 @@
+"""The web application of the studio."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import tempfile
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.background import BackgroundTask
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from nmaptool.core.errors import NmaptoolError
+from nmaptool.options.formats import RELIEF_FORMATS
+from nmaptool.studio.export import export
+from nmaptool.studio.guard import Guard
+from nmaptool.studio.room import Room, Window
+
+PAGE = Path(__file__).with_name("page")
+# a message of the page is a few options
+_LONGEST_MESSAGE = 1_000_000
+
+
+def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
+    """Return the application that serves a document.
+
+    Parameters
+    ----------
+    room : Room
+    token : str
+        The secret in the address that the user opens.
+    hosts : tuple of str
+        Host headers that are accepted.
+    """
+
+    @contextlib.asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        yield
+        await run_in_threadpool(room.close)
+
+    async def page(_: Request) -> Response:
+        return FileResponse(PAGE / "index.html")
+
+    async def socket(websocket: WebSocket) -> None:
+        await _converse(room, websocket)
+
+    async def exported(request: Request) -> Response:
+        return await run_in_threadpool(_exported, room, request.path_params["ending"])
+
+    routes = [
+        Route("/", page),
+        Route("/export/{ending}", exported),
+        WebSocketRoute("/live", socket),
+        Mount("/page", StaticFiles(directory=PAGE)),
+    ]
+    return Guard(Starlette(routes=routes, lifespan=lifespan), token, hosts)
+
+
+async def _converse(room: Room, websocket: WebSocket) -> None:
+    """Exchange messages with one window until it closes."""
+    await websocket.accept()
+    window = Window()
+    room.enter(window)
+    sender = asyncio.create_task(_send(window, websocket))
+    try:
+        while True:
+            text = await websocket.receive_text()
+            answer = room.take(_message(text)) if len(text) <= _LONGEST_MESSAGE else _malformed()
+            if answer is not None:
+                window.put(answer)
+    except WebSocketDisconnect:
+        pass
+    finally:
+        room.leave(window)
+        sender.cancel()
+        with contextlib.suppress(asyncio.CancelledError, WebSocketDisconnect, RuntimeError):
+            await sender
+
+
+async def _send(window: Window, websocket: WebSocket) -> None:
+    while True:
+        message = await window.waiting.get()
+        if isinstance(message, bytes):
+            await websocket.send_bytes(message)
+        else:
+            await websocket.send_text(json.dumps(message))
+
+
+def _message(text: str) -> dict[str, Any]:
+    try:
+        found = json.loads(text)
+    except ValueError:
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _malformed() -> dict[str, Any]:
+    return {"kind": "error", "text": "the page sent a message that is too long; reload it"}
+
+
+def _exported(room: Room, ending: str) -> Response:
+    """Return the relief of the document as a file of the browser's."""
+    document = room.history.now
+    if f".{ending}" not in RELIEF_FORMATS:
+        return JSONResponse({"text": f"a relief is written as {', '.join(RELIEF_FORMATS)}"}, 400)
+    folder = tempfile.TemporaryDirectory(prefix="nmap-studio-")
+    stem = Path(document.recipe.name).stem if document.path is None else document.path.stem
+    path = Path(folder.name) / f"{stem}.{ending}"
+    try:
+        export(document, path)
+    except NmaptoolError as error:
+        folder.cleanup()
+        return JSONResponse({"text": str(error)}, 400)
+    return FileResponse(path, filename=path.name, background=BackgroundTask(folder.cleanup))

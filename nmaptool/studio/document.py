@@ -1,0 +1,150 @@
+"""The document of the studio: a recipe, and the steps that led to it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from nmaptool.composition.recipe_parsing import parse_recipe
+from nmaptool.composition.recipe_toml import to_toml
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.io.pictures.normal_maps import split_layer
+from nmaptool.io.recipes.reader import read_recipe
+from nmaptool.options import ReliefOptions, SolidOptions
+from nmaptool.options.formats import is_recipe
+from nmaptool.types.recipe import RELIEF_KEYS, Recipe, RecipeRelief
+
+MOST_STEPS = 200
+_SOLID_KEYS = tuple(f.name for f in dataclasses.fields(SolidOptions))
+
+
+@dataclass(frozen=True)
+class Document:
+    """A recipe, and the file that it is saved in.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    path : Path or None
+        None: not saved yet.
+    """
+
+    recipe: Recipe
+    path: Path | None = None
+
+    @property
+    def folder(self) -> Path:
+        """The folder that its file names are relative to."""
+        return Path(self.recipe.folder)
+
+    @property
+    def relief(self) -> RecipeRelief:
+        """Its table ``[relief]``."""
+        return self.recipe.relief or RecipeRelief()
+
+    @property
+    def options(self) -> ReliefOptions:
+        """The options of its relief."""
+        return ReliefOptions(**self.relief.options)
+
+    @property
+    def solid(self) -> SolidOptions:
+        """The options of its solid."""
+        return SolidOptions(**self.relief.solid)
+
+    def changed(self, values: Mapping[str, Any]) -> Document:
+        """Return the document with other options; None or the default removes one.
+
+        Raises
+        ------
+        UsageError
+            If an option is not known or its value is not accepted.
+        """
+        options, solid = dict(self.relief.options), dict(self.relief.solid)
+        for name, value in values.items():
+            kind, table = (ReliefOptions, options) if name in RELIEF_KEYS else (SolidOptions, solid)
+            if kind is SolidOptions and name not in _SOLID_KEYS:
+                raise UsageError(f"`{name}`: is not an option of a relief")
+            table.pop(name, None)
+            if value is None:
+                continue
+            read = getattr(kind(**{**table, name: value}), name)
+            if read != getattr(kind(), name):
+                table[name] = read
+        relief = RecipeRelief(self.relief.files, options, solid)
+        return dataclasses.replace(self, recipe=dataclasses.replace(self.recipe, relief=relief))
+
+    def text(self) -> str:
+        """Return the TOML of its recipe."""
+        return to_toml(self.recipe)
+
+
+def opened(names: Sequence[str]) -> Document:
+    """Return the document of some files: a recipe, or maps as layers, the first one lowest.
+
+    Raises
+    ------
+    UsageError
+        If there is no file, or a recipe and other files.
+    InputError, LimitError
+        If a file does not exist or the recipe cannot be read.
+    """
+    if not names:
+        raise UsageError("name a map or a recipe to open")
+    if is_recipe(names[0]):
+        if len(names) > 1:
+            raise UsageError(f"{names[0]}: a recipe is opened alone")
+        return Document(read_recipe(names[0]), Path(names[0]).absolute())
+    for name in names:
+        if not split_layer(name)[0].is_file():
+            raise InputError(f"{name}: no such file")
+    folder = Path(names[0]).absolute().parent
+    layers = [{"file": _relative(Path(name).absolute(), folder)} for name in names]
+    recipe = parse_recipe({"layer": layers, "relief": {}}, name=Path(names[0]).stem, folder=str(folder))
+    return Document(recipe)
+
+
+def _relative(path: Path, folder: Path) -> str:
+    return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else str(path)
+
+
+@dataclass
+class History:
+    """A document that can be changed and changed back."""
+
+    now: Document
+    _before: list[Document] = field(default_factory=list)
+    _after: list[Document] = field(default_factory=list)
+
+    def do(self, document: Document, *, joined: bool = False) -> None:
+        """Take a changed document; ``joined`` makes it one step with the one before, as while a slider moves."""
+        if document == self.now:
+            return
+        if not joined or not self._before:
+            self._before = [*self._before, self.now][-MOST_STEPS:]
+        self._after.clear()
+        self.now = document
+
+    def undo(self) -> bool:
+        """Go one step back; whether there was one."""
+        if not self._before:
+            return False
+        self._after.append(self.now)
+        self.now = self._before.pop()
+        return True
+
+    def redo(self) -> bool:
+        """Take a step again; whether there was one."""
+        if not self._after:
+            return False
+        self._before.append(self.now)
+        self.now = self._after.pop()
+        return True
+
+    @property
+    def steps(self) -> tuple[int, int]:
+        """How many steps can be undone and redone."""
+        return len(self._before), len(self._after)

@@ -1,0 +1,88 @@
+"""Solves the document: on a small grid while a control moves, in full when the hand rests."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+
+from nmaptool.composition.transform import transform
+from nmaptool.core.progress import Progress
+from nmaptool.io.recipes.scenes import Scene, read_scene
+from nmaptool.options import ReliefOptions, TransformOptions
+from nmaptool.reliefs.session import ReliefSession
+from nmaptool.studio.document import Document
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.relief_parts import ReliefParts
+
+# longer side of the grid that is solved while a control moves, and the tolerance of its heights
+PREVIEW_PX = 512
+PREVIEW_TOLERANCE = 1e-5
+
+
+def has_parts(options: ReliefOptions) -> bool:
+    """Whether the page can compute other heights from two parts: not if walls may stand."""
+    return options.edge == "blend"
+
+
+class Engine:
+    """The maps of a document and a session for each of the two grids.
+
+    Parameters
+    ----------
+    document : Document
+
+    Raises
+    ------
+    InputError, LimitError
+        If a file of the document cannot be read.
+    """
+
+    def __init__(self, document: Document) -> None:
+        self.files = _files(document)
+        self.scene: Scene = read_scene(document.recipe)
+        original = self.scene.composition.normal_map
+        self.size = original.frame.cols, original.frame.rows
+        self.full = self._session(original, self.scene.detail, self.scene.greys)
+        self.is_small = original.frame.longer_side <= PREVIEW_PX or self.scene.surface is not None
+        self.preview = self.full if self.is_small else self._reduced()
+
+    def fits(self, document: Document) -> bool:
+        """Whether another document needs the same maps."""
+        return _files(document) == self.files
+
+    def parts(self, options: ReliefOptions, *, is_preview: bool, progress: Progress | None = None) -> ReliefParts:
+        """Solve for the parts of the heights; if they have none, for the heights, as the first part."""
+        session = self.preview if is_preview else self.full
+        tolerance = PREVIEW_TOLERANCE if is_preview else None
+        if has_parts(options):
+            return session.parts(options, preview_tolerance=tolerance, progress=progress)
+        solved = session.solve(options, preview_tolerance=tolerance, progress=progress)
+        height = solved.height
+        pitch_mm = solved.report.pitch_mm
+        z_px = height.z_mm / pitch_mm
+        return ReliefParts(z_px, np.zeros_like(z_px), None, height.domain, height.frame, pitch_mm, 1.0)
+
+    def _session(self, original: NormalMap, detail: NormalMap | None, greys: dict[str, Any]) -> ReliefSession:
+        return ReliefSession(original, detail, surface=self.scene.surface, **greys)
+
+    def _reduced(self) -> ReliefSession:
+        cols, rows = self.size
+        share = PREVIEW_PX / max(cols, rows)
+        size = max(1, round(cols * share)), max(1, round(rows * share))
+        detail = None if self.scene.detail is None else _smaller(self.scene.detail, size)
+        greys = {
+            role: np.asarray(cv2.resize(grey, size, interpolation=cv2.INTER_AREA), np.float32)
+            for role, grey in self.scene.greys.items()
+        }
+        return self._session(_smaller(self.scene.composition.normal_map, size), detail, greys)
+
+
+def _smaller(normal_map: NormalMap, size: tuple[int, int]) -> NormalMap:
+    return transform(normal_map, TransformOptions(resize=f"{size[0]}x{size[1]}")).normal_map
+
+
+def _files(document: Document) -> tuple[object, ...]:
+    """Return what the maps depend on."""
+    return document.recipe.layers, document.recipe.canvas, document.relief.files, document.recipe.folder

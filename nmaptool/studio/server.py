@@ -1,0 +1,81 @@
+"""Serves the studio on this machine."""
+
+from __future__ import annotations
+
+import secrets
+import socket
+import threading
+
+import uvicorn
+
+from nmaptool.core.errors import OutputError, reason_of
+from nmaptool.studio.app import application
+from nmaptool.studio.document import Document
+from nmaptool.studio.room import Room
+
+_LOOPBACK = "127.0.0.1"
+
+
+class Studio:
+    """A server for one document, on a port of this machine alone.
+
+    Parameters
+    ----------
+    document : Document
+    port : int
+        0 chooses a free one.
+
+    Raises
+    ------
+    OutputError
+        If the port is taken.
+    """
+
+    def __init__(self, document: Document, port: int = 0) -> None:
+        self._socket = socket.socket()
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            self._socket.bind((_LOOPBACK, port))
+        except OSError as error:
+            self._socket.close()
+            raise OutputError(
+                f"port {port} cannot be used ({reason_of(error)}); choose another one with `port`"
+            ) from None
+        self.port: int = self._socket.getsockname()[1]
+        token = secrets.token_urlsafe(24)
+        hosts = (f"{_LOOPBACK}:{self.port}", f"localhost:{self.port}")
+        self.address = f"http://{_LOOPBACK}:{self.port}/?token={token}"
+        config = uvicorn.Config(
+            application(Room(document), token, hosts),
+            log_level="warning",
+            access_log=False,
+            server_header=False,
+            ws="websockets-sansio",
+            ws_max_size=1 << 20,
+            timeout_graceful_shutdown=1,
+        )
+        self._server = uvicorn.Server(config)
+
+    def run(self) -> None:
+        """Serve until Ctrl-C or `stop`; Ctrl-C ends it like `stop`."""
+        # in a thread, because the server would otherwise take over Ctrl-C
+        thread = threading.Thread(target=self._server.run, kwargs={"sockets": [self._socket]}, name="studio server")
+        thread.start()
+        try:
+            while thread.is_alive():
+                thread.join(0.2)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            self.stop()
+            thread.join()
+            self._socket.close()
+
+    @property
+    def is_started(self) -> bool:
+        """Whether it answers requests."""
+        return self._server.started
+
+    def stop(self) -> None:
+        """End `run`, from another thread."""
+        self._server.should_exit = True

@@ -1,0 +1,108 @@
+"""The thread that solves: the newest request wins."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from nmaptool.core.errors import NmaptoolError
+from nmaptool.studio.document import Document
+from nmaptool.studio.engine import Engine
+from nmaptool.studio.frames import frame_of
+
+# a hand that has not moved for this long rests: the full resolution follows
+_REST_S = 0.3
+
+Send = Callable[[bytes | dict[str, Any]], None]
+
+
+class _SupersededError(Exception):
+    """Ends a solve whose result is no longer wanted."""
+
+
+class Worker:
+    """Solves documents one after the other in a thread of its own.
+
+    Parameters
+    ----------
+    send : callable
+        Called in the worker's thread with each frame, and with messages for the page.
+    """
+
+    def __init__(self, send: Send) -> None:
+        self._send = send
+        self._changed = threading.Condition()
+        self._wanted: tuple[int, Document] | None = None
+        self._number = 0
+        self._ends = False
+        self._engine: Engine | None = None
+        self._thread = threading.Thread(target=self._run, name="studio solver", daemon=True)
+        self._thread.start()
+
+    def want(self, document: Document) -> int:
+        """Ask for the heights of a document; return the number of the request."""
+        with self._changed:
+            self._number += 1
+            self._wanted = self._number, document
+            self._changed.notify()
+            return self._number
+
+    def stop(self) -> None:
+        """End the thread; a solve that is under way is given up."""
+        with self._changed:
+            self._ends = True
+            self._number += 1
+            self._changed.notify()
+        self._thread.join(timeout=5)
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                while self._wanted is None and not self._ends:
+                    self._changed.wait()
+                if self._ends:
+                    return
+                assert self._wanted is not None
+                number, document = self._wanted
+                self._wanted = None
+            try:
+                self._answer(number, document)
+            except _SupersededError:
+                continue
+            except NmaptoolError as error:
+                self._send({"kind": "error", "request": number, "text": str(error)})
+
+    def _answer(self, number: int, document: Document) -> None:
+        if self._engine is None or not self._engine.fits(document):
+            self._send({"kind": "progress", "stage": "reading", "share": 0.0})
+            self._engine = None  # free the old maps first
+            self._engine = Engine(document)
+        engine = self._engine
+        self._solve(engine, number, document, is_preview=True)
+        if engine.is_small:
+            return
+        rested = time.monotonic() + _REST_S
+        with self._changed:
+            while self._number == number and (left := rested - time.monotonic()) > 0:
+                self._changed.wait(left)
+        self._solve(engine, number, document, is_preview=False)
+
+    def _solve(self, engine: Engine, number: int, document: Document, *, is_preview: bool) -> None:
+        def watch(stage: str, share: float) -> None:
+            if self._number != number:
+                raise _SupersededError
+            if not is_preview:
+                self._send({"kind": "progress", "stage": stage, "share": share})
+
+        watch("setting up", 0.0)
+        started = time.perf_counter()
+        parts = engine.parts(document.options, is_preview=is_preview, progress=watch)
+        facts = {
+            "request": number,
+            "is_full": engine.is_small or not is_preview,
+            "seconds": round(time.perf_counter() - started, 4),
+        }
+        if self._number == number:
+            self._send(frame_of(parts, facts))
