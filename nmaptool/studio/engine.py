@@ -18,7 +18,7 @@ from nmaptool.types.relief_parts import ReliefParts
 
 # longer side of the grid that is solved while a control moves, and the tolerance of its heights
 PREVIEW_PX = 512
-PREVIEW_TOLERANCE = 1e-5
+PREVIEW_TOLERANCE = 2e-5
 
 
 def has_parts(options: ReliefOptions) -> bool:
