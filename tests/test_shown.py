@@ -51,6 +51,7 @@ def values():
         *recipe.layers,
     ]
     found.append(nm.solid(relief))
+    found.append(nm.ReliefSession(normal_map).parts())
     found.append(nm.read_scene(Path(__file__).parents[1] / "samples" / "scene.toml"))
     results = [relief, composition, depth, layers, smoothed]
     found += [*results, *(result.report for result in results), relief.height, layers.report.mixture]

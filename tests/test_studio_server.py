@@ -6,7 +6,7 @@ import json
 import re
 import signal
 import subprocess
-import sysconfig
+import sys
 import threading
 import time
 from pathlib import Path
@@ -224,9 +224,19 @@ def test_a_map_that_cannot_be_read_is_said_in_every_window(tmp_path):
         assert client.get("/export/stl").status == 400
 
 
+# the shell of a test run may have made it ignore Ctrl-C
+COMMAND = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from nmaptool_cli.start import run
+sys.exit(run())
+"""
+
+
 def test_ctrl_c_ends_the_command(folder):
-    command = [str(Path(sysconfig.get_path("scripts")) / "nmap"), "studio", str(folder / "bunny.exr"), "--no-browser"]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+    command = [sys.executable, "-c", COMMAND, "studio", str(folder / "bunny.exr"), "--no-browser"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    try:
         address = process.stderr.readline().strip()
         assert re.fullmatch(r"nmap studio: http://127\.0\.0\.1:\d+/\?token=\S{32}", address)
         host, _, token = address.removeprefix("nmap studio: http://").partition("/?token=")
@@ -239,6 +249,9 @@ def test_ctrl_c_ends_the_command(folder):
                     live.recv(timeout=10)
         assert process.wait(10) == 0
         assert process.stderr.read() == "  Ctrl-C ends it\n"
+    finally:
+        process.kill()
+        process.communicate()
 
 
 def test_a_taken_port_is_said(client, folder):

@@ -164,7 +164,7 @@ class ReliefSession:
             stages, tolerance = Stages(progress), max(options.tolerance, preview_tolerance or 0.0)
             case, _, (pitch_mm, _), warm_start = self._begin(options, stages)
             if case.layout.standing is not None:
-                raise UsageError("`edge='wall'`: the heights of walls are not linear in `delta`; use `solve`")
+                raise UsageError("`edge='wall'`: the heights of walls are not linear in `delta`; solve for each")
             with stages.stage("solve"):
                 settings = SolveSettings(tolerance, options.max_iterations, progress)
                 first, second, _ = case.heights.parts(settings, warm_start)

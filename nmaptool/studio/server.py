@@ -36,6 +36,7 @@ class Studio:
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             self._socket.bind((_LOOPBACK, port))
+            self._socket.listen()  # a browser may come before the server is up
         except OSError as error:
             self._socket.close()
             raise OutputError(
