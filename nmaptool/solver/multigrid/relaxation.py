@@ -9,6 +9,7 @@ import numpy as np
 import nmaptool.kernels.grid_twins as grid_twins
 from nmaptool import kernels
 from nmaptool.kernels.grid_twins import Values
+from nmaptool.solver.multigrid.finest import inner_product
 from nmaptool.solver.multigrid.level import Stencil, in_bands, new_field
 
 # the smoother damps modes whose eigenvalue is more than this share of the largest one
@@ -62,8 +63,8 @@ class Relaxation:
         return self._size()
 
     def _size(self) -> float:
-        """Return the Euclidean norm of the correction; not by BLAS, whose threads would wait for more in a loop."""
-        return math.sqrt(sum(float((part * part).sum()) for part in (self.x, self.off_grid)))
+        """Return the Euclidean norm of the correction."""
+        return math.sqrt(sum(inner_product(part, part) for part in (self.x, self.off_grid)))
 
     def load(self, residual: Values, off_grid: Values) -> None:
         """Set the right-hand side."""
