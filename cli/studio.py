@@ -14,7 +14,7 @@ from nmaptool_cli.command import command
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import refuse_stream
 
-_PACKAGES = ("starlette", "uvicorn", "websockets")
+_PACKAGES = ("platformdirs", "starlette", "uvicorn", "websockets")
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def studio(run: Run, /, *files: str) -> None:
     from nmaptool.studio.server import Studio
 
     given = run[StudioOptions]
-    served = Studio(opened(files), given.port or 0)
+    served = Studio(*opened(files), given.port or 0)
     run.say(f"nmap studio: {served.address}", "  Ctrl-C ends it")
     run.speak()
     if not given.no_browser:

@@ -54,7 +54,7 @@ def folder(tmp_path, png):
 @contextlib.contextmanager
 def served(file):
     """A client of a server that shows a file."""
-    studio = Studio(opened([str(file)]))
+    studio = Studio(*opened([str(file)]), root=file.parent / "state")
     thread = threading.Thread(target=studio.run)
     thread.start()
     while not studio.is_started:
@@ -99,8 +99,8 @@ def test_the_token_opens_the_page(client):
     assert b"nmap studio" in page.body
     assert "script-src 'self'" in page.getheader("content-security-policy")
     assert page.getheader("x-content-type-options") == "nosniff"
-    for name in sorted(path.name for path in PAGE.iterdir()):
-        assert client.get(f"/page/{name}").status == 200
+    for path in (path for path in PAGE.rglob("*") if path.is_file()):
+        assert client.get(f"/page/{path.relative_to(PAGE).as_posix()}").status == 200
 
 
 @pytest.mark.parametrize("headers", [{}, {"Cookie": "nmap-studio=guess"}, {"Cookie": "=;"}])
@@ -257,4 +257,4 @@ def test_ctrl_c_ends_the_command(folder):
 def test_a_taken_port_is_said(client, folder):
     port = int(client.host.rpartition(":")[2])
     with pytest.raises(nm.OutputError, match=rf"port {port} cannot be used \(.*\); choose another one with `port`"):
-        Studio(opened([str(folder / "bunny.exr")]), port)
+        Studio(*opened([str(folder / "bunny.exr")]), port, root=folder / "state")

@@ -24,6 +24,7 @@ from nmaptool.core.errors import NmaptoolError
 from nmaptool.options.formats import RELIEF_FORMATS
 from nmaptool.studio.export import export
 from nmaptool.studio.guard import Guard
+from nmaptool.studio.requests import answer
 from nmaptool.studio.room import Room, Window
 
 PAGE = Path(__file__).with_name("page")
@@ -75,9 +76,9 @@ async def _converse(room: Room, websocket: WebSocket) -> None:
     try:
         while True:
             text = await websocket.receive_text()
-            answer = room.take(_message(text)) if len(text) <= _LONGEST_MESSAGE else _malformed()
-            if answer is not None:
-                window.put(answer)
+            said = answer(room, _message(text)) if len(text) <= _LONGEST_MESSAGE else _malformed()
+            if said is not None:
+                window.put(said)
     except WebSocketDisconnect:
         pass
     finally:
@@ -110,11 +111,11 @@ def _malformed() -> dict[str, Any]:
 
 def _exported(room: Room, ending: str) -> Response:
     """Return the relief of the document as a file of the browser's."""
-    document = room.history.now
+    document = room.now
     if f".{ending}" not in RELIEF_FORMATS:
         return JSONResponse({"text": f"a relief is written as {', '.join(RELIEF_FORMATS)}"}, 400)
     folder = tempfile.TemporaryDirectory(prefix="nmap-studio-")
-    stem = Path(document.recipe.name).stem if document.path is None else document.path.stem
+    stem = (Path(document.name) if room.path is None else room.path).stem
     path = Path(folder.name) / f"{stem}.{ending}"
     try:
         export(document, path)

@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.composition.recipe_parsing import parse_recipe
-from nmaptool.composition.recipe_toml import to_toml
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
-from nmaptool.options import ReliefOptions, SolidOptions
+from nmaptool.options import CanvasOptions, ReliefOptions, SolidOptions
 from nmaptool.options.formats import is_recipe
-from nmaptool.types.recipe import RELIEF_KEYS, Recipe, RecipeRelief
+from nmaptool.types.recipe import RELIEF_KEYS, Entry, Recipe, RecipeRelief
 
 MOST_STEPS = 200
 _SOLID_KEYS = tuple(f.name for f in dataclasses.fields(SolidOptions))
@@ -23,27 +22,43 @@ _SOLID_KEYS = tuple(f.name for f in dataclasses.fields(SolidOptions))
 
 @dataclass(frozen=True)
 class Document:
-    """A recipe, and the file that it is saved in.
+    """The layers, the canvas and the relief of a recipe; unlike a recipe, it may have no layers yet.
 
     Parameters
     ----------
-    recipe : Recipe
-    path : Path or None
-        None: not saved yet.
+    layers : tuple of RecipeLayer, RecipeGroup or RecipeLink
+    canvas : CanvasOptions
+    relief : RecipeRelief
+    folder : Path
+        Absolute; file names are relative to it.
+    name : str
+        Name for messages.
     """
 
-    recipe: Recipe
-    path: Path | None = None
+    layers: tuple[Entry, ...] = ()
+    canvas: CanvasOptions = field(default_factory=CanvasOptions)
+    relief: RecipeRelief = field(default_factory=RecipeRelief)
+    folder: Path = field(default_factory=Path.cwd)
+    name: str = field(default="relief", compare=False)
+
+    @classmethod
+    def of(cls, recipe: Recipe) -> Document:
+        """Return the document of a recipe."""
+        relief = recipe.relief or RecipeRelief()
+        return cls(recipe.layers, recipe.canvas, relief, Path(recipe.folder).absolute(), Path(recipe.name).name)
 
     @property
-    def folder(self) -> Path:
-        """The folder that its file names are relative to."""
-        return Path(self.recipe.folder)
+    def recipe(self) -> Recipe:
+        """The recipe.
 
-    @property
-    def relief(self) -> RecipeRelief:
-        """Its table ``[relief]``."""
-        return self.recipe.relief or RecipeRelief()
+        Raises
+        ------
+        InputError
+            If there are no layers.
+        """
+        if not self.layers:
+            raise InputError("there is nothing to shape yet: drop a normal map, a depth picture or a mesh")
+        return Recipe(self.layers, self.canvas, self.name, str(self.folder), relief=self.relief)
 
     @property
     def options(self) -> ReliefOptions:
@@ -74,40 +89,41 @@ class Document:
             read = getattr(kind(**{**table, name: value}), name)
             if read != getattr(kind(), name):
                 table[name] = read
-        relief = RecipeRelief(self.relief.files, options, solid)
-        return dataclasses.replace(self, recipe=dataclasses.replace(self.recipe, relief=relief))
-
-    def text(self) -> str:
-        """Return the TOML of its recipe."""
-        return to_toml(self.recipe)
+        return dataclasses.replace(self, relief=RecipeRelief(self.relief.files, options, solid))
 
 
-def opened(names: Sequence[str]) -> Document:
-    """Return the document of some files: a recipe, or maps as layers, the first one lowest.
+def opened(names: Sequence[str]) -> tuple[Document, Path | None]:
+    """Return the document of some files, and the recipe that it was read from, if it was.
+
+    Parameters
+    ----------
+    names : sequence of str
+        A recipe; or normal maps as layers, the first one lowest; or nothing.
 
     Raises
     ------
     UsageError
-        If there is no file, or a recipe and other files.
+        If a recipe and other files are named.
     InputError, LimitError
         If a file does not exist or the recipe cannot be read.
     """
     if not names:
-        raise UsageError("name a map or a recipe to open")
+        return Document(), None
     if is_recipe(names[0]):
         if len(names) > 1:
             raise UsageError(f"{names[0]}: a recipe is opened alone")
-        return Document(read_recipe(names[0]), Path(names[0]).absolute())
+        path = Path(names[0]).absolute()
+        return Document.of(read_recipe(path, name=names[0])), path
     for name in names:
         if not split_layer(name)[0].is_file():
             raise InputError(f"{name}: no such file")
     folder = Path(names[0]).absolute().parent
-    layers = [{"file": _relative(Path(name).absolute(), folder)} for name in names]
-    recipe = parse_recipe({"layer": layers, "relief": {}}, name=Path(names[0]).stem, folder=str(folder))
-    return Document(recipe)
+    layers = [{"file": relative(Path(name).absolute(), folder)} for name in names]
+    return Document.of(parse_recipe({"layer": layers}, name=Path(names[0]).stem, folder=str(folder))), None
 
 
-def _relative(path: Path, folder: Path) -> str:
+def relative(path: Path, folder: Path) -> str:
+    """Return the name of a file in a recipe in a folder: relative if the file lies in it."""
     return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else str(path)
 
 

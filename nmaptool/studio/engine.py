@@ -85,4 +85,4 @@ def _smaller(normal_map: NormalMap, size: tuple[int, int]) -> NormalMap:
 
 def _files(document: Document) -> tuple[object, ...]:
     """Return what the maps depend on."""
-    return document.recipe.layers, document.recipe.canvas, document.relief.files, document.recipe.folder
+    return document.layers, document.canvas, document.relief.files, document.folder

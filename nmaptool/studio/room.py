@@ -5,32 +5,32 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import threading
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
-from nmaptool.core.errors import InputError, NmaptoolError, UsageError
-from nmaptool.io.recipes.writer import write_recipe
+from nmaptool.core.errors import NmaptoolError
 from nmaptool.options import SolidOptions
 from nmaptool.studio.controls import controls, plain
 from nmaptool.studio.document import Document, History
 from nmaptool.studio.engine import has_parts
+from nmaptool.studio.layers import described
+from nmaptool.studio.store import Store
 from nmaptool.studio.worker import Worker
-from nmaptool.types.recipe import Entry, Recipe, RecipeLayer
 
+Message: TypeAlias = dict[str, Any]
 # options that the page applies to the parts of the heights, or that only an export uses
 _LOCAL = ("delta", "fit", "height", "width", *(f.name for f in dataclasses.fields(SolidOptions)))
-# frames that a window has not yet taken; older ones are dropped
-_MOST_WAITING = 8
+# messages that a window has not yet taken; older ones are dropped
+_MOST_WAITING = 64
 
 
 class Window:
     """A page that shows the document: the messages that wait for it."""
 
     def __init__(self) -> None:
-        self.waiting: asyncio.Queue[bytes | dict[str, Any]] = asyncio.Queue()
+        self.waiting: asyncio.Queue[bytes | Message] = asyncio.Queue()
 
-    def put(self, message: bytes | dict[str, Any]) -> None:
+    def put(self, message: bytes | Message) -> None:
         """Add a message; the oldest is dropped if a slow page lets them pile up."""
         while self.waiting.qsize() >= _MOST_WAITING:
             self.waiting.get_nowait()
@@ -40,22 +40,40 @@ class Window:
 class Room:
     """A document that several windows may show.
 
+    Its methods are called in the thread of the server, except `tell_later`.
+
     Parameters
     ----------
     document : Document
+    path : Path or None
+        The recipe that it was read from and is saved to.
+    store : Store
+        Where dropped, baked and painted files are kept.
     """
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, path: Path | None, store: Store) -> None:
         self.history = History(document)
-        self._saved = document if document.path is not None else None
+        self.path = path
+        self.store = store
+        self._saved = document if path is not None else Document(folder=document.folder)
         self._windows: set[Window] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._latest: bytes | dict[str, Any] | None = None  # heights, or why there are none
-        self._moving: tuple[str, ...] = ()
+        self._latest: bytes | Message | None = None  # heights, or why there are none
+        self._joining: object = None
         self._lock = threading.Lock()
         self._worker = Worker(self._from_worker)
-        self._solved = _needs(document)
-        self._worker.want(document)
+        self._solved: Document | None = None
+        self._solve()
+
+    @property
+    def now(self) -> Document:
+        """The document as it is."""
+        return self.history.now
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether the file holds the document as it is."""
+        return self.now == self._saved
 
     def enter(self, window: Window) -> None:
         """Show the document in a window."""
@@ -75,103 +93,90 @@ class Room:
         """End the solver."""
         self._worker.stop()
 
-    def state(self) -> dict[str, Any]:
+    def state(self) -> Message:
         """Return the document as the page shows it."""
-        now, (undo, redo) = self.history.now, self.history.steps
+        now, (undo, redo) = self.now, self.history.steps
         values = {**vars(now.options), **vars(now.solid)}
         return {
             "kind": "state",
-            "name": now.recipe.name if now.path is None else now.path.name,
-            "path": None if now.path is None else str(now.path),
-            "is_saved": now == self._saved,
+            "name": now.name if self.path is None else self.path.name,
+            "path": None if self.path is None else str(self.path),
+            "is_saved": self.is_saved,
             "values": {control["name"]: plain(values[control["name"]]) for control in controls()},
-            "layers": [_name(layer) for layer in now.recipe.layers],
+            "layers": described(now.layers),
+            "files": vars(now.relief.files),
             "undo": undo,
             "redo": redo,
         }
 
-    def take(self, message: Mapping[str, Any]) -> dict[str, Any] | None:
-        """Do what a page asks; return an answer for that page alone."""
-        try:
-            match message.get("do"):
-                case "set":
-                    self._set(message)
-                case "undo":
-                    self._step(self.history.undo())
-                case "redo":
-                    self._step(self.history.redo())
-                case "save":
-                    return self._save(message)
-                case other:
-                    raise UsageError(f"the page asked for {other!r}, which this version does not know; reload it")
-        except NmaptoolError as error:
-            return {"kind": "error", "text": str(error)}
-        return None
+    def do(self, document: Document, *, joining: object = None) -> None:
+        """Take a changed document, show it everywhere and solve it.
 
-    def _set(self, message: Mapping[str, Any]) -> None:
-        values = message.get("values")
-        if not isinstance(values, Mapping):
-            raise UsageError("the page sent no values; reload it")
-        moving = tuple(sorted(values)) if message.get("moving") else ()
-        document = self.history.now.changed(values)
-        changed = document != self.history.now
-        self.history.do(document, joined=bool(moving) and moving == self._moving)
-        self._moving = moving
-        if changed:
-            self._tell()
+        Parameters
+        ----------
+        document : Document
+        joining : object
+            Changes in a row with the same value, other than None, are one step to undo, as while a slider moves.
+        """
+        if document == self.now:
+            self._joining = joining
+            return
+        self.history.do(document, joined=joining is not None and joining == self._joining)
+        self._joining = joining
+        self.show()
 
-    def _step(self, moved: bool) -> None:
-        self._moving = ()
+    def rest(self) -> None:
+        """The hand rests: the next change is a step of its own."""
+        self._joining = None
+
+    def step(self, moved: bool) -> None:
+        """Show the document after a step back or forward, if there was one."""
+        self._joining = None
         if moved:
-            self._tell()
+            self.show()
 
-    def _tell(self) -> None:
-        """Show the changed document in every window, and solve it if the page cannot compute it from the parts."""
-        now = self.history.now
-        needs = _needs(now)
-        if needs != self._solved:
-            self._solved = needs
-            self._worker.want(now)
+    def saved(self, document: Document, path: Path) -> None:
+        """The document, under the names of the files it was saved with, is in ``path`` now."""
+        self.history.now = self._saved = document
+        self.path = path
+        self._joining = None
+        self.show()
+
+    def show(self) -> None:
+        """Show the document in every window, and solve it if the page cannot compute it from the parts."""
+        self._solve()
+        self.tell(self.state())
+
+    def tell(self, message: bytes | Message) -> None:
+        """Send a message to every window."""
         for window in self._windows:
-            window.put(self.state())
+            window.put(message)
 
-    def _save(self, message: Mapping[str, Any]) -> dict[str, Any]:
-        now = self.history.now
-        name = message.get("name")
-        path = now.path
-        if isinstance(name, str) and name:
-            path = now.folder / Path(name).name
-            if path.suffix != ".toml":
-                path = path.with_name(f"{path.name}.toml")
-        if path is None:
-            raise UsageError("give the recipe a name to save it under, such as medal.toml")
-        replaces = path == now.path or message.get("overwrite") is True
-        if path.exists() and not replaces:
-            raise InputError(f"{path.name}: exists already; choose another name, or replace it")
-        write_recipe(now.recipe, path, overwrite=replaces)
-        self.history.now = self._saved = Document(now.recipe, path)
-        for window in self._windows:
-            window.put(self.state())
-        return {"kind": "saved", "path": str(path)}
+    def tell_later(self, message: bytes | Message) -> None:
+        """Send a message to every window, from any thread."""
+        loop = self._loop
+        if loop is not None and not loop.is_closed():
+            loop.call_soon_threadsafe(self.tell, message)
 
-    def _from_worker(self, message: bytes | dict[str, Any]) -> None:
+    def _solve(self) -> None:
+        needs = _needs(self.now)
+        if needs == self._solved:
+            return
+        self._solved = needs
+        if self.now.layers:
+            self._worker.want(self.now)
+
+    def _from_worker(self, message: bytes | Message) -> None:
         """Called in the solver's thread."""
         with self._lock:
             if isinstance(message, bytes) or message["kind"] == "error":
                 self._latest = message
-        loop = self._loop
-        if loop is not None and not loop.is_closed():
-            loop.call_soon_threadsafe(self._show, message)
-
-    def _show(self, message: bytes | dict[str, Any]) -> None:
-        for window in self._windows:
-            window.put(message)
+        self.tell_later(message)
 
 
-def _needs(document: Document) -> Recipe:
+def _needs(document: Document) -> Document:
     """Return what the heights that the page gets depend on."""
-    return document.changed(dict.fromkeys(_LOCAL)).recipe if has_parts(document.options) else document.recipe
-
-
-def _name(layer: Entry) -> str:
-    return layer.options.name or (layer.file if isinstance(layer, RecipeLayer) else layer.label)
+    try:
+        return document.changed(dict.fromkeys(_LOCAL)) if has_parts(document.options) else document
+    except NmaptoolError:  # options that contradict each other without the others
+        return document

@@ -5,13 +5,16 @@ from __future__ import annotations
 import secrets
 import socket
 import threading
+from pathlib import Path
 
 import uvicorn
+from platformdirs import user_state_path
 
 from nmaptool.core.errors import OutputError, reason_of
 from nmaptool.studio.app import application
 from nmaptool.studio.document import Document
 from nmaptool.studio.room import Room
+from nmaptool.studio.store import Store
 
 _LOOPBACK = "127.0.0.1"
 
@@ -22,8 +25,12 @@ class Studio:
     Parameters
     ----------
     document : Document
+    path : Path, optional
+        The recipe that it was read from.
     port : int
         0 chooses a free one.
+    root : Path, optional
+        Folder for what is dropped and painted. Default: one in the user's folder for the state of programs.
 
     Raises
     ------
@@ -31,7 +38,10 @@ class Studio:
         If the port is taken.
     """
 
-    def __init__(self, document: Document, port: int = 0) -> None:
+    def __init__(
+        self, document: Document, path: Path | None = None, port: int = 0, *, root: Path | None = None
+    ) -> None:
+        self.store = Store(user_state_path("nmaptool", appauthor=False) / "studio" if root is None else root)
         self._socket = socket.socket()
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -47,7 +57,7 @@ class Studio:
         hosts = (f"{_LOOPBACK}:{self.port}", f"localhost:{self.port}")
         self.address = f"http://{_LOOPBACK}:{self.port}/?token={token}"
         config = uvicorn.Config(
-            application(Room(document), token, hosts),
+            application(Room(document, path, self.store), token, hosts),
             log_level="warning",
             access_log=False,
             server_header=False,
@@ -71,6 +81,7 @@ class Studio:
             self.stop()
             thread.join()
             self._socket.close()
+            self.store.remove()
 
     @property
     def is_started(self) -> bool:

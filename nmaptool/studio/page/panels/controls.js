@@ -1,13 +1,13 @@
 /* The controls of the relief, made from the descriptions that the server derives from its options. */
 
-import { millimetres } from "./heights.js";
+import { millimetres } from "../heights.js";
 
 /** Millimetres as text of three or four digits. */
 function lengthText(mm) {
   return `${Number(mm.toPrecision(mm >= 100 ? 4 : 3))}mm`;
 }
 
-export class Panel {
+class Panel {
   /**
    * @param {HTMLFormElement} form
    * @param {(name: string, value: any, moving: boolean) => void} changed  called when the user sets a value
@@ -123,4 +123,10 @@ export class Panel {
       if (Number.isFinite(number)) control.slide.value = this.place(control, number);
     }
   }
+}
+
+export function setUpControls(studio) {
+  const panel = new Panel(document.getElementById("controls"), (...change) => studio.change(...change));
+  studio.on("controls", (message) => panel.build(message.controls));
+  studio.on("state", (message) => panel.show(message.values));
 }

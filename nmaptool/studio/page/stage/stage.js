@@ -1,0 +1,108 @@
+/* The picture and what surrounds it: the toolbar, the light, and the pointer on the canvas. */
+
+import { combined } from "../heights.js";
+import { $ } from "../studio.js";
+import { MATERIALS, OVERLAYS, View } from "./view.js";
+
+const TURNS = { ArrowLeft: [5, 0], ArrowRight: [-5, 0], ArrowUp: [0, 3], ArrowDown: [0, -3] };
+
+export function setUpStage(studio) {
+  const view = new View($("view"));
+  const stage = { view };
+  setUpToolbar(studio, view);
+  setUpLight(view);
+  setUpPointer(studio, view);
+  studio.on("render", () => render(studio, view));
+  return stage;
+}
+
+function render(studio, view) {
+  const { frame, values } = studio;
+  const { z, span, low, high, pitch } = combined(frame, values);
+  view.show(z, frame.surface, frame.cols, frame.rows, { low, high, pitch });
+  const size = `${((frame.cols - 1) * pitch).toFixed(1)} x ${((frame.rows - 1) * pitch).toFixed(1)} mm`;
+  $("facts").textContent = `${size}, ${span.toFixed(3)} mm high`;
+}
+
+function setUpToolbar(studio, view) {
+  for (const name of Object.keys(MATERIALS))
+    $("material").add(new Option(name, name, name === view.material, name === view.material));
+  for (const name of Object.keys(OVERLAYS)) $("overlay").add(new Option(name, name));
+  $("material").addEventListener("change", () => {
+    view.material = $("material").value;
+    view.draw();
+  });
+  $("overlay").addEventListener("change", () => {
+    view.overlay = OVERLAYS[$("overlay").value];
+    view.draw();
+  });
+  $("shadows").addEventListener("change", () => {
+    view.shadows = $("shadows").checked;
+    view.draw();
+  });
+  $("fit-view").addEventListener("click", () => studio.frame && view.fit());
+  $("one-to-one").addEventListener("click", () => studio.frame && view.actual());
+}
+
+function keys(view, event) {
+  const turn = TURNS[event.key];
+  if (turn) moveLight(view, view.light.azimuth + turn[0], view.light.elevation + turn[1]);
+  else if (event.key === "+" || event.key === "-")
+    view.zoomAt(view.canvas.width / 2, view.canvas.height / 2, event.key === "+" ? 1.25 : 0.8);
+  else return;
+  event.preventDefault();
+}
+
+function moveLight(view, azimuth, elevation) {
+  view.light = { azimuth: (azimuth + 360) % 360, elevation: Math.min(Math.max(elevation, 3), 89) };
+  const { clientWidth: width, clientHeight: height } = $("picture");
+  const out = 0.42 * Math.min(width, height) * Math.cos((view.light.elevation * Math.PI) / 180);
+  const angle = (view.light.azimuth * Math.PI) / 180;
+  const [turned, high] = [view.light.azimuth, view.light.elevation].map(Math.round);
+  const knob = $("light");
+  knob.style.left = `${width / 2 + out * Math.cos(angle)}px`;
+  knob.style.top = `${height / 2 - out * Math.sin(angle)}px`;
+  knob.setAttribute("aria-valuenow", turned);
+  knob.setAttribute("aria-valuetext", `${turned} degrees, ${high} high`);
+  view.draw();
+}
+
+function setUpLight(view) {
+  function drag(event) {
+    const box = $("picture").getBoundingClientRect();
+    const x = event.clientX - box.left - box.width / 2;
+    const y = box.top + box.height / 2 - event.clientY;
+    const share = Math.min(Math.hypot(x, y) / (0.42 * Math.min(box.width, box.height)), 0.999);
+    moveLight(view, (Math.atan2(y, x) * 180) / Math.PI, (Math.acos(share) * 180) / Math.PI);
+  }
+
+  const knob = $("light");
+  knob.addEventListener("keydown", (event) => keys(view, event));
+  knob.addEventListener("pointerdown", (event) => {
+    knob.setPointerCapture(event.pointerId);
+    knob.onpointermove = drag;
+  });
+  knob.addEventListener("pointerup", () => {
+    knob.onpointermove = null;
+  });
+  new ResizeObserver(() => moveLight(view, view.light.azimuth, view.light.elevation)).observe($("picture"));
+}
+
+function setUpPointer(studio, view) {
+  const canvas = view.canvas;
+  const density = () => canvas.width / canvas.clientWidth;
+  canvas.addEventListener("keydown", (event) => keys(view, event));
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    canvas.onpointermove = (moved) => view.pan(moved.movementX * density(), moved.movementY * density());
+  });
+  canvas.addEventListener("pointerup", () => {
+    canvas.onpointermove = null;
+  });
+  const turned = (event) => {
+    event.preventDefault();
+    if (!studio.frame) return;
+    view.zoomAt(event.offsetX * density(), event.offsetY * density(), 1.0015 ** -event.deltaY);
+  };
+  canvas.addEventListener("wheel", turned, { passive: false });
+}

@@ -1,0 +1,92 @@
+/* What the parts of the page share: the document as the server last told it, the heights, and the connection. */
+
+import { decode } from "./heights.js";
+import { Link } from "./link.js";
+
+// the page computes these from the two parts of the heights; the server only stores them
+const LOCAL = new Set(["delta", "height", "width", "fit"]);
+
+export const $ = (id) => document.getElementById(id);
+
+export class Studio {
+  constructor() {
+    this.document = null; // the last message "state"
+    this.values = null; // its options; while a control moves, ahead of the server
+    this.frame = null; // the last heights
+    this.listeners = new Map();
+    this.asked = null;
+  }
+
+  /**
+   * Call `listener` with each message of a kind: those of the server, "heights" with a frame, "render" when the heights
+   * must be computed again, and "connected" with whether the server is there.
+   */
+  on(kind, listener) {
+    this.listeners.set(kind, [...(this.listeners.get(kind) ?? []), listener]);
+  }
+
+  emit(kind, value) {
+    for (const listener of this.listeners.get(kind) ?? []) listener(value);
+  }
+
+  /** Connect to the server, once the parts listen. */
+  connect() {
+    this.link = new Link(
+      (message) => this.hear(message),
+      (bytes) => this.see(decode(bytes)),
+      (open) => this.emit("connected", open),
+    );
+  }
+
+  hear(message) {
+    if (message.kind === "state") {
+      this.document = message;
+      this.values = message.values;
+    } else if (message.kind === "error") this.say(message.text);
+    this.emit(message.kind, message);
+    if (message.kind === "state" && this.frame) this.emit("render");
+  }
+
+  see(frame) {
+    this.frame = frame;
+    this.say("");
+    this.emit("heights", frame);
+    this.emit("render");
+  }
+
+  /** Send a request; says so if the server is not there. */
+  ask(message) {
+    const sent = this.link.ask(message);
+    if (!sent) this.say("the studio does not answer; start nmap studio again");
+    return sent;
+  }
+
+  /** Set an option; null is its default. While it moves, one message for each frame of the screen is sent at most. */
+  change(name, value, moving) {
+    this.say("");
+    this.values = { ...this.values, [name]: value };
+    if (LOCAL.has(name) && this.values.edge === "blend") {
+      if (this.frame && value !== null) this.emit("render");
+      if (moving) return;
+    }
+    const waits = this.asked !== null;
+    if (waits && !(name in this.asked.values)) this.send();
+    this.asked = { do: "set", values: { [name]: value }, moving };
+    if (!waits) requestAnimationFrame(() => this.send());
+  }
+
+  send() {
+    if (this.asked) this.ask(this.asked);
+    this.asked = null;
+  }
+
+  /** Show an error, in the words of the command line; "" clears it. */
+  say(text) {
+    $("error").textContent = text;
+  }
+
+  /** Show what is going on. */
+  tell(text) {
+    $("status").textContent = text;
+  }
+}

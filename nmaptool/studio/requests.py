@@ -1,0 +1,35 @@
+"""What a page may ask of the studio."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+from nmaptool.core.errors import NmaptoolError
+from nmaptool.studio import editing, saving
+from nmaptool.studio.room import Message, Room
+
+Request: TypeAlias = Callable[[Room, Mapping[str, Any]], Message | None]
+
+# by the entry "do" of the message; an answer goes to the page that asked alone
+REQUESTS: dict[str, Request] = {
+    "set": editing.set_values,
+    "undo": editing.undo,
+    "redo": editing.redo,
+    "save": saving.save,
+}
+
+
+def answer(room: Room, message: Mapping[str, Any]) -> Message | None:
+    """Do what a page asks; return an answer for that page alone."""
+    wanted = message.get("do")
+    request = REQUESTS.get(wanted) if isinstance(wanted, str) else None
+    if request is None:
+        return {
+            "kind": "error",
+            "text": f"the page asked for {wanted!r}, which this version does not know; reload it",
+        }
+    try:
+        return request(room, message)
+    except NmaptoolError as error:
+        return {"kind": "error", "text": str(error)}
