@@ -19,7 +19,7 @@ from nmaptool.composition.placement import (
     scale_factors,
     with_fixed_point,
 )
-from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.vectors import FLAT, unit
 from nmaptool.maps.masks import motif_coverage
@@ -160,21 +160,37 @@ def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
         return _place(layer, frame)
 
 
-def _place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
-    source, o = layer.normal_map, layer.options
-    coverage = motif_coverage(source)
-    rows, cols = source.frame.shape
+def matrix_of(layer: Layer, frame: Frame) -> Float64:
+    """Return the (2, 3) matrix that takes points of a layer's map to the canvas: in px, from the top left corners.
+
+    Raises
+    ------
+    UsageError
+        If a length is in mm and the pitch of the canvas is unknown.
+    """
+    o, (rows, cols) = layer.options, layer.normal_map.frame.shape
     linear = linear_part(scale_factors(o.factors, frame, cols), o.flip_h, o.flip_v, o.rotate)
     share_across, share_down = ANCHORS[o.anchor]
     try:
         across, down = (
             d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, (frame.cols, frame.rows), strict=True)
         )
-        longer = float(np.max(np.linalg.norm(linear, axis=0) * (cols, rows)))  # on the canvas
+    except UsageError as error:
+        raise UsageError(f"{layer.name}: {error}") from None
+    return with_fixed_point(linear, (share_across * cols, share_down * rows), (across, down))
+
+
+def _place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
+    source, o = layer.normal_map, layer.options
+    coverage = motif_coverage(source)
+    rows, cols = source.frame.shape
+    matrix = matrix_of(layer, frame)
+    linear = matrix[:, :2]
+    longer = float(np.max(np.linalg.norm(linear, axis=0) * (cols, rows)))  # on the canvas
+    try:
         feather = 0.0 if o.feather is None else o.feather.to_px(frame.pitch_mm, round(longer))
     except UsageError as error:
         raise UsageError(f"{layer.name}: {error}") from None
-    matrix = with_fixed_point(linear, (share_across * cols, share_down * rows), (across, down))
     left, top, right, bottom = bounds(matrix, cols, rows)
     if left >= frame.cols or top >= frame.rows or right <= 0 or bottom <= 0:
         raise InputError(

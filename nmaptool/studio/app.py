@@ -26,6 +26,7 @@ from nmaptool.studio.export import export
 from nmaptool.studio.guard import Guard
 from nmaptool.studio.requests import answer
 from nmaptool.studio.room import Room, Window
+from nmaptool.studio.uploads import receive
 
 PAGE = Path(__file__).with_name("page")
 # a message of the page is a few options
@@ -58,9 +59,13 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
     async def exported(request: Request) -> Response:
         return await run_in_threadpool(_exported, room, request.path_params["ending"])
 
+    async def dropped(request: Request) -> Response:
+        return await receive(room, request)
+
     routes = [
         Route("/", page),
         Route("/export/{ending}", exported),
+        Route("/files/{name}", dropped, methods=["POST"]),
         WebSocketRoute("/live", socket),
         Mount("/page", StaticFiles(directory=PAGE)),
     ]

@@ -14,7 +14,7 @@ from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.options import CanvasOptions, ReliefOptions, SolidOptions
 from nmaptool.options.formats import is_recipe
-from nmaptool.types.recipe import RELIEF_KEYS, Entry, Recipe, RecipeRelief
+from nmaptool.types.recipe import RELIEF_KEYS, Entry, Recipe, RecipeGroup, RecipeRelief
 
 MOST_STEPS = 200
 _SOLID_KEYS = tuple(f.name for f in dataclasses.fields(SolidOptions))
@@ -45,7 +45,8 @@ class Document:
     def of(cls, recipe: Recipe) -> Document:
         """Return the document of a recipe."""
         relief = recipe.relief or RecipeRelief()
-        return cls(recipe.layers, recipe.canvas, relief, Path(recipe.folder).absolute(), Path(recipe.name).name)
+        layers = tuple(_without_line(layer) for layer in recipe.layers)
+        return cls(layers, recipe.canvas, relief, Path(recipe.folder).absolute(), Path(recipe.name).name)
 
     @property
     def recipe(self) -> Recipe:
@@ -120,6 +121,14 @@ def opened(names: Sequence[str]) -> tuple[Document, Path | None]:
     folder = Path(names[0]).absolute().parent
     layers = [{"file": relative(Path(name).absolute(), folder)} for name in names]
     return Document.of(parse_recipe({"layer": layers}, name=Path(names[0]).stem, folder=str(folder))), None
+
+
+def _without_line(entry: Entry) -> Entry:
+    """Return a layer without the line it was read from: the page moves layers."""
+    entry = dataclasses.replace(entry, origin="")
+    if isinstance(entry, RecipeGroup):
+        return dataclasses.replace(entry, layers=tuple(_without_line(layer) for layer in entry.layers))
+    return entry
 
 
 def relative(path: Path, folder: Path) -> str:

@@ -1,4 +1,4 @@
-"""Requests that change options, and steps back and forward."""
+"""Requests that change options and layers, and steps back and forward."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from nmaptool.core.errors import UsageError
+from nmaptool.studio import layers
 from nmaptool.studio.room import Message, Room
 
 
@@ -29,4 +30,35 @@ def undo(room: Room, _: Mapping[str, Any]) -> Message | None:
 def redo(room: Room, _: Mapping[str, Any]) -> Message | None:
     """Take a step again."""
     room.step(room.history.redo())
+    return None
+
+
+def set_layer(room: Room, message: Mapping[str, Any]) -> Message | None:
+    """Set ``values`` of the layer at ``place``, ``moving`` while a control or a handle moves."""
+    values = message.get("values")
+    if not isinstance(values, Mapping):
+        raise UsageError("the page sent no values; reload it")
+    place = layers.place_of(message.get("place"))
+    room.do(layers.edited(room.now, place, values), joining=("layer", place, *sorted(values)))
+    if not message.get("moving"):
+        room.rest()
+    return None
+
+
+def move_layer(room: Room, message: Mapping[str, Any]) -> Message | None:
+    """Move the layer at ``place`` below the one at ``to``."""
+    place, to = layers.place_of(message.get("place")), layers.place_of(message.get("to"))
+    room.do(layers.moved(room.now, place, to))
+    return None
+
+
+def remove_layer(room: Room, message: Mapping[str, Any]) -> Message | None:
+    """Remove the layer at ``place``."""
+    room.do(layers.removed(room.now, layers.place_of(message.get("place"))))
+    return None
+
+
+def double_layer(room: Room, message: Mapping[str, Any]) -> Message | None:
+    """Copy the layer at ``place``."""
+    room.do(layers.doubled(room.now, layers.place_of(message.get("place"))))
     return None

@@ -10,6 +10,7 @@ import numpy as np
 from nmaptool.composition.transform import transform
 from nmaptool.core.progress import Progress
 from nmaptool.io.recipes.scenes import Scene, read_scene
+from nmaptool.io.recipes.stacks import PictureCache
 from nmaptool.options import ReliefOptions, TransformOptions
 from nmaptool.reliefs.session import ReliefSession
 from nmaptool.studio.document import Document
@@ -32,6 +33,8 @@ class Engine:
     Parameters
     ----------
     document : Document
+    cache : PictureCache, optional
+        Keeps the maps for the next engine.
 
     Raises
     ------
@@ -39,9 +42,9 @@ class Engine:
         If a file of the document cannot be read.
     """
 
-    def __init__(self, document: Document) -> None:
+    def __init__(self, document: Document, cache: PictureCache | None = None) -> None:
         self.files = _files(document)
-        self.scene: Scene = read_scene(document.recipe)
+        self.scene: Scene = read_scene(document.recipe, cache=cache)
         original = self.scene.composition.normal_map
         self.size = original.frame.cols, original.frame.rows
         self.full = self._session(original, self.scene.detail, self.scene.greys)

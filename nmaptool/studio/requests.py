@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from nmaptool.core.errors import NmaptoolError
-from nmaptool.studio import editing, saving
-from nmaptool.studio.room import Message, Room
+from nmaptool.studio import adding, editing, saving
+from nmaptool.studio.room import Message, Room, error_message
 
 Request: TypeAlias = Callable[[Room, Mapping[str, Any]], Message | None]
 
@@ -16,6 +16,16 @@ REQUESTS: dict[str, Request] = {
     "set": editing.set_values,
     "undo": editing.undo,
     "redo": editing.redo,
+    "set-layer": editing.set_layer,
+    "move-layer": editing.move_layer,
+    "remove-layer": editing.remove_layer,
+    "double-layer": editing.double_layer,
+    "add-layer": adding.add_layer,
+    "add-depth": adding.add_depth,
+    "set-depth": adding.set_depth,
+    "set-file": adding.set_file,
+    "use-as-detail": adding.use_as_detail,
+    "open-recipe": adding.open_recipe,
     "save": saving.save,
 }
 
@@ -32,4 +42,4 @@ def answer(room: Room, message: Mapping[str, Any]) -> Message | None:
     try:
         return request(room, message)
     except NmaptoolError as error:
-        return {"kind": "error", "text": str(error)}
+        return error_message(error)

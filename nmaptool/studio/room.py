@@ -5,23 +5,33 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
+from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
-from nmaptool.options import SolidOptions
+from nmaptool.core.progress import Progress
+from nmaptool.options import DepthOptions, SolidOptions
 from nmaptool.studio.controls import controls, plain
 from nmaptool.studio.document import Document, History
 from nmaptool.studio.engine import has_parts
+from nmaptool.studio.inspector import Inspector
 from nmaptool.studio.layers import described
 from nmaptool.studio.store import Store
 from nmaptool.studio.worker import Worker
 
+_T = TypeVar("_T")
 Message: TypeAlias = dict[str, Any]
 # options that the page applies to the parts of the heights, or that only an export uses
 _LOCAL = ("delta", "fit", "height", "width", *(f.name for f in dataclasses.fields(SolidOptions)))
 # messages that a window has not yet taken; older ones are dropped
 _MOST_WAITING = 64
+
+
+class _EndedError(Exception):
+    """Ends work in the background: the studio closes."""
 
 
 class Window:
@@ -55,15 +65,22 @@ class Room:
         self.history = History(document)
         self.path = path
         self.store = store
+        # what layers were made from in this run, by the path of their map
+        self.depths: dict[str, tuple[Path, DepthOptions]] = {}
         self._saved = document if path is not None else Document(folder=document.folder)
         self._windows: set[Window] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._latest: bytes | Message | None = None  # heights, or why there are none
+        self._placements: Message | None = None
         self._joining: object = None
         self._lock = threading.Lock()
         self._worker = Worker(self._from_worker)
+        self._inspector = Inspector(self._from_worker)
+        self._jobs = ThreadPoolExecutor(1, "studio job")
         self._solved: Document | None = None
+        self._ends = False
         self._solve()
+        self._inspector.look(document)
 
     @property
     def now(self) -> Document:
@@ -82,15 +99,19 @@ class Room:
         window.put({"kind": "controls", "controls": controls()})
         window.put(self.state())
         with self._lock:
-            if self._latest is not None:
-                window.put(self._latest)
+            for message in (self._placements, self._latest, self._inspector.message(self.now)):
+                if message is not None:
+                    window.put(message)
 
     def leave(self, window: Window) -> None:
         """A window was closed."""
         self._windows.discard(window)
 
     def close(self) -> None:
-        """End the solver."""
+        """End the threads."""
+        self._ends = True
+        self._jobs.shutdown(wait=True, cancel_futures=True)
+        self._inspector.stop()
         self._worker.stop()
 
     def state(self) -> Message:
@@ -146,6 +167,7 @@ class Room:
         """Show the document in every window, and solve it if the page cannot compute it from the parts."""
         self._solve()
         self.tell(self.state())
+        self._inspector.look(self.now)
 
     def tell(self, message: bytes | Message) -> None:
         """Send a message to every window."""
@@ -154,9 +176,41 @@ class Room:
 
     def tell_later(self, message: bytes | Message) -> None:
         """Send a message to every window, from any thread."""
+        self._later(self.tell, message)
+
+    def start(self, work: Callable[[Progress], _T], then: Callable[[_T], None]) -> None:
+        """Do work in the background, one after the other, and call ``then`` with its result in the server's thread.
+
+        ``work`` gets a function to report its progress to; errors of both are shown in every window.
+        """
+
+        def watch(stage: str, share: float) -> None:
+            if self._ends:
+                raise _EndedError
+            self.tell_later({"kind": "progress", "stage": stage, "share": share})
+
+        def run() -> None:
+            try:
+                result = work(watch)
+            except _EndedError:
+                return
+            except NmaptoolError as error:
+                self.tell_later(error_message(error))
+            else:
+                self._later(finish, result)
+
+        def finish(result: _T) -> None:
+            try:
+                then(result)
+            except NmaptoolError as error:
+                self.tell(error_message(error))
+
+        self._jobs.submit(run)
+
+    def _later(self, call: Callable[..., None], *arguments: object) -> None:
         loop = self._loop
         if loop is not None and not loop.is_closed():
-            loop.call_soon_threadsafe(self.tell, message)
+            loop.call_soon_threadsafe(call, *arguments)
 
     def _solve(self) -> None:
         needs = _needs(self.now)
@@ -171,7 +225,14 @@ class Room:
         with self._lock:
             if isinstance(message, bytes) or message["kind"] == "error":
                 self._latest = message
+            elif message["kind"] == "placements":
+                self._placements = message
         self.tell_later(message)
+
+
+def error_message(error: NmaptoolError) -> Message:
+    """Return the message that shows an error, with options named as in recipes."""
+    return {"kind": "error", "text": with_recipe_keys(str(error))}
 
 
 def _needs(document: Document) -> Document:

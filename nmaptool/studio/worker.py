@@ -7,10 +7,13 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
+from nmaptool.io.recipes.stacks import PictureCache
 from nmaptool.studio.document import Document
 from nmaptool.studio.engine import Engine
 from nmaptool.studio.frames import frame_of
+from nmaptool.studio.placements import placements
 
 # a hand that has not moved for this long rests: the full resolution follows
 _REST_S = 0.3
@@ -38,6 +41,7 @@ class Worker:
         self._number = 0
         self._ends = False
         self._engine: Engine | None = None
+        self._pictures = PictureCache()
         self._thread = threading.Thread(target=self._run, name="studio solver", daemon=True)
         self._thread.start()
 
@@ -72,13 +76,15 @@ class Worker:
             except _SupersededError:
                 continue
             except NmaptoolError as error:
-                self._send({"kind": "error", "request": number, "text": str(error)})
+                self._send({"kind": "error", "request": number, "text": with_recipe_keys(str(error))})
 
     def _answer(self, number: int, document: Document) -> None:
         if self._engine is None or not self._engine.fits(document):
             self._send({"kind": "progress", "stage": "reading", "share": 0.0})
-            self._engine = None  # free the old maps first
-            self._engine = Engine(document)
+            self._engine = None  # free the old composition first
+            self._engine = Engine(document, self._pictures)
+            self._pictures.forget()
+            self._send(placements(self._engine.scene))
         engine = self._engine
         self._solve(engine, number, document, is_preview=True)
         if engine.is_small:

@@ -11,9 +11,9 @@ from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError
 from nmaptool.core.progress import Progress
 from nmaptool.io.pictures.heights import read_surface
-from nmaptool.io.pictures.normal_maps import read_grey, read_normal_map
+from nmaptool.io.pictures.normal_maps import read_grey, read_normal_map, split_layer
 from nmaptool.io.recipes.reader import read_recipe
-from nmaptool.io.recipes.stacks import Stack, read_stack
+from nmaptool.io.recipes.stacks import PictureCache, Stack, read_stack
 from nmaptool.options import CanvasOptions, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
 from nmaptool.options.formats import is_recipe
 from nmaptool.reliefs.inputs import pitch_of
@@ -86,6 +86,7 @@ def read_scene(
     *,
     folder: str | Path | None = None,
     progress: Progress | None = None,
+    cache: PictureCache | None = None,
 ) -> Scene:
     """Read the files of a recipe, compose its layers, and collect the options of its table ``[relief]``.
 
@@ -99,6 +100,8 @@ def read_scene(
         The folder to which file names are relative. Default: the recipe's own folder.
     progress : callable, optional
         Called with the stage and the share done, 0 to 1.
+    cache : PictureCache, optional
+        Keeps the maps and masks that are read for the next recipe.
 
     Returns
     -------
@@ -123,7 +126,8 @@ def read_scene(
     place = Path(recipe.folder if folder is None else folder)
     wanted = recipe.relief or RecipeRelief()
     options, solid = ReliefOptions(**wanted.options), SolidOptions(**wanted.solid)
-    stack = read_stack(recipe, reading, folder=place)
+    cache = cache or PictureCache()
+    stack = read_stack(recipe, reading, folder=place, cache=cache)
     composition = compose(stack.layers, stack.canvas, max_megapixels=reading.max_megapixels, progress=progress)
     original = composition.normal_map
     stacks = [stack]
@@ -131,10 +135,12 @@ def read_scene(
     try:
         detail = None
         if files["detail"] is not None and is_recipe(files["detail"]):
-            detail, own = _composed_like(original, files["detail"], reading)
+            detail, own = _composed_like(original, files["detail"], reading, cache)
             stacks.append(own)
         elif files["detail"] is not None:
-            detail = read_normal_map(files["detail"], reading, like=original)
+            named = files["detail"]
+            key = ("detail", named, original.decoding.green, reading)
+            detail = cache.get(split_layer(named)[0], key, lambda: read_normal_map(named, reading, like=original))
         surface = None
         if files["surface"] is not None:
             surface = read_surface(files["surface"], reading, like=original, pitch_mm=pitch_of(original, options)[0])
@@ -148,9 +154,11 @@ def read_scene(
     return Scene(tuple(stacks), composition, detail, surface, greys, options, solid)
 
 
-def _composed_like(original: NormalMap, file: str, reading: ReadOptions) -> tuple[NormalMap, Stack]:
+def _composed_like(
+    original: NormalMap, file: str, reading: ReadOptions, cache: PictureCache
+) -> tuple[NormalMap, Stack]:
     """Compose a recipe on a canvas of the original's size."""
-    stack = read_stack(file, reading)
+    stack = read_stack(file, reading, cache=cache)
     frame = original.frame
     canvas = CanvasOptions(f"{frame.cols}x{frame.rows}", stack.canvas.width, stack.canvas.ground)
     composition = compose(stack.layers, canvas, max_megapixels=reading.max_megapixels)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar, cast
 
 from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.arrays import Float32
@@ -49,8 +49,36 @@ class Stack(OneLine):
         return f"{self.recipe.name}: {layers} from {maps}"
 
 
+class PictureCache:
+    """Maps and masks of the last recipe that was read: files that have not changed since are not read again."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[object, ...], Any] = {}
+        self._used: dict[tuple[object, ...], Any] = {}
+
+    def get(self, file: Path, key: tuple[object, ...], read: Callable[[], _T]) -> _T:
+        """Return what ``read`` returns; from memory if the file has the same size and time as before."""
+        try:
+            stat = file.stat()
+        except (OSError, ValueError):  # reading it will say why
+            return read()
+        key = (*key, stat.st_mtime_ns, stat.st_size)
+        found = self._used.get(key, self._known.get(key))
+        found = read() if found is None else found
+        self._used[key] = found
+        return cast(_T, found)
+
+    def forget(self) -> None:
+        """Forget what was not used since the last time."""
+        self._known, self._used = self._used, {}
+
+
 def read_stack(
-    recipe: Recipe | str | Path, reading: ReadOptions | None = None, *, folder: str | Path | None = None
+    recipe: Recipe | str | Path,
+    reading: ReadOptions | None = None,
+    *,
+    folder: str | Path | None = None,
+    cache: PictureCache | None = None,
 ) -> Stack:
     """Read the maps and masks of a recipe.
 
@@ -62,6 +90,8 @@ def read_stack(
         For all maps; options of a single layer override them. ``max_megapixels`` limits all pictures together.
     folder : str or Path, optional
         The folder to which file names are relative. Default: the recipe's own folder.
+    cache : PictureCache, optional
+        Keeps what is read for the next recipe.
 
     Returns
     -------
@@ -88,7 +118,7 @@ def read_stack(
     place = Path(recipe.folder if folder is None else folder)
     given = {key: getattr(reading, key) for key in READ_KEYS if getattr(reading, key) != _default(key)}
     recipe = replace(recipe, layers=tuple(_with_reading(layer, given) for layer in recipe.layers))
-    pictures = _Pictures(place, reading.max_megapixels)
+    pictures = _Pictures(place, reading.max_megapixels, cache or PictureCache())
     layers = tuple(pictures.layers(recipe.layers))
     if not layers:
         raise InputError(f"{recipe.name}: every layer is hidden; there is nothing to compose")
@@ -126,6 +156,7 @@ class _Pictures:
 
     folder: Path
     max_megapixels: float
+    cache: PictureCache
     maps: dict[tuple[object, ...], NormalMap] = field(default_factory=dict)
     masks: dict[tuple[object, ...], Float32] = field(default_factory=dict)
     taken: float = 0.0
@@ -155,7 +186,7 @@ class _Pictures:
         options = ReadOptions(**{**entry.read, "max_megapixels": self._left()})
         key = (identity(file), layer, tuple(sorted((k, v) for k, v in entry.read.items() if v is not None)))
         if key not in self.maps:
-            self.maps[key] = self._within(lambda: read_normal_map(source, options))
+            self.maps[key] = self.cache.get(file, key, lambda: self._within(lambda: read_normal_map(source, options)))
             self._take(self.maps[key].coverage.size)
         return self.maps[key]
 
@@ -166,7 +197,9 @@ class _Pictures:
         file, layer = split_layer(source)
         key = (identity(file), layer)
         if key not in self.masks:
-            self.masks[key] = self._within(lambda: read_grey(source, max_megapixels=self._left()))
+            self.masks[key] = self.cache.get(
+                file, ("grey", *key), lambda: self._within(lambda: read_grey(source, max_megapixels=self._left()))
+            )
             self._take(self.masks[key].size)
         return self.masks[key]
 
