@@ -80,3 +80,8 @@ def _kind(kind: Any) -> str:
 def plain(value: Any) -> Any:
     """Return an option's value as JSON holds it: lengths as text."""
     return str(value) if isinstance(value, Length) else value
+
+
+def plain_options(options: Options) -> dict[str, Any]:
+    """Return options as JSON holds them."""
+    return {name: plain(value) for name, value in vars(options).items()}

@@ -14,7 +14,8 @@ from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.progress import Progress
 from nmaptool.options import DepthOptions, SolidOptions
-from nmaptool.studio.controls import controls, plain
+from nmaptool.studio.controls import controls, plain, plain_options
+from nmaptool.studio.descriptions import forms
 from nmaptool.studio.document import Document, History
 from nmaptool.studio.engine import has_parts
 from nmaptool.studio.inspector import Inspector
@@ -97,6 +98,7 @@ class Room:
         self._loop = asyncio.get_running_loop()
         self._windows.add(window)
         window.put({"kind": "controls", "controls": controls()})
+        window.put(forms())
         window.put(self.state())
         with self._lock:
             for message in (self._placements, self._latest, self._inspector.message(self.now)):
@@ -126,6 +128,7 @@ class Room:
             "values": {control["name"]: plain(values[control["name"]]) for control in controls()},
             "layers": described(now.layers),
             "files": vars(now.relief.files),
+            "depths": {file: plain_options(options) for file, (_, options) in self.depths.items()},
             "undo": undo,
             "redo": redo,
         }

@@ -1,8 +1,10 @@
 /* The studio's page: puts its parts together. */
 
+import { setUpDrop } from "./files/drop.js";
 import { setUpExport } from "./files/export.js";
 import { setUpSaving } from "./files/saving.js";
 import { setUpControls } from "./panels/controls.js";
+import { setUpFiles } from "./panels/files.js";
 import { setUpLayers } from "./panels/layers.js";
 import { setUpStage } from "./stage/stage.js";
 import { $, Studio } from "./studio.js";
@@ -10,7 +12,9 @@ import { $, Studio } from "./studio.js";
 const studio = new Studio();
 const stage = setUpStage(studio);
 setUpControls(studio);
-setUpLayers(studio);
+const layers = setUpLayers(studio);
+setUpFiles(studio);
+setUpDrop(studio);
 setUpSaving(studio);
 setUpExport(studio);
 
@@ -29,4 +33,4 @@ studio.on("connected", (open) => {
 studio.connect();
 
 // for tests in a browser
-window.studio = Object.assign(studio, { stage });
+window.studio = Object.assign(studio, { stage, layers });

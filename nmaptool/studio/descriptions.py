@@ -1,0 +1,55 @@
+"""Forms of the page: names, help and choices of options, derived from the options classes."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Iterable
+from typing import Any
+
+from nmaptool.options import DepthOptions, LayerOptions, ReadOptions, ReliefFiles
+from nmaptool.options.fields import Options, descriptions, kind_of
+from nmaptool.options.kinds import Choice, Count, Numeric, Switch
+from nmaptool.studio.controls import plain
+from nmaptool.types.recipe import READ_KEYS
+
+_DEPTH = ("from_", "values", "depth_scale", "unit", "invert", "fov", "fill", "jump", "smooth", "background", "width")
+
+
+def forms() -> dict[str, Any]:
+    """Return the message with the fields of each form of the page."""
+    layer = [f.name for f in dataclasses.fields(LayerOptions)]
+    return {
+        "kind": "forms",
+        "layer": described(LayerOptions, layer),
+        "read": described(ReadOptions, [name for name in READ_KEYS if name != "layer"]),
+        "depth": described(DepthOptions, _DEPTH),
+        "files": described(ReliefFiles, [f.name for f in dataclasses.fields(ReliefFiles)]),
+    }
+
+
+def described(options: type[Options], names: Iterable[str]) -> list[dict[str, Any]]:
+    """Return one mapping for each option: name, label, help, kind of input, default, example and choices."""
+    fields = {f.name: f for f in dataclasses.fields(options)}
+    helps = descriptions(options)
+    return [_described(fields[name], helps[name]) for name in names]
+
+
+def _described(field: dataclasses.Field[Any], told: str) -> dict[str, Any]:
+    kind = kind_of(field)
+    assert kind is not None
+    if isinstance(kind, Choice):
+        shown = "choice"
+    elif isinstance(kind, Switch):
+        shown = "switch"
+    else:
+        shown = "number" if isinstance(kind, Count | Numeric) else "text"
+    return {
+        "name": field.name,
+        "label": field.name.rstrip("_").replace("_", " "),
+        "help": re.sub(r"--([a-z-]+)", lambda flag: flag[1].replace("-", " "), told),
+        "kind": shown,
+        "default": plain(field.default),
+        "example": kind.such_as,
+        "choices": list(kind.names) if isinstance(kind, Choice) else [],
+    }
