@@ -107,6 +107,7 @@ class Worker:
         parts = engine.parts(document.options, is_preview=is_preview, progress=watch)
         facts = {
             "request": number,
+            "full": engine.size,
             "is_full": engine.is_small or not is_preview,
             "seconds": round(time.perf_counter() - started, 4),
         }

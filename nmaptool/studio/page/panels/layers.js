@@ -21,10 +21,11 @@ export function setUpLayers(studio) {
   }
 
   studio.on("state", (message) => {
+    const isNew = message.layers.length === shown.length + 1 && shown.length > 0;
     shown = message.layers;
     $("no-layers").hidden = shown.length > 0;
     if (!layerAt(shown, chosen.place)) chosen.place = null;
-    choose(chosen.place ?? (shown.length === 1 ? [0] : null));
+    choose(isNew ? [shown.length - 1] : chosen.place ?? (shown.length === 1 ? [0] : null));
   });
   studio.on("findings", (message) => {
     findings = new Map(message.layers.map((one) => [key(one.place), one.findings]));
@@ -75,8 +76,12 @@ function item(studio, layer, chosen, findings, choose) {
   name.className = "name";
   name.setAttribute("aria-expanded", String(Boolean(isChosen)));
   if (found.length > 0) name.append(badge(found));
-  const up = button("↑", `Move ${layer.label} up`, `up${key(layer.place)}`, () => move(studio, layer.place, 2));
-  const down = button("↓", `Move ${layer.label} down`, `down${key(layer.place)}`, () => move(studio, layer.place, -1));
+  const by = (steps) => {
+    chosen.place = [...layer.place.slice(0, -1), layer.place.at(-1) + steps];
+    studio.ask({ do: "move-layer", place: layer.place, to: steps > 0 ? [...chosen.place.slice(0, -1), chosen.place.at(-1) + 1] : chosen.place });
+  };
+  const up = button("↑", `Move ${layer.label} up`, `up${key(layer.place)}`, () => by(1));
+  const down = button("↓", `Move ${layer.label} down`, `down${key(layer.place)}`, () => by(-1));
   down.disabled = layer.place.at(-1) === 0;
   up.disabled = layer.place.at(-1) + 1 === siblings(studio.document.layers, layer.place);
   li.append(eye, name, up, down);
@@ -94,10 +99,6 @@ function badge(found) {
 
 function siblings(layers, place) {
   return place.length === 1 ? layers.length : layerAt(layers, place.slice(0, -1)).layers.length;
-}
-
-function move(studio, place, by) {
-  studio.ask({ do: "move-layer", place, to: [...place.slice(0, -1), place.at(-1) + by] });
 }
 
 function button(text, label, name, clicked) {

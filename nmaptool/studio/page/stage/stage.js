@@ -2,24 +2,48 @@
 
 import { combined } from "../heights.js";
 import { $ } from "../studio.js";
+import { Pointer } from "./pointer.js";
 import { MATERIALS, OVERLAYS, View } from "./view.js";
 
 const TURNS = { ArrowLeft: [5, 0], ArrowRight: [-5, 0], ArrowUp: [0, 3], ArrowDown: [0, -3] };
 
+/**
+ * Set up the picture. Returns, for tools on the canvas: `view` with `toGrid(event)` and `toScreen(x, y)`; `onView`, which
+ * calls a listener when these change; `claim(tool)`, which gives a tool the pointer until the function that it returns
+ * is called (see Pointer); and the layers above the picture that tools draw on, `svg` and `paint`.
+ */
 export function setUpStage(studio) {
   const view = new View($("view"));
-  const stage = { view };
+  const pointer = new Pointer(view);
   setUpToolbar(studio, view);
   setUpLight(view);
-  setUpPointer(studio, view);
+  setUpLayers(view);
+  view.canvas.addEventListener("keydown", (event) => keys(view, event));
   studio.on("render", () => render(studio, view));
-  return stage;
+  return {
+    view,
+    svg: $("tools-layer"),
+    paint: $("paint-layer"),
+    onView: (listener) => view.onView(listener),
+    claim: (tool) => pointer.claim(tool),
+  };
+}
+
+/** The layers that tools draw on have the size of the picture; the 2D canvas has its device pixels. */
+function setUpLayers(view) {
+  const [svg, paint] = [$("tools-layer"), $("paint-layer")];
+  view.onView(() => {
+    const { width, height } = view.canvas;
+    if (paint.width !== width) paint.width = width;
+    if (paint.height !== height) paint.height = height;
+    svg.setAttribute("viewBox", `0 0 ${view.camera.width} ${view.camera.height}`);
+  });
 }
 
 function render(studio, view) {
   const { frame, values } = studio;
   const { z, span, low, high, pitch } = combined(frame, values);
-  view.show(z, frame.surface, frame.cols, frame.rows, { low, high, pitch });
+  view.show(z, frame.surface, frame.cols, frame.rows, { low, high, pitch, full: frame.full });
   const size = `${((frame.cols - 1) * pitch).toFixed(1)} x ${((frame.rows - 1) * pitch).toFixed(1)} mm`;
   $("facts").textContent = `${size}, ${span.toFixed(3)} mm high`;
 }
@@ -48,7 +72,7 @@ function keys(view, event) {
   const turn = TURNS[event.key];
   if (turn) moveLight(view, view.light.azimuth + turn[0], view.light.elevation + turn[1]);
   else if (event.key === "+" || event.key === "-")
-    view.zoomAt(view.canvas.width / 2, view.canvas.height / 2, event.key === "+" ? 1.25 : 0.8);
+    view.zoomAt(view.camera.width / 2, view.camera.height / 2, event.key === "+" ? 1.25 : 0.8);
   else return;
   event.preventDefault();
 }
@@ -85,24 +109,8 @@ function setUpLight(view) {
   knob.addEventListener("pointerup", () => {
     knob.onpointermove = null;
   });
-  new ResizeObserver(() => moveLight(view, view.light.azimuth, view.light.elevation)).observe($("picture"));
-}
-
-function setUpPointer(studio, view) {
-  const canvas = view.canvas;
-  const density = () => canvas.width / canvas.clientWidth;
-  canvas.addEventListener("keydown", (event) => keys(view, event));
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    canvas.onpointermove = (moved) => view.pan(moved.movementX * density(), moved.movementY * density());
-  });
-  canvas.addEventListener("pointerup", () => {
-    canvas.onpointermove = null;
-  });
-  const turned = (event) => {
-    event.preventDefault();
-    if (!studio.frame) return;
-    view.zoomAt(event.offsetX * density(), event.offsetY * density(), 1.0015 ** -event.deltaY);
-  };
-  canvas.addEventListener("wheel", turned, { passive: false });
+  new ResizeObserver(() => {
+    view.look(() => {});
+    moveLight(view, view.light.azimuth, view.light.elevation);
+  }).observe($("picture"));
 }

@@ -1,5 +1,6 @@
 /* Draws a relief on a canvas, and moves and zooms it. */
 
+import { Camera } from "./camera.js";
 import { FRAGMENT, VERTEX } from "./shaders.js";
 
 export const MATERIALS = {
@@ -25,8 +26,8 @@ export class View {
     this.material = "plaster";
     this.overlay = 0;
     this.shadows = true;
-    this.zoom = 0;
-    this.origin = [0, 0];
+    this.camera = new Camera();
+    this.listeners = [];
     this.relief = null;
     this.due = false;
     this.drawn = 0;
@@ -44,61 +45,105 @@ export class View {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32F, cols, rows, 0, gl.RG, gl.FLOAT, packed);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
-    const before = this.relief;
-    this.relief = { cols, rows, ...mm };
-    if (!before) this.fit();
-    else if (before.cols !== cols) {
-      const factor = (cols - 1) / (before.cols - 1);
-      this.zoom /= factor;
-      this.origin = this.origin.map((v) => v * factor);
-    }
-    this.draw();
+    const isFirst = !this.relief;
+    this.relief = { cols, rows, z, surface, ...mm };
+    const full = mm.full ?? [cols - 1, rows - 1];
+    const isNew = isFirst || full.some((size, i) => size !== this.camera.full[i]);
+    this.camera.full = full;
+    if (isNew) this.fit();
+    else this.draw();
   }
 
-  /** Show the whole relief. */
-  fit() {
+  /** Call `listener` after each change of the zoom, the place, the turn or the size of the view. */
+  onView(listener) {
+    this.listeners.push(listener);
+  }
+
+  /** Change the camera, and draw. */
+  look(change) {
     this.resize();
-    const { cols, rows } = this.relief;
-    this.zoom = 0.94 * Math.min(this.canvas.width / cols, this.canvas.height / rows);
-    this.center((cols - 1) / 2, (rows - 1) / 2);
-  }
-
-  /** Show one vertex per device pixel. */
-  actual() {
-    const middle = this.under(this.canvas.width / 2, this.canvas.height / 2);
-    this.zoom = 1;
-    this.center(...middle);
-  }
-
-  center(x, y) {
-    this.origin = [x - this.canvas.width / 2 / this.zoom, y - this.canvas.height / 2 / this.zoom];
+    change(this.camera);
+    for (const listener of this.listeners) listener();
     this.draw();
   }
 
-  under(x, y) {
-    return [this.origin[0] + x / this.zoom, this.origin[1] + y / this.zoom];
+  fit() {
+    this.look((camera) => camera.fit());
+  }
+
+  /** Show one px of the map per device pixel. */
+  actual() {
+    this.look((camera) => camera.scaleTo(1 / this.density));
   }
 
   zoomAt(x, y, factor) {
-    const [u, v] = this.under(x, y);
-    this.zoom = Math.min(Math.max(this.zoom * factor, 0.02), 64);
-    this.origin = [u - x / this.zoom, v - y / this.zoom];
-    this.draw();
+    this.look((camera) => camera.zoomAt(x, y, factor));
   }
 
   pan(dx, dy) {
-    this.origin = [this.origin[0] - dx / this.zoom, this.origin[1] - dy / this.zoom];
-    this.draw();
+    this.look((camera) => camera.pan(dx, dy));
+  }
+
+  orbit(yaw, tilt) {
+    this.look((camera) => camera.orbit(yaw, tilt));
+  }
+
+  /** Where a pointer event is on the map, in vertices of the full map; null if it is not on the plate's plane. */
+  toGrid(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const { low, high } = this.relief ?? { low: 0, high: 0 };
+    const px = this.pxPerMm;
+    const heightAt = (x, y) => this.heightAt(x, y) * px;
+    return this.camera.onSurface(event.clientX - box.left, event.clientY - box.top, heightAt, low * px, high * px);
+  }
+
+  /** Where a place of the map is on the canvas, in CSS px from its upper left corner. */
+  toScreen(x, y) {
+    const height = this.camera.orbits ? this.heightAt(x, y) * this.pxPerMm : 0;
+    return this.camera.toScreen(x, y, Number.isFinite(height) ? height : 0);
+  }
+
+  /** CSS px per px of the full map. */
+  get scale() {
+    return this.camera.zoom;
+  }
+
+  /** Px of the full map per mm. */
+  get pxPerMm() {
+    const { cols, pitch } = this.relief ?? { cols: 2, pitch: 1 };
+    return this.camera.full[0] / ((cols - 1) * pitch);
+  }
+
+  /** Height in mm at a place of the full map; NaN outside the surface. */
+  heightAt(x, y) {
+    const { cols, rows, z, surface, pitch } = this.relief;
+    const u = (x / this.camera.full[0]) * (cols - 1);
+    const v = (y / this.camera.full[1]) * (rows - 1);
+    if (!(u >= 0 && v >= 0 && u <= cols - 1 && v <= rows - 1)) return NaN;
+    const [i, j] = [Math.min(Math.floor(u), cols - 2), Math.min(Math.floor(v), rows - 2)];
+    const [fx, fy, at] = [u - i, v - j, j * cols + i];
+    if (!(surface[at] && surface[at + 1] && surface[at + cols] && surface[at + cols + 1])) return NaN;
+    const upper = z[at] * (1 - fx) + z[at + 1] * fx;
+    const lower = z[at + cols] * (1 - fx) + z[at + cols + 1] * fx;
+    return (upper * (1 - fy) + lower * fy) * pitch;
+  }
+
+  get density() {
+    return Math.min(window.devicePixelRatio || 1, 2);
   }
 
   resize() {
-    const density = Math.min(window.devicePixelRatio || 1, 2);
-    const width = Math.max(1, Math.round(this.canvas.clientWidth * density));
-    const height = Math.max(1, Math.round(this.canvas.clientHeight * density));
+    const { clientWidth, clientHeight } = this.canvas;
+    const width = Math.max(1, Math.round(clientWidth * this.density));
+    const height = Math.max(1, Math.round(clientHeight * this.density));
+    this.camera.width = Math.max(clientWidth, 1);
+    this.camera.height = Math.max(clientHeight, 1);
     if (this.canvas.width !== width || this.canvas.height !== height) {
       this.canvas.width = width;
       this.canvas.height = height;
+      return true;
     }
+    return false;
   }
 
   /** Unit vector to the light: x right, y down, z to the viewer. */
@@ -127,8 +172,10 @@ export class View {
     gl.useProgram(this.program);
     const u = (name) => (this.places[name] ??= gl.getUniformLocation(this.program, name));
     gl.uniform2f(u("grid"), relief.cols, relief.rows);
-    gl.uniform2f(u("origin"), ...this.origin);
-    gl.uniform1f(u("zoom"), this.zoom);
+    const corner = this.camera.onPlane(0, 0);
+    const ratio = (relief.cols - 1) / this.camera.full[0];
+    gl.uniform2f(u("origin"), corner.x * ratio, corner.y * ratio);
+    gl.uniform1f(u("zoom"), (this.camera.zoom * this.density) / ratio);
     gl.uniform1f(u("canvas_height"), this.canvas.height);
     gl.uniform3f(u("light"), ...this.toLight);
     gl.uniform3f(u("albedo"), ...stuff.albedo);
