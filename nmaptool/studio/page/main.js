@@ -6,6 +6,7 @@ import { setUpSaving } from "./files/saving.js";
 import { setUpControls } from "./panels/controls.js";
 import { setUpFiles } from "./panels/files.js";
 import { setUpLayers } from "./panels/layers.js";
+import { setUpHandles } from "./stage/handles.js";
 import { setUpStage } from "./stage/stage.js";
 import { $, Studio } from "./studio.js";
 
@@ -13,6 +14,7 @@ const studio = new Studio();
 const stage = setUpStage(studio);
 setUpControls(studio);
 const layers = setUpLayers(studio);
+setUpHandles(studio, stage, layers);
 setUpFiles(studio);
 setUpDrop(studio);
 setUpSaving(studio);
