@@ -20,10 +20,12 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.options.formats import RELIEF_FORMATS
 from nmaptool.studio.export import export
 from nmaptool.studio.guard import Guard
+from nmaptool.studio.painting import picture_of
 from nmaptool.studio.requests import answer
 from nmaptool.studio.room import Room, Window
 from nmaptool.studio.uploads import receive
@@ -62,10 +64,18 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
     async def dropped(request: Request) -> Response:
         return await receive(room, request)
 
+    async def painted(request: Request) -> Response:
+        try:
+            data = await run_in_threadpool(picture_of, room, request.path_params["role"])
+        except NmaptoolError as error:
+            return JSONResponse({"text": with_recipe_keys(str(error))}, 400)
+        return Response(data, media_type="image/png")
+
     routes = [
         Route("/", page),
         Route("/export/{ending}", exported),
         Route("/files/{name}", dropped, methods=["POST"]),
+        Route("/painted/{role}", painted),
         WebSocketRoute("/live", socket),
         Mount("/page", StaticFiles(directory=PAGE)),
     ]

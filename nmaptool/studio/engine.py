@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import cv2
@@ -9,7 +10,7 @@ import numpy as np
 
 from nmaptool.composition.transform import transform
 from nmaptool.core.progress import Progress
-from nmaptool.io.recipes.scenes import Scene, read_scene
+from nmaptool.io.recipes.scenes import Scene, read_greys, read_scene
 from nmaptool.io.recipes.stacks import PictureCache
 from nmaptool.options import ReliefOptions, TransformOptions
 from nmaptool.reliefs.session import ReliefSession
@@ -35,6 +36,8 @@ class Engine:
     document : Document
     cache : PictureCache, optional
         Keeps the maps for the next engine.
+    before : Engine, optional
+        The engine of the document before; its maps are used if only masks or weights changed.
 
     Raises
     ------
@@ -42,9 +45,17 @@ class Engine:
         If a file of the document cannot be read.
     """
 
-    def __init__(self, document: Document, cache: PictureCache | None = None) -> None:
+    def __init__(self, document: Document, cache: PictureCache | None = None, before: Engine | None = None) -> None:
         self.files = _files(document)
-        self.scene: Scene = read_scene(document.recipe, cache=cache)
+        self._maps = _maps(document)
+        self.scene: Scene
+        self._small: tuple[NormalMap, NormalMap | None] | None = None
+        if before is not None and before._maps == self._maps:  # only masks or weights changed
+            files = document.relief.files
+            self.scene = dataclasses.replace(before.scene, greys=read_greys(files, document.folder))
+            self._small = before._small
+        else:
+            self.scene = read_scene(document.recipe, cache=cache)
         original = self.scene.composition.normal_map
         self.size = original.frame.cols, original.frame.rows
         self.full = self._session(original, self.scene.detail, self.scene.greys)
@@ -74,18 +85,28 @@ class Engine:
         cols, rows = self.size
         share = PREVIEW_PX / max(cols, rows)
         size = max(1, round(cols * share)), max(1, round(rows * share))
-        detail = None if self.scene.detail is None else _smaller(self.scene.detail, size)
+        if self._small is None:
+            detail = None if self.scene.detail is None else _smaller(self.scene.detail, size)
+            self._small = _smaller(self.scene.composition.normal_map, size), detail
         greys = {
             role: np.asarray(cv2.resize(grey, size, interpolation=cv2.INTER_AREA), np.float32)
             for role, grey in self.scene.greys.items()
         }
-        return self._session(_smaller(self.scene.composition.normal_map, size), detail, greys)
+        return self._session(*self._small, greys)
 
 
 def _smaller(normal_map: NormalMap, size: tuple[int, int]) -> NormalMap:
     return transform(normal_map, TransformOptions(resize=f"{size[0]}x{size[1]}")).normal_map
 
 
+def _maps(document: Document) -> tuple[object, ...]:
+    """Return what the composed map, the detail map and the surface depend on."""
+    files = document.relief.files
+    # a surface in mm depends on the size of a pixel
+    width = document.relief.options.get("width") if files.surface is not None else None
+    return document.layers, document.canvas, document.folder, files.detail, files.surface, width
+
+
 def _files(document: Document) -> tuple[object, ...]:
-    """Return what the maps depend on."""
-    return document.layers, document.canvas, document.relief.files, document.folder
+    """Return what the sessions depend on."""
+    return *_maps(document), document.relief.files

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from nmaptool.core.errors import NmaptoolError
-from nmaptool.studio import adding, editing, saving
+from nmaptool.studio import adding, editing, painting, saving
 from nmaptool.studio.room import Message, Room, error_message
 
 Request: TypeAlias = Callable[[Room, Mapping[str, Any]], Message | None]
@@ -26,6 +26,7 @@ REQUESTS: dict[str, Request] = {
     "set-file": adding.set_file,
     "use-as-detail": adding.use_as_detail,
     "open-recipe": adding.open_recipe,
+    "paint": painting.paint,
     "save": saving.save,
 }
 

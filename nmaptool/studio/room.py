@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 from nmaptool.composition.recipe_parsing import with_recipe_keys
+from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.progress import Progress
 from nmaptool.options import DepthOptions, SolidOptions
@@ -68,6 +69,8 @@ class Room:
         self.store = store
         # what layers were made from in this run, by the path of their map
         self.depths: dict[str, tuple[Path, DepthOptions]] = {}
+        # the last painted pictures, (H, W) float32, by the path of their file
+        self.painted: dict[str, Float32] = {}
         self._saved = document if path is not None else Document(folder=document.folder)
         self._windows: set[Window] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -92,6 +95,11 @@ class Room:
     def is_saved(self) -> bool:
         """Whether the file holds the document as it is."""
         return self.now == self._saved
+
+    @property
+    def motif(self) -> Mask | None:
+        """(H, W) bool: where the composed map has its motif; None if no map has been read."""
+        return self._worker.motif
 
     def enter(self, window: Window) -> None:
         """Show the document in a window."""

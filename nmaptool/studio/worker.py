@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from nmaptool.composition.recipe_parsing import with_recipe_keys
+from nmaptool.core.arrays import Mask
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.io.recipes.stacks import PictureCache
 from nmaptool.studio.document import Document
@@ -45,6 +46,12 @@ class Worker:
         self._thread = threading.Thread(target=self._run, name="studio solver", daemon=True)
         self._thread.start()
 
+    @property
+    def motif(self) -> Mask | None:
+        """(H, W) bool: where the composed map has its motif; None before it has been read."""
+        engine = self._engine
+        return None if engine is None else engine.scene.composition.normal_map.foreground
+
     def want(self, document: Document) -> int:
         """Ask for the heights of a document; return the number of the request."""
         with self._changed:
@@ -81,8 +88,7 @@ class Worker:
     def _answer(self, number: int, document: Document) -> None:
         if self._engine is None or not self._engine.fits(document):
             self._send({"kind": "progress", "stage": "reading", "share": 0.0})
-            self._engine = None  # free the old composition first
-            self._engine = Engine(document, self._pictures)
+            self._engine = Engine(document, self._pictures, self._engine)
             self._pictures.forget()
             self._send(placements(self._engine.scene))
         engine = self._engine

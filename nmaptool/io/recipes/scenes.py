@@ -144,14 +144,22 @@ def read_scene(
         surface = None
         if files["surface"] is not None:
             surface = read_surface(files["surface"], reading, like=original, pitch_mm=pitch_of(original, options)[0])
-        greys = {
-            role: read_grey(file, max_megapixels=reading.max_megapixels)
-            for role in _GREYS
-            if (file := files[role]) is not None
-        }
+        greys = read_greys(wanted.files, place, max_megapixels=reading.max_megapixels)
     except InputError as error:
         raise InputError(f"{recipe.name}: relief: {error}") from None
     return Scene(tuple(stacks), composition, detail, surface, greys, options, solid)
+
+
+def read_greys(files: ReliefFiles, folder: Path, *, max_megapixels: float = 270.0) -> dict[str, Float32]:
+    """Read the mask and the weight maps that are given, by role.
+
+    Raises
+    ------
+    InputError, LimitError
+        If one cannot be read.
+    """
+    named = {role: name for role in _GREYS if (name := getattr(files, role)) is not None}
+    return {role: read_grey(folder / name, max_megapixels=max_megapixels) for role, name in named.items()}
 
 
 def _composed_like(

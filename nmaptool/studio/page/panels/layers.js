@@ -25,7 +25,7 @@ export function setUpLayers(studio) {
     shown = message.layers;
     $("no-layers").hidden = shown.length > 0;
     if (!layerAt(shown, chosen.place)) chosen.place = null;
-    choose(isNew ? [shown.length - 1] : chosen.place ?? (shown.length === 1 ? [0] : null));
+    choose(isNew ? [shown.length - 1] : chosen.place);
   });
   studio.on("findings", (message) => {
     findings = new Map(message.layers.map((one) => [key(one.place), one.findings]));

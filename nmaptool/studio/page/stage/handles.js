@@ -2,7 +2,6 @@
 
 import { marks, moved, keysFor, pointAt, shareAt, sizes, snap, stretched, turned, wrapped } from "./placing.js";
 
-const SVG = "http://www.w3.org/2000/svg";
 const CORNERS = [[0, 0], [1, 0], [1, 1], [0, 1]];
 const SIDES = [[0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5]];
 const SNAP = 7; // CSS px
@@ -26,7 +25,7 @@ class Handles {
     this.guides = [];
     this.sending = false;
     this.isShown = true;
-    this.group = stage.svg.appendChild(document.createElementNS(SVG, "g"));
+    this.group = stage.svg.appendChild(document.createElementNS(stage.svg.namespaceURI, "g"));
     this.group.id = "handles";
     this.parts = this.build();
   }
@@ -63,7 +62,7 @@ class Handles {
   }
 
   part(tag, className, label, grab = null) {
-    const made = this.group.appendChild(document.createElementNS(SVG, tag));
+    const made = this.group.appendChild(document.createElementNS(this.group.namespaceURI, tag));
     made.setAttribute("class", className);
     if (label) {
       made.setAttribute("tabindex", "0");
