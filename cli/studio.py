@@ -57,10 +57,13 @@ def studio(run: Run, /, *files: str) -> None:
     from nmaptool.studio.server import Studio
 
     given = run[StudioOptions]
-    served = Studio(*opened(files), given.port or 0)
+    served = Studio(opened(files), given.port or 0)
     run.say(f"nmap studio: {served.address}", "  Ctrl-C ends it")
     run.speak()
     if not given.no_browser:
         with contextlib.suppress(webbrowser.Error):
             webbrowser.open(served.address)
     served.run()
+    if served.has_unsaved:
+        run.say("the changes that were not saved are kept; nmap studio offers them at its next start")
+        run.speak()

@@ -21,25 +21,25 @@ def folder(tmp_path, png):
 
 
 def test_maps_are_opened_as_layers_beside_each_other(folder):
-    document, path = opened([str(folder / "plate.exr"), str(folder / "bunny.exr")])
+    document = opened([str(folder / "plate.exr"), str(folder / "bunny.exr")])
     assert [layer.file for layer in document.layers] == ["plate.exr", "bunny.exr"]
     assert document.folder == folder
-    assert path is None
+    assert document.path is None
     assert document.options == nm.ReliefOptions()
 
 
 def test_a_recipe_is_opened_with_its_options(folder):
     text = '[[layer]]\nfile = "plate.exr"\n[relief]\nmu = 0.3\nheight = "2mm"\nbase = "1mm"\n'
     (folder / "scene.toml").write_text(text, encoding="utf-8")
-    document, path = opened([str(folder / "scene.toml")])
-    assert path == folder / "scene.toml"
+    document = opened([str(folder / "scene.toml")])
+    assert document.path == folder / "scene.toml"
     assert document.options == nm.ReliefOptions(mu=0.3, height=nm.length("2mm"))
     assert document.solid == nm.SolidOptions(base=nm.length("1mm"))
 
 
 def test_faults_of_opening(folder):
     with pytest.raises(InputError, match="there is nothing to shape yet: drop a normal map"):
-        _ = opened([])[0].recipe
+        _ = opened([]).recipe
     (folder / "scene.toml").write_text('[[layer]]\nfile = "plate.exr"\n', encoding="utf-8")
     with pytest.raises(UsageError, match=r"scene\.toml: a recipe is opened alone"):
         opened([str(folder / "scene.toml"), "more.png"])
@@ -117,7 +117,7 @@ def decoded(data):
 
 
 def test_a_frame_holds_the_parts_of_the_heights(folder):
-    engine = Engine(opened([str(folder / "bunny.exr")])[0])
+    engine = Engine(opened([str(folder / "bunny.exr")]))
     options = nm.ReliefOptions(background="cut", beta=0.01)
     parts = engine.parts(options, is_preview=True)
     header, fields, surface = decoded(frame_of(parts, {"request": 7}))
@@ -137,7 +137,7 @@ def test_large_maps_get_a_smaller_grid_while_a_control_moves(tmp_path, png):
     png(tmp_path / "mask.png", np.full((400, 1000), 255, np.uint8))
     text = '[[layer]]\nfile = "wide.exr"\n[relief]\nmask = "mask.png"\n'
     (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
-    engine = Engine(opened([str(tmp_path / "scene.toml")])[0])
+    engine = Engine(opened([str(tmp_path / "scene.toml")]))
     small, full = (engine.parts(nm.ReliefOptions(), is_preview=preview) for preview in (True, False))
     assert max(small.surface.shape) == PREVIEW_PX
     assert full.surface.shape == (400, 1000)
@@ -166,7 +166,7 @@ def test_walls_have_no_parts(dome):
 
 
 def test_the_heights_of_walls_come_whole(folder):
-    engine = Engine(opened([str(folder / "bunny.exr")])[0])
+    engine = Engine(opened([str(folder / "bunny.exr")]))
     options = nm.ReliefOptions(edge="wall", height=nm.length("2mm"))
     parts = engine.parts(options, is_preview=False)
     expected = nm.relief(nm.read_normal_map(folder / "bunny.exr"), options=options)

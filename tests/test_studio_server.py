@@ -54,7 +54,7 @@ def folder(tmp_path, png):
 @contextlib.contextmanager
 def served(file):
     """A client of a server that shows a file."""
-    studio = Studio(*opened([str(file)]), root=file.parent / "state")
+    studio = Studio(opened([str(file)]), root=file.parent / "state")
     thread = threading.Thread(target=studio.run)
     thread.start()
     while not studio.is_started:
@@ -257,4 +257,4 @@ def test_ctrl_c_ends_the_command(folder):
 def test_a_taken_port_is_said(client, folder):
     port = int(client.host.rpartition(":")[2])
     with pytest.raises(nm.OutputError, match=rf"port {port} cannot be used \(.*\); choose another one with `port`"):
-        Studio(*opened([str(folder / "bunny.exr")]), port, root=folder / "state")
+        Studio(opened([str(folder / "bunny.exr")]), port, root=folder / "state")

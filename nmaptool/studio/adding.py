@@ -11,7 +11,8 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options import DepthOptions, LayerOptions, ReliefFiles
 from nmaptool.studio import drops, layers
 from nmaptool.studio.document import Document, relative
-from nmaptool.studio.room import Message, Room
+from nmaptool.studio.room import Room
+from nmaptool.studio.windows import Message
 from nmaptool.types.recipe import RecipeLayer, RecipeRelief
 
 _ROLES = tuple(f.name for f in dataclasses.fields(ReliefFiles))

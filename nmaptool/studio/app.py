@@ -27,8 +27,9 @@ from nmaptool.studio.export import export
 from nmaptool.studio.guard import Guard
 from nmaptool.studio.painting import picture_of
 from nmaptool.studio.requests import answer
-from nmaptool.studio.room import Room, Window
+from nmaptool.studio.room import Room
 from nmaptool.studio.uploads import receive
+from nmaptool.studio.windows import Window
 
 PAGE = Path(__file__).with_name("page")
 # a message of the page is a few options
@@ -130,7 +131,7 @@ def _exported(room: Room, ending: str) -> Response:
     if f".{ending}" not in RELIEF_FORMATS:
         return JSONResponse({"text": f"a relief is written as {', '.join(RELIEF_FORMATS)}"}, 400)
     folder = tempfile.TemporaryDirectory(prefix="nmap-studio-")
-    stem = (Path(document.name) if room.path is None else room.path).stem
+    stem = (Path(document.name) if document.path is None else document.path).stem
     path = Path(folder.name) / f"{stem}.{ending}"
     try:
         export(document, path)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,9 @@ from nmaptool.composition.recipe_parsing import parse_recipe
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
-from nmaptool.options import CanvasOptions, ReliefOptions, SolidOptions
+from nmaptool.options import CanvasOptions, ReliefFiles, ReliefOptions, SolidOptions
 from nmaptool.options.formats import is_recipe
-from nmaptool.types.recipe import RELIEF_KEYS, Entry, Recipe, RecipeGroup, RecipeRelief
+from nmaptool.types.recipe import RELIEF_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeRelief
 
 MOST_STEPS = 200
 _SOLID_KEYS = tuple(f.name for f in dataclasses.fields(SolidOptions))
@@ -31,6 +31,8 @@ class Document:
     relief : RecipeRelief
     folder : Path
         Absolute; file names are relative to it.
+    path : Path or None
+        The recipe that it was read from and is saved to.
     name : str
         Name for messages.
     """
@@ -39,14 +41,15 @@ class Document:
     canvas: CanvasOptions = field(default_factory=CanvasOptions)
     relief: RecipeRelief = field(default_factory=RecipeRelief)
     folder: Path = field(default_factory=Path.cwd)
+    path: Path | None = None
     name: str = field(default="relief", compare=False)
 
     @classmethod
-    def of(cls, recipe: Recipe) -> Document:
-        """Return the document of a recipe."""
+    def of(cls, recipe: Recipe, path: Path | None = None) -> Document:
+        """Return the document of a recipe that was read from ``path``."""
         relief = recipe.relief or RecipeRelief()
         layers = tuple(_without_line(layer) for layer in recipe.layers)
-        return cls(layers, recipe.canvas, relief, Path(recipe.folder).absolute(), Path(recipe.name).name)
+        return cls(layers, recipe.canvas, relief, Path(recipe.folder).absolute(), path, Path(recipe.name).name)
 
     @property
     def recipe(self) -> Recipe:
@@ -92,9 +95,37 @@ class Document:
                 table[name] = read
         return dataclasses.replace(self, relief=RecipeRelief(self.relief.files, options, solid))
 
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The files that it names, each once; those of hidden layers, too."""
+        found: dict[str, None] = {}
 
-def opened(names: Sequence[str]) -> tuple[Document, Path | None]:
-    """Return the document of some files, and the recipe that it was read from, if it was.
+        def note(name: str) -> str:
+            found[name] = None
+            return name
+
+        self.renamed(note)
+        return tuple(found)
+
+    def renamed(self, new: Callable[[str], str]) -> Document:
+        """Return the document with other names of its files."""
+        layers = tuple(_renamed(layer, new) for layer in self.layers)
+        named = {role: name if name is None else new(name) for role, name in vars(self.relief.files).items()}
+        relief = RecipeRelief(ReliefFiles(**named), self.relief.options, self.relief.solid)
+        return dataclasses.replace(self, layers=layers, relief=relief)
+
+
+def _renamed(entry: Entry, new: Callable[[str], str]) -> Entry:
+    mask = entry.mask if entry.mask is None else new(entry.mask)
+    if isinstance(entry, RecipeLayer):
+        return dataclasses.replace(entry, file=new(entry.file), mask=mask)
+    if isinstance(entry, RecipeGroup):
+        return dataclasses.replace(entry, mask=mask, layers=tuple(_renamed(layer, new) for layer in entry.layers))
+    return dataclasses.replace(entry, mask=mask)
+
+
+def opened(names: Sequence[str]) -> Document:
+    """Return the document of some files.
 
     Parameters
     ----------
@@ -109,18 +140,18 @@ def opened(names: Sequence[str]) -> tuple[Document, Path | None]:
         If a file does not exist or the recipe cannot be read.
     """
     if not names:
-        return Document(), None
+        return Document()
     if is_recipe(names[0]):
         if len(names) > 1:
             raise UsageError(f"{names[0]}: a recipe is opened alone")
         path = Path(names[0]).absolute()
-        return Document.of(read_recipe(path, name=names[0])), path
+        return Document.of(read_recipe(path, name=names[0]), path)
     for name in names:
         if not split_layer(name)[0].is_file():
             raise InputError(f"{name}: no such file")
     folder = Path(names[0]).absolute().parent
     layers = [{"file": relative(Path(name).absolute(), folder)} for name in names]
-    return Document.of(parse_recipe({"layer": layers}, name=Path(names[0]).stem, folder=str(folder))), None
+    return Document.of(parse_recipe({"layer": layers}, name=Path(names[0]).stem, folder=str(folder)))
 
 
 def _without_line(entry: Entry) -> Entry:
@@ -168,6 +199,15 @@ class History:
         self._before.append(self.now)
         self.now = self._after.pop()
         return True
+
+    def moved(self, old: Path | None, new: Path) -> None:
+        """The recipe of the document, and of the steps before and after, has another file now."""
+
+        def move(document: Document) -> Document:
+            return dataclasses.replace(document, path=new) if document.path == old else document
+
+        self.now = move(self.now)
+        self._before, self._after = ([move(one) for one in steps] for steps in (self._before, self._after))
 
     @property
     def steps(self) -> tuple[int, int]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 from typing import Literal, TypeAlias
 
@@ -21,7 +20,6 @@ from nmaptool.options.formats import is_recipe
 from nmaptool.studio.document import Document, relative
 from nmaptool.studio.store import Store
 from nmaptool.types.depth import DepthResult
-from nmaptool.types.recipe import Entry, RecipeGroup, RecipeLayer
 
 Kind: TypeAlias = Literal["recipe", "mesh", "map", "grey", "part"]
 _MESHES = {*NAMES, "usda", "usdc", "usdz"}
@@ -104,19 +102,7 @@ def opened_recipe(path: Path, document: Document, store: Store) -> Document:
         missing[name] = None
         return name
 
-    layers = tuple(_with_files(layer, found) for layer in read.layers)
-    named = {role: name if name is None else found(name) for role, name in vars(read.relief.files).items()}
+    named = read.renamed(found)
     if missing:
         raise InputError(f"{path.name}: needs {', '.join(missing)}; drop the recipe together with these files")
-    relief = dataclasses.replace(read.relief, files=dataclasses.replace(read.relief.files, **named))
-    return dataclasses.replace(read, layers=layers, relief=relief, folder=document.folder)
-
-
-def _with_files(entry: Entry, found: Callable[[str], str]) -> Entry:
-    mask = entry.mask if entry.mask is None else found(entry.mask)
-    if isinstance(entry, RecipeLayer):
-        file = entry.file if entry.hidden else found(entry.file)
-        return dataclasses.replace(entry, file=file, mask=mask)
-    if isinstance(entry, RecipeGroup):
-        return dataclasses.replace(entry, mask=mask, layers=tuple(_with_files(layer, found) for layer in entry.layers))
-    return dataclasses.replace(entry, mask=mask)
+    return dataclasses.replace(named, folder=document.folder)

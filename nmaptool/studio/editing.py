@@ -7,7 +7,8 @@ from typing import Any
 
 from nmaptool.core.errors import UsageError
 from nmaptool.studio import layers
-from nmaptool.studio.room import Message, Room
+from nmaptool.studio.room import Room
+from nmaptool.studio.windows import Message
 
 
 def set_values(room: Room, message: Mapping[str, Any]) -> Message | None:

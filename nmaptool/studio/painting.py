@@ -17,8 +17,9 @@ from nmaptool.io.pictures.normal_maps import read_grey
 from nmaptool.io.pictures.writer import write_pictures
 from nmaptool.studio.adding import with_file
 from nmaptool.studio.document import relative
-from nmaptool.studio.room import Message, Room
+from nmaptool.studio.room import Room
 from nmaptool.studio.strokes import Brush, stroke
+from nmaptool.studio.windows import Message
 
 ROLES = ("mask", "mu_map", "beta_map", "delta_map")
 # longer side of the pictures that the page shows over the relief

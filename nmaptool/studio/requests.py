@@ -7,7 +7,8 @@ from typing import Any, TypeAlias
 
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.studio import adding, editing, painting, saving
-from nmaptool.studio.room import Message, Room, error_message
+from nmaptool.studio.room import Room, error_message
+from nmaptool.studio.windows import Message
 
 Request: TypeAlias = Callable[[Room, Mapping[str, Any]], Message | None]
 
@@ -28,6 +29,10 @@ REQUESTS: dict[str, Request] = {
     "open-recipe": adding.open_recipe,
     "paint": painting.paint,
     "save": saving.save,
+    "recipes": saving.list_recipes,
+    "open": saving.open_file,
+    "recover": saving.recover,
+    "discard": saving.discard,
 }
 
 

@@ -5,16 +5,17 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import TypeVar
 
 from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.progress import Progress
 from nmaptool.options import DepthOptions, SolidOptions
+from nmaptool.studio import recovery
 from nmaptool.studio.controls import controls, plain, plain_options
 from nmaptool.studio.descriptions import forms
 from nmaptool.studio.document import Document, History
@@ -22,61 +23,46 @@ from nmaptool.studio.engine import has_parts
 from nmaptool.studio.inspector import Inspector
 from nmaptool.studio.layers import described
 from nmaptool.studio.store import Store
+from nmaptool.studio.windows import Message, Window, Windows
 from nmaptool.studio.worker import Worker
 
 _T = TypeVar("_T")
-Message: TypeAlias = dict[str, Any]
 # options that the page applies to the parts of the heights, or that only an export uses
 _LOCAL = ("delta", "fit", "height", "width", *(f.name for f in dataclasses.fields(SolidOptions)))
-# messages that a window has not yet taken; older ones are dropped
-_MOST_WAITING = 64
+# seconds from a change until the document is kept for recovery
+_KEEP_S = 1.0
 
 
 class _EndedError(Exception):
     """Ends work in the background: the studio closes."""
 
 
-class Window:
-    """A page that shows the document: the messages that wait for it."""
-
-    def __init__(self) -> None:
-        self.waiting: asyncio.Queue[bytes | Message] = asyncio.Queue()
-
-    def put(self, message: bytes | Message) -> None:
-        """Add a message; the oldest is dropped if a slow page lets them pile up."""
-        while self.waiting.qsize() >= _MOST_WAITING:
-            self.waiting.get_nowait()
-        self.waiting.put_nowait(message)
-
-
 class Room:
     """A document that several windows may show.
 
-    Its methods are called in the thread of the server, except `tell_later`.
+    Its methods are called in the thread of the server.
 
     Parameters
     ----------
     document : Document
-    path : Path or None
-        The recipe that it was read from and is saved to.
     store : Store
         Where dropped, baked and painted files are kept.
     """
 
-    def __init__(self, document: Document, path: Path | None, store: Store) -> None:
+    def __init__(self, document: Document, store: Store) -> None:
         self.history = History(document)
-        self.path = path
         self.store = store
         # what layers were made from in this run, by the path of their map
         self.depths: dict[str, tuple[Path, DepthOptions]] = {}
         # the last painted pictures, (H, W) float32, by the path of their file
         self.painted: dict[str, Float32] = {}
-        self._saved = document if path is not None else Document(folder=document.folder)
-        self._windows: set[Window] = set()
-        self._loop: asyncio.AbstractEventLoop | None = None
+        self._start = document
+        self._saved = document if document.path is not None else Document(folder=document.folder)
+        self.windows = Windows()
         self._latest: bytes | Message | None = None  # heights, or why there are none
         self._placements: Message | None = None
         self._joining: object = None
+        self._keeping: asyncio.TimerHandle | None = None
         self._lock = threading.Lock()
         self._worker = Worker(self._from_worker)
         self._inspector = Inspector(self._from_worker)
@@ -97,28 +83,35 @@ class Room:
         return self.now == self._saved
 
     @property
+    def has_unsaved(self) -> bool:
+        """Whether work would be lost without the file."""
+        return bool(self.now.layers) and self.now not in (self._saved, self._start)
+
+    @property
     def motif(self) -> Mask | None:
         """(H, W) bool: where the composed map has its motif; None if no map has been read."""
         return self._worker.motif
 
     def enter(self, window: Window) -> None:
         """Show the document in a window."""
-        self._loop = asyncio.get_running_loop()
-        self._windows.add(window)
+        self.windows.enter(window)
         window.put({"kind": "controls", "controls": controls()})
         window.put(forms())
         window.put(self.state())
         with self._lock:
-            for message in (self._placements, self._latest, self._inspector.message(self.now)):
+            for message in (self.unsaved(), self._placements, self._latest, self._inspector.message(self.now)):
                 if message is not None:
                     window.put(message)
 
     def leave(self, window: Window) -> None:
         """A window was closed."""
-        self._windows.discard(window)
+        self.windows.leave(window)
 
     def close(self) -> None:
-        """End the threads."""
+        """End the threads; keep what is not saved."""
+        if self._keeping is not None:
+            self._keeping.cancel()
+        self._keep()
         self._ends = True
         self._jobs.shutdown(wait=True, cancel_futures=True)
         self._inspector.stop()
@@ -130,8 +123,8 @@ class Room:
         values = {**vars(now.options), **vars(now.solid)}
         return {
             "kind": "state",
-            "name": now.name if self.path is None else self.path.name,
-            "path": None if self.path is None else str(self.path),
+            "name": now.name if now.path is None else now.path.name,
+            "path": None if now.path is None else str(now.path),
             "is_saved": self.is_saved,
             "values": {control["name"]: plain(values[control["name"]]) for control in controls()},
             "layers": described(now.layers),
@@ -140,6 +133,12 @@ class Room:
             "undo": undo,
             "redo": redo,
         }
+
+    def unsaved(self) -> Message:
+        """Return the message that offers unsaved work of studios that no longer run."""
+        found = recovery.found(self.store.folder.parent, self.store.folder)
+        items = [{"id": one.folder.name, "name": one.name, "time": one.time} for one in found]
+        return {"kind": "unsaved", "items": items}
 
     def do(self, document: Document, *, joining: object = None) -> None:
         """Take a changed document, show it everywhere and solve it.
@@ -167,27 +166,46 @@ class Room:
         if moved:
             self.show()
 
-    def saved(self, document: Document, path: Path) -> None:
-        """The document, under the names of the files it was saved with, is in ``path`` now."""
-        self.history.now = self._saved = document
-        self.path = path
+    def saved(self, document: Document, path: Path, copies: Mapping[Path, Path]) -> None:
+        """The document was saved in ``path``, with the copies of files that it names now."""
+        self.history.moved(self.now.path, path)
+        self.history.now = self._saved = dataclasses.replace(document, path=path)
+        for source, target in copies.items():
+            if str(source) in self.depths:
+                self.depths[str(target)] = self.depths[str(source)]
+            if str(source) in self.painted:
+                self.painted[str(target)] = self.painted[str(source)]
         self._joining = None
         self.show()
 
+    def opened(self, document: Document) -> None:
+        """A recipe was opened."""
+        self._saved = document
+        self.do(document)
+
+    @property
+    def saved_files(self) -> tuple[str, ...]:
+        """The files that the document named when it was saved."""
+        return self._saved.files
+
     def show(self) -> None:
-        """Show the document in every window, and solve it if the page cannot compute it from the parts."""
+        """Show the document in every window, solve it if the page cannot compute it from the parts, and keep it."""
         self._solve()
-        self.tell(self.state())
+        self.windows.tell(self.state())
         self._inspector.look(self.now)
+        self._keep_soon()
 
-    def tell(self, message: bytes | Message) -> None:
-        """Send a message to every window."""
-        for window in self._windows:
-            window.put(message)
+    def _keep_soon(self) -> None:
+        if self.windows.loop is not None and self._keeping is None:
+            self._keeping = self.windows.loop.call_later(_KEEP_S, self._keep)
 
-    def tell_later(self, message: bytes | Message) -> None:
-        """Send a message to every window, from any thread."""
-        self._later(self.tell, message)
+    def _keep(self) -> None:
+        """Write the document to the store, unless it is saved."""
+        self._keeping = None
+        if not self.has_unsaved:
+            recovery.forget(self.store)
+        else:
+            recovery.keep(self.store, self.now)
 
     def start(self, work: Callable[[Progress], _T], then: Callable[[_T], None]) -> None:
         """Do work in the background, one after the other, and call ``then`` with its result in the server's thread.
@@ -198,7 +216,7 @@ class Room:
         def watch(stage: str, share: float) -> None:
             if self._ends:
                 raise _EndedError
-            self.tell_later({"kind": "progress", "stage": stage, "share": share})
+            self.windows.tell_later({"kind": "progress", "stage": stage, "share": share})
 
         def run() -> None:
             try:
@@ -206,22 +224,17 @@ class Room:
             except _EndedError:
                 return
             except NmaptoolError as error:
-                self.tell_later(error_message(error))
+                self.windows.tell_later(error_message(error))
             else:
-                self._later(finish, result)
+                self.windows.later(finish, result)
 
         def finish(result: _T) -> None:
             try:
                 then(result)
             except NmaptoolError as error:
-                self.tell(error_message(error))
+                self.windows.tell(error_message(error))
 
         self._jobs.submit(run)
-
-    def _later(self, call: Callable[..., None], *arguments: object) -> None:
-        loop = self._loop
-        if loop is not None and not loop.is_closed():
-            loop.call_soon_threadsafe(call, *arguments)
 
     def _solve(self) -> None:
         needs = _needs(self.now)
@@ -238,7 +251,7 @@ class Room:
                 self._latest = message
             elif message["kind"] == "placements":
                 self._placements = message
-        self.tell_later(message)
+        self.windows.tell_later(message)
 
 
 def error_message(error: NmaptoolError) -> Message:
@@ -248,6 +261,7 @@ def error_message(error: NmaptoolError) -> Message:
 
 def _needs(document: Document) -> Document:
     """Return what the heights that the page gets depend on."""
+    document = dataclasses.replace(document, path=None)
     try:
         return document.changed(dict.fromkeys(_LOCAL)) if has_parts(document.options) else document
     except NmaptoolError:  # options that contradict each other without the others

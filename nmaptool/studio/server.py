@@ -25,8 +25,6 @@ class Studio:
     Parameters
     ----------
     document : Document
-    path : Path, optional
-        The recipe that it was read from.
     port : int
         0 chooses a free one.
     root : Path, optional
@@ -38,10 +36,7 @@ class Studio:
         If the port is taken.
     """
 
-    def __init__(
-        self, document: Document, path: Path | None = None, port: int = 0, *, root: Path | None = None
-    ) -> None:
-        self.store = Store(user_state_path("nmaptool", appauthor=False) / "studio" if root is None else root)
+    def __init__(self, document: Document, port: int = 0, *, root: Path | None = None) -> None:
         self._socket = socket.socket()
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -53,11 +48,13 @@ class Studio:
                 f"port {port} cannot be used ({reason_of(error)}); choose another one with `port`"
             ) from None
         self.port: int = self._socket.getsockname()[1]
+        root = user_state_path("nmaptool", appauthor=False) / "studio" if root is None else root
+        self._room = Room(document, Store(root, self.port))
         token = secrets.token_urlsafe(24)
         hosts = (f"{_LOOPBACK}:{self.port}", f"localhost:{self.port}")
         self.address = f"http://{_LOOPBACK}:{self.port}/?token={token}"
         config = uvicorn.Config(
-            application(Room(document, path, self.store), token, hosts),
+            application(self._room, token, hosts),
             log_level="warning",
             access_log=False,
             server_header=False,
@@ -81,12 +78,18 @@ class Studio:
             self.stop()
             thread.join()
             self._socket.close()
-            self.store.remove()
+            if not self.has_unsaved:
+                self._room.store.remove()
 
     @property
     def is_started(self) -> bool:
         """Whether it answers requests."""
         return self._server.started
+
+    @property
+    def has_unsaved(self) -> bool:
+        """Whether there is work that was not saved; it is kept, and offered when the studio starts again."""
+        return self._room.has_unsaved
 
     def stop(self) -> None:
         """End `run`, from another thread."""

@@ -21,6 +21,8 @@ class Store:
     ----------
     root : Path
         Made if it does not exist.
+    port : int
+        That of the studio; another studio asks there whether this one still runs.
 
     Raises
     ------
@@ -28,7 +30,8 @@ class Store:
         If the folder cannot be made.
     """
 
-    def __init__(self, root: Path) -> None:
+    def __init__(self, root: Path, port: int) -> None:
+        self.port = port
         self.folder = root / f"{time.strftime('%Y%m%d-%H%M%S')}-{secrets.token_hex(3)}"
         try:
             self.folder.mkdir(parents=True)
