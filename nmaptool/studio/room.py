@@ -18,6 +18,8 @@ from nmaptool.studio.controls import controls, plain, plain_options
 from nmaptool.studio.descriptions import forms
 from nmaptool.studio.document import Document, History
 from nmaptool.studio.engine import has_parts
+from nmaptool.studio.export import formats
+from nmaptool.studio.exports import Exports
 from nmaptool.studio.inspector import Inspector
 from nmaptool.studio.layers import described
 from nmaptool.studio.store import Store
@@ -51,7 +53,7 @@ class Window:
 class Room:
     """A document that several windows may show.
 
-    Its methods are called in the thread of the server, except `tell_later`.
+    Its methods are called in the thread of the server, except `tell_later` and `put_later`.
 
     Parameters
     ----------
@@ -75,9 +77,10 @@ class Room:
         self._placements: Message | None = None
         self._joining: object = None
         self._lock = threading.Lock()
-        self._worker = Worker(self._from_worker)
+        self.worker = Worker(self._from_worker)
         self._inspector = Inspector(self._from_worker)
         self._jobs = ThreadPoolExecutor(1, "studio job")
+        self.exports = Exports(store, self.put_later)
         self._solved: Document | None = None
         self._ends = False
         self._solve()
@@ -99,6 +102,7 @@ class Room:
         self._windows.add(window)
         window.put({"kind": "controls", "controls": controls()})
         window.put(forms())
+        window.put({"kind": "formats", "formats": formats()})
         window.put(self.state())
         with self._lock:
             for message in (self._placements, self._latest, self._inspector.message(self.now)):
@@ -108,13 +112,15 @@ class Room:
     def leave(self, window: Window) -> None:
         """A window was closed."""
         self._windows.discard(window)
+        self.exports.cancel(window)
 
     def close(self) -> None:
         """End the threads."""
         self._ends = True
+        self.exports.close()
         self._jobs.shutdown(wait=True, cancel_futures=True)
         self._inspector.stop()
-        self._worker.stop()
+        self.worker.stop()
 
     def state(self) -> Message:
         """Return the document as the page shows it."""
@@ -215,13 +221,17 @@ class Room:
         if loop is not None and not loop.is_closed():
             loop.call_soon_threadsafe(call, *arguments)
 
+    def put_later(self, window: Window, message: bytes | Message) -> None:
+        """Send a message to one window, from any thread."""
+        self._later(window.put, message)
+
     def _solve(self) -> None:
         needs = _needs(self.now)
         if needs == self._solved:
             return
         self._solved = needs
         if self.now.layers:
-            self._worker.want(self.now)
+            self.worker.want(self.now)
 
     def _from_worker(self, message: bytes | Message) -> None:
         """Called in the solver's thread."""
