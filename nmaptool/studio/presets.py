@@ -34,6 +34,10 @@ class Presets:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
+    def message(self) -> dict[str, Any]:
+        """Return the message that shows them."""
+        return {"kind": "presets", "presets": self.listed()}
+
     def listed(self) -> list[dict[str, Any]]:
         """Return name, description and kind of every preset, for the page."""
         own = sorted(path.stem for path in self._folder.glob(f"*{RECIPE_ENDING}"))[:_MOST]

@@ -19,14 +19,14 @@ def apply_preset(room: Room, message: Mapping[str, Any]) -> Message | None:
 def save_preset(room: Room, message: Mapping[str, Any]) -> Message | None:
     """Keep the options under ``name``; ``overwrite`` replaces a preset of the user's."""
     room.presets.save(_name(message), room.now, overwrite=message.get("overwrite") is True)
-    room.tell({"kind": "presets", "presets": room.presets.listed()})
+    room.tell(room.presets.message())
     return None
 
 
 def delete_preset(room: Room, message: Mapping[str, Any]) -> Message | None:
     """Delete the user's preset ``name``."""
     room.presets.delete(_name(message))
-    room.tell({"kind": "presets", "presets": room.presets.listed()})
+    room.tell(room.presets.message())
     return None
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from nmaptool.core.errors import NmaptoolError
-from nmaptool.studio import adding, editing, exporting, saving
+from nmaptool.studio import adding, editing, exporting, presetting, saving
 from nmaptool.studio.room import Message, Room, Window, error_message
 
 Request: TypeAlias = Callable[[Room, Mapping[str, Any]], Message | None]
@@ -27,13 +27,16 @@ REQUESTS: dict[str, Request] = {
     "set-file": adding.set_file,
     "use-as-detail": adding.use_as_detail,
     "open-recipe": adding.open_recipe,
+    "apply-preset": presetting.apply_preset,
+    "save-preset": presetting.save_preset,
+    "delete-preset": presetting.delete_preset,
     "save": saving.save,
 }
 # those that need to know which window asks
 WINDOW_REQUESTS: dict[str, WindowRequest] = {
     "estimate": exporting.ask_estimate,
     "export": exporting.begin_export,
-    "cancel export": exporting.cancel_export,
+    "cancel-export": exporting.cancel_export,
 }
 
 

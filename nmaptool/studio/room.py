@@ -22,6 +22,7 @@ from nmaptool.studio.export import formats
 from nmaptool.studio.exports import Exports
 from nmaptool.studio.inspector import Inspector
 from nmaptool.studio.layers import described
+from nmaptool.studio.presets import Presets
 from nmaptool.studio.store import Store
 from nmaptool.studio.worker import Worker
 
@@ -62,12 +63,14 @@ class Room:
         The recipe that it was read from and is saved to.
     store : Store
         Where dropped, baked and painted files are kept.
+    presets : Presets
     """
 
-    def __init__(self, document: Document, path: Path | None, store: Store) -> None:
+    def __init__(self, document: Document, path: Path | None, store: Store, presets: Presets) -> None:
         self.history = History(document)
         self.path = path
         self.store = store
+        self.presets = presets
         # what layers were made from in this run, by the path of their map
         self.depths: dict[str, tuple[Path, DepthOptions]] = {}
         self._saved = document if path is not None else Document(folder=document.folder)
@@ -103,6 +106,7 @@ class Room:
         window.put({"kind": "controls", "controls": controls()})
         window.put(forms())
         window.put({"kind": "formats", "formats": formats()})
+        window.put(self.presets.message())
         window.put(self.state())
         with self._lock:
             for message in (self._placements, self._latest, self._inspector.message(self.now)):

@@ -131,7 +131,7 @@ class ExportDialog {
   }
 
   cancel() {
-    this.studio.ask({ do: "cancel export" });
+    this.studio.ask({ do: "cancel-export" });
     this.said.textContent = "cancelling";
     this.stop.disabled = true;
   }
