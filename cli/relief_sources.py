@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from nmaptool.core.progress import Progress
 from nmaptool.options import ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
+from nmaptool.options.fields import Options
+from nmaptool.options.relief_presets import PresetOptions
 from nmaptool_cli.inputs import read_grey, read_map
 from nmaptool_cli.run import Run
 
@@ -63,6 +65,7 @@ class Sources:
         Other files to read, by role.
     files : mapping
         Names of the files besides the map, by role, for messages.
+    options : ReliefOptions
     solid : SolidOptions
     recipe : Recipe or None
     """
@@ -70,18 +73,25 @@ class Sources:
     role: str
     inputs: Mapping[str, Any]
     files: Mapping[str, str | None]
+    options: ReliefOptions
     solid: SolidOptions
     recipe: nm.Recipe | None = None
 
     def read(self, run: Run, files: Mapping[str, Any], progress: Progress | None) -> Work:
         """Read the inputs."""
-        return _read_maps(run, files) if self.recipe is None else _read_recipe(run, self.recipe, progress)
+        return _read_maps(run, self.options, files) if self.recipe is None else _read_recipe(run, self.recipe, progress)
 
 
 def map_sources(run: Run) -> Sources:
     """The sources of a relief of maps."""
     files = asdict(run[ReliefFiles])
-    return Sources("original", files, files, run[SolidOptions])
+    options = ReliefOptions(**_given(run, ReliefOptions))
+    return Sources("original", files, files, options, SolidOptions(**_given(run, SolidOptions)))
+
+
+def _given(run: Run, options: type[Options]) -> dict[str, Any]:
+    """What the preset and the flags say."""
+    return {**run[PresetOptions].values_of(options), **run.named(options)}
 
 
 def recipe_sources(run: Run, name: str) -> Sources:
@@ -95,18 +105,18 @@ def recipe_sources(run: Run, name: str) -> Sources:
     flags = {role: str(Path(file).absolute()) for role, file in run.named(ReliefFiles).items() if file is not None}
     relief = nm.RecipeRelief(
         dataclasses.replace(own.files, **flags),
-        {**own.options, **run.named(ReliefOptions)},
-        {**own.solid, **run.named(SolidOptions)},
+        {**own.options, **_given(run, ReliefOptions)},
+        {**own.solid, **_given(run, SolidOptions)},
     )
     recipe = dataclasses.replace(recipe, relief=relief)
     place = Path(recipe.folder)
     files = {role: None if file is None else str(place / file) for role, file in asdict(relief.files).items()}
     read = (*recipe.sources, *recipe.files)
     inputs = {"files": tuple(str(place / file) for file in read), **files}
-    return Sources("recipe", inputs, files, SolidOptions(**relief.solid), recipe)
+    return Sources("recipe", inputs, files, ReliefOptions(**relief.options), SolidOptions(**relief.solid), recipe)
 
 
-def _read_maps(run: Run, files: Mapping[str, Any]) -> Work:
+def _read_maps(run: Run, options: ReliefOptions, files: Mapping[str, Any]) -> Work:
     import nmaptool as nm
 
     started = time.perf_counter()
@@ -116,7 +126,7 @@ def _read_maps(run: Run, files: Mapping[str, Any]) -> Work:
         detail = read_map(run, files["detail"], like=original, own_layer=False)
     surface = None
     if files["surface"] is not None:
-        pitch_mm, _ = nm.pitch_of(original, run[ReliefOptions])
+        pitch_mm, _ = nm.pitch_of(original, options)
         reading = dataclasses.replace(run[ReadOptions], layer=None)
         surface = nm.read_surface(files["surface"], reading, like=original, pitch_mm=pitch_mm)
     greys = {role: read_grey(run, files[role]) for role in ("mask", "mu_map", "beta_map", "delta_map", "wall_mask")}
@@ -124,7 +134,7 @@ def _read_maps(run: Run, files: Mapping[str, Any]) -> Work:
         "original": original,
         "detail": detail,
         "surface": surface,
-        "options": run[ReliefOptions],
+        "options": options,
         **greys,
     }
     maps = [each for each in (original, detail, surface) if isinstance(each, nm.NormalMap)]

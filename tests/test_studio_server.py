@@ -88,6 +88,15 @@ def ask(live, **message):
     live.send(json.dumps(message))
 
 
+def exported(live, **wanted):
+    """The last message about an export."""
+    ask(live, do="export", **wanted)
+    while True:
+        found = until(live, "export")
+        if found["state"] not in ("begun", "running"):
+            return found
+
+
 def test_the_token_opens_the_page(client):
     answer = client.get(f"/?token={client.token}", {})
     assert (answer.status, answer.getheader("location")) == (303, "/")
@@ -206,13 +215,15 @@ def test_a_saved_recipe_makes_the_bytes_of_the_export(client, folder, run):
         ask(live, do="save", name="other.toml")
         assert "other.toml: exists already" in until(live, "error")["text"]
         assert (folder / "other.toml").read_text(encoding="utf-8") == "mine"
-    exported = client.get("/export/stl")
-    assert exported.status == 200
-    assert 'filename="relief.stl"' in exported.getheader("content-disposition")
+        made = exported(live, format="stl")
+        assert (made["state"], made["name"]) == ("done", "relief.stl")
+    file = client.get(f"/export/{made['id']}")
+    assert file.status == 200
+    assert 'filename="relief.stl"' in file.getheader("content-disposition")
     done = run("relief", folder / "relief.toml", "-o", folder / "relief.stl")
     assert done.code == 0, done.err
-    assert exported.body == (folder / "relief.stl").read_bytes()
-    assert client.get("/export/zip").status == 400
+    assert file.body == (folder / "relief.stl").read_bytes()
+    assert client.get(f"/export/{made['id']}").status == 404  # it is handed out once
 
 
 def test_a_map_that_cannot_be_read_is_said_in_every_window(tmp_path):
@@ -221,7 +232,10 @@ def test_a_map_that_cannot_be_read_is_said_in_every_window(tmp_path):
         for _ in range(2):
             with client.live() as live:
                 assert "bad.png" in until(live, "error")["text"]
-        assert client.get("/export/stl").status == 400
+        with client.live() as live:
+            made = exported(live, format="stl")
+            assert made["state"] == "failed"
+            assert "bad.png" in made["text"]
 
 
 # the shell of a test run may have made it ignore Ctrl-C

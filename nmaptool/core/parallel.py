@@ -7,7 +7,7 @@ import contextvars
 import itertools
 import os
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, TypeVar, cast
 
 if TYPE_CHECKING:
@@ -54,6 +54,17 @@ def map_parallel(
     if threads < 2 or getattr(_here, "busy", False):
         return [work(task) for task in tasks]
     return _Round(tasks, work).run(threads)
+
+
+@contextlib.contextmanager
+def one_by_one() -> Iterator[None]:
+    """Work that this thread starts meanwhile stays in it, so that it leaves the other cores to other threads."""
+    before = getattr(_here, "busy", False)
+    _here.busy = True
+    try:
+        yield
+    finally:
+        _here.busy = before
 
 
 def cores() -> int:

@@ -11,6 +11,7 @@ from nmaptool.core.arrays import Float64
 from nmaptool.core.grid import height_slopes
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import as_height
+from nmaptool.types.picture import Frame
 from nmaptool.types.relief import Relief
 
 # azimuth (counter-clockwise from +x) and elevation in degrees, and strength: a low key light from the upper left, a
@@ -68,10 +69,15 @@ def preview(height: Height | Relief) -> Picture:
 
     height = as_height(height)
     light = lambert(height).astype(np.float32)
-    factor = max(1, -(-_SMALLEST_LONGER_SIDE // max(light.shape)))
+    factor = enlargement(height.frame)
     if factor > 1:
         light = cv2.resize(light, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC)
     return in_colors(light)
+
+
+def enlargement(frame: Frame) -> int:
+    """Return the factor by which `preview` enlarges a picture."""
+    return max(1, -(-_SMALLEST_LONGER_SIDE // frame.longer_side))
 
 
 def in_colors(light: NDArray[Any]) -> Picture:

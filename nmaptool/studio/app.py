@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-import tempfile
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from starlette.applications import Starlette
 from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
@@ -22,8 +21,6 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
-from nmaptool.options.formats import RELIEF_FORMATS
-from nmaptool.studio.export import export
 from nmaptool.studio.guard import Guard
 from nmaptool.studio.painting import picture_of
 from nmaptool.studio.requests import answer
@@ -60,7 +57,7 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
         await _converse(room, websocket)
 
     async def exported(request: Request) -> Response:
-        return await run_in_threadpool(_exported, room, request.path_params["ending"])
+        return _exported(room, request.path_params["name"])
 
     async def dropped(request: Request) -> Response:
         return await receive(room, request)
@@ -74,9 +71,9 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
 
     routes = [
         Route("/", page),
-        Route("/export/{ending}", exported),
         Route("/files/{name}", dropped, methods=["POST"]),
         Route("/painted/{role}", painted),
+        Route("/export/{name}", exported),
         WebSocketRoute("/live", socket),
         Mount("/page", StaticFiles(directory=PAGE)),
     ]
@@ -92,7 +89,7 @@ async def _converse(room: Room, websocket: WebSocket) -> None:
     try:
         while True:
             text = await websocket.receive_text()
-            said = answer(room, _message(text)) if len(text) <= _LONGEST_MESSAGE else _malformed()
+            said = answer(room, _message(text), window) if len(text) <= _LONGEST_MESSAGE else _malformed()
             if said is not None:
                 window.put(said)
     except WebSocketDisconnect:
@@ -125,17 +122,10 @@ def _malformed() -> dict[str, Any]:
     return {"kind": "error", "text": "the page sent a message that is too long; reload it"}
 
 
-def _exported(room: Room, ending: str) -> Response:
-    """Return the relief of the document as a file of the browser's."""
-    document = room.now
-    if f".{ending}" not in RELIEF_FORMATS:
-        return JSONResponse({"text": f"a relief is written as {', '.join(RELIEF_FORMATS)}"}, 400)
-    folder = tempfile.TemporaryDirectory(prefix="nmap-studio-")
-    stem = (Path(document.name) if document.path is None else document.path).stem
-    path = Path(folder.name) / f"{stem}.{ending}"
-    try:
-        export(document, path)
-    except NmaptoolError as error:
-        folder.cleanup()
-        return JSONResponse({"text": str(error)}, 400)
-    return FileResponse(path, filename=path.name, background=BackgroundTask(folder.cleanup))
+def _exported(room: Room, name: str) -> Response:
+    """Return the file of an export, once: it is deleted afterwards."""
+    job = room.exports.take(name)
+    if job is None:
+        return PlainTextResponse("this file is not there any more; export it again", 404)
+    deleting = BackgroundTask(job.forget)
+    return FileResponse(job.path, filename=job.name, media_type="application/octet-stream", background=deleting)

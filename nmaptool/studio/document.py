@@ -13,6 +13,7 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.options import CanvasOptions, ReliefFiles, ReliefOptions, SolidOptions
+from nmaptool.options.fields import Options
 from nmaptool.options.formats import is_recipe
 from nmaptool.types.recipe import RELIEF_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeRelief
 
@@ -84,15 +85,13 @@ class Document:
         """
         options, solid = dict(self.relief.options), dict(self.relief.solid)
         for name, value in values.items():
-            kind, table = (ReliefOptions, options) if name in RELIEF_KEYS else (SolidOptions, solid)
-            if kind is SolidOptions and name not in _SOLID_KEYS:
+            if name not in RELIEF_KEYS and name not in _SOLID_KEYS:
                 raise UsageError(f"`{name}`: is not an option of a relief")
+            table = options if name in RELIEF_KEYS else solid
             table.pop(name, None)
-            if value is None:
-                continue
-            read = getattr(kind(**{**table, name: value}), name)
-            if read != getattr(kind(), name):
-                table[name] = read
+            if value is not None:
+                table[name] = value
+        options, solid = _read(ReliefOptions, options), _read(SolidOptions, solid)
         return dataclasses.replace(self, relief=RecipeRelief(self.relief.files, options, solid))
 
     @property
@@ -122,6 +121,12 @@ def _renamed(entry: Entry, new: Callable[[str], str]) -> Entry:
     if isinstance(entry, RecipeGroup):
         return dataclasses.replace(entry, mask=mask, layers=tuple(_renamed(layer, new) for layer in entry.layers))
     return dataclasses.replace(entry, mask=mask)
+
+
+def _read(kind: type[Options], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values that are not the defaults, as the options class reads them."""
+    made, default = kind(**given), kind()
+    return {name: getattr(made, name) for name in given if getattr(made, name) != getattr(default, name)}
 
 
 def opened(names: Sequence[str]) -> Document:

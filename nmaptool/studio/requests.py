@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from nmaptool.core.errors import NmaptoolError
-from nmaptool.studio import adding, editing, painting, saving
+from nmaptool.studio import adding, editing, exporting, painting, presetting, saving
 from nmaptool.studio.room import Room, error_message
-from nmaptool.studio.windows import Message
+from nmaptool.studio.windows import Message, Window
 
 Request: TypeAlias = Callable[[Room, Mapping[str, Any]], Message | None]
+WindowRequest: TypeAlias = Callable[[Room, Mapping[str, Any], Window], Message | None]
 
 # by the entry "do" of the message; an answer goes to the page that asked alone
 REQUESTS: dict[str, Request] = {
@@ -28,24 +29,34 @@ REQUESTS: dict[str, Request] = {
     "use-as-detail": adding.use_as_detail,
     "open-recipe": adding.open_recipe,
     "paint": painting.paint,
+    "apply-preset": presetting.apply_preset,
+    "save-preset": presetting.save_preset,
+    "delete-preset": presetting.delete_preset,
     "save": saving.save,
     "recipes": saving.list_recipes,
     "open": saving.open_file,
     "recover": saving.recover,
     "discard": saving.discard,
 }
+# those that need to know which window asks
+WINDOW_REQUESTS: dict[str, WindowRequest] = {
+    "estimate": exporting.ask_estimate,
+    "export": exporting.begin_export,
+    "cancel-export": exporting.cancel_export,
+}
 
 
-def answer(room: Room, message: Mapping[str, Any]) -> Message | None:
+def answer(room: Room, message: Mapping[str, Any], window: Window) -> Message | None:
     """Do what a page asks; return an answer for that page alone."""
     wanted = message.get("do")
-    request = REQUESTS.get(wanted) if isinstance(wanted, str) else None
-    if request is None:
+    if not isinstance(wanted, str) or wanted not in {**REQUESTS, **WINDOW_REQUESTS}:
         return {
             "kind": "error",
             "text": f"the page asked for {wanted!r}, which this version does not know; reload it",
         }
     try:
-        return request(room, message)
+        if wanted in WINDOW_REQUESTS:
+            return WINDOW_REQUESTS[wanted](room, message, window)
+        return REQUESTS[wanted](room, message)
     except NmaptoolError as error:
         return error_message(error)

@@ -20,8 +20,11 @@ from nmaptool.studio.controls import controls, plain, plain_options
 from nmaptool.studio.descriptions import forms
 from nmaptool.studio.document import Document, History
 from nmaptool.studio.engine import has_parts
+from nmaptool.studio.export import formats
+from nmaptool.studio.exports import Exports
 from nmaptool.studio.inspector import Inspector
 from nmaptool.studio.layers import described
+from nmaptool.studio.presets import Presets
 from nmaptool.studio.store import Store
 from nmaptool.studio.windows import Message, Window, Windows
 from nmaptool.studio.worker import Worker
@@ -47,11 +50,13 @@ class Room:
     document : Document
     store : Store
         Where dropped, baked and painted files are kept.
+    presets : Presets
     """
 
-    def __init__(self, document: Document, store: Store) -> None:
+    def __init__(self, document: Document, store: Store, presets: Presets) -> None:
         self.history = History(document)
         self.store = store
+        self.presets = presets
         # what layers were made from in this run, by the path of their map
         self.depths: dict[str, tuple[Path, DepthOptions]] = {}
         # the last painted pictures, (H, W) float32, by the path of their file
@@ -64,9 +69,10 @@ class Room:
         self._joining: object = None
         self._keeping: asyncio.TimerHandle | None = None
         self._lock = threading.Lock()
-        self._worker = Worker(self._from_worker)
+        self.worker = Worker(self._from_worker)
         self._inspector = Inspector(self._from_worker)
         self._jobs = ThreadPoolExecutor(1, "studio job")
+        self.exports = Exports(store, self.windows.put_later)
         self._solved: Document | None = None
         self._ends = False
         self._solve()
@@ -90,13 +96,15 @@ class Room:
     @property
     def motif(self) -> Mask | None:
         """(H, W) bool: where the composed map has its motif; None if no map has been read."""
-        return self._worker.motif
+        return self.worker.motif
 
     def enter(self, window: Window) -> None:
         """Show the document in a window."""
         self.windows.enter(window)
         window.put({"kind": "controls", "controls": controls()})
         window.put(forms())
+        window.put({"kind": "formats", "formats": formats()})
+        window.put(self.presets.message())
         window.put(self.state())
         with self._lock:
             for message in (self.unsaved(), self._placements, self._latest, self._inspector.message(self.now)):
@@ -106,6 +114,7 @@ class Room:
     def leave(self, window: Window) -> None:
         """A window was closed."""
         self.windows.leave(window)
+        self.exports.cancel(window)
 
     def close(self) -> None:
         """End the threads; keep what is not saved."""
@@ -113,9 +122,10 @@ class Room:
             self._keeping.cancel()
         self._keep()
         self._ends = True
+        self.exports.close()
         self._jobs.shutdown(wait=True, cancel_futures=True)
         self._inspector.stop()
-        self._worker.stop()
+        self.worker.stop()
 
     def state(self) -> Message:
         """Return the document as the page shows it."""
@@ -242,7 +252,7 @@ class Room:
             return
         self._solved = needs
         if self.now.layers:
-            self._worker.want(self.now)
+            self.worker.want(self.now)
 
     def _from_worker(self, message: bytes | Message) -> None:
         """Called in the solver's thread."""

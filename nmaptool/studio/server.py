@@ -8,11 +8,12 @@ import threading
 from pathlib import Path
 
 import uvicorn
-from platformdirs import user_state_path
+from platformdirs import user_config_path, user_state_path
 
 from nmaptool.core.errors import OutputError, reason_of
 from nmaptool.studio.app import application
 from nmaptool.studio.document import Document
+from nmaptool.studio.presets import Presets
 from nmaptool.studio.room import Room
 from nmaptool.studio.store import Store
 
@@ -28,7 +29,8 @@ class Studio:
     port : int
         0 chooses a free one.
     root : Path, optional
-        Folder for what is dropped and painted. Default: one in the user's folder for the state of programs.
+        Folder for what is dropped and painted, and for the user's presets. Default: one in the user's folder for the
+        state of programs, and another in that for settings.
 
     Raises
     ------
@@ -48,8 +50,9 @@ class Studio:
                 f"port {port} cannot be used ({reason_of(error)}); choose another one with `port`"
             ) from None
         self.port: int = self._socket.getsockname()[1]
+        presets = user_config_path("nmaptool", appauthor=False) if root is None else root
         root = user_state_path("nmaptool", appauthor=False) / "studio" if root is None else root
-        self._room = Room(document, Store(root, self.port))
+        self._room = Room(document, Store(root, self.port), Presets(presets / "presets"))
         token = secrets.token_urlsafe(24)
         hosts = (f"{_LOOPBACK}:{self.port}", f"localhost:{self.port}")
         self.address = f"http://{_LOOPBACK}:{self.port}/?token={token}"

@@ -30,7 +30,7 @@ class Store:
         If the folder cannot be made.
     """
 
-    def __init__(self, root: Path, port: int) -> None:
+    def __init__(self, root: Path, port: int = 0) -> None:
         self.port = port
         self.folder = root / f"{time.strftime('%Y%m%d-%H%M%S')}-{secrets.token_hex(3)}"
         try:

@@ -60,6 +60,11 @@ class Worker:
             self._changed.notify()
             return self._number
 
+    def engine_of(self, document: Document) -> Engine | None:
+        """Return the engine that has the maps of a document; None while they are read."""
+        engine = self._engine
+        return engine if engine is not None and engine.fits(document) else None
+
     def stop(self) -> None:
         """End the thread; a solve that is under way is given up."""
         with self._changed:
