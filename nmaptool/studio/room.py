@@ -18,7 +18,7 @@ from nmaptool.options import DepthOptions, SolidOptions
 from nmaptool.studio.controls import controls, plain, plain_options
 from nmaptool.studio.descriptions import forms
 from nmaptool.studio.document import Document, History
-from nmaptool.studio.engine import has_parts
+from nmaptool.studio.engine import has_parts, uses_width
 from nmaptool.studio.inspector import Inspector
 from nmaptool.studio.layers import described
 from nmaptool.studio.store import Store
@@ -249,6 +249,9 @@ def error_message(error: NmaptoolError) -> Message:
 def _needs(document: Document) -> Document:
     """Return what the heights that the page gets depend on."""
     try:
-        return document.changed(dict.fromkeys(_LOCAL)) if has_parts(document.options) else document
+        if not has_parts(document.options):
+            return document
+        local = [name for name in _LOCAL if name != "width" or not uses_width(document)]
+        return document.changed(dict.fromkeys(local))
     except NmaptoolError:  # options that contradict each other without the others
         return document
