@@ -64,6 +64,7 @@ class Browser:
 
     def close(self) -> None:
         """End Chromium and the thread."""
+        self.do(self._chromium.close)
         self.do(self._stack.close)
         self._thread.shutdown()
 
@@ -72,7 +73,6 @@ class Browser:
 
         self._driver = self._stack.enter_context(sync_playwright())
         self._chromium = self.launch()
-        self._stack.callback(lambda: self._chromium.close())
 
 
 @pytest.fixture(scope="session")

@@ -137,7 +137,8 @@ def test_steps_are_undone_by_keys_and_buttons(scene, library, serve, window):
     eventually(lambda: page.js(steps), lambda found: found == [0, 2])
     back = eventually(page.heights, lambda now: np.abs(now.z - first).max() < 2e-4 * np.ptp(first))
     assert back.full
-    assert page.value("beta") == "0.0003"
+    eventually(lambda: page.value("beta"), lambda found: found == "0.0003")
+    eventually(lambda: page.value("delta"), lambda found: found == "30")
     keys.press("Control+Shift+z")
     keys.press("Control+y")
     eventually(lambda: page.js(steps), lambda found: found == [2, 0])
