@@ -108,13 +108,23 @@ class Window:
 
     def relief(self, pad: float = 0.12) -> np.ndarray:
         """Brightness of the relief on the canvas, without a share of its width and height on each side."""
-        where = """() => { const view = studio.stage.view, side = view.canvas.width / view.canvas.clientWidth;
-          const at = (x, y) => [(x - view.origin[0]) * view.zoom / side, (y - view.origin[1]) * view.zoom / side];
-          return [...at(0, 0), ...at(view.relief.cols, view.relief.rows)]; }"""
-        left, top, right, bottom = self.js(where)
+        (left, top), (right, bottom) = (self.place(share, share) for share in (0, 1))
         pad_x, pad_y = pad * (right - left), pad * (bottom - top)
         rows, cols = slice(round(top + pad_y), round(bottom - pad_y)), slice(round(left + pad_x), round(right - pad_x))
         return self.picture()[rows, cols]
+
+    def place(self, across: float, down: float, within: str = "canvas") -> tuple[float, float]:
+        """Where a point of the map, in shares of its width and height, lies on the canvas or in the window."""
+        x, y = self.js(
+            """([u, v]) => { const { camera } = studio.stage.view;
+              const { x, y } = camera.toScreen(u * camera.full[0], v * camera.full[1]);
+              return [x, y]; }""",
+            [across, down],
+        )
+        if within == "canvas":
+            return x, y
+        box = self.page.locator("#view").bounding_box()
+        return box["x"] + x, box["y"] + y
 
     def ready(self) -> Window:
         """Wait for the first picture at full resolution."""
