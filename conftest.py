@@ -22,6 +22,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # where the compiled loops were not built, commands would warn in every test
 if importlib.util.find_spec("nmaptool._compiled") is None:
     os.environ.setdefault("NMAPTOOL_KERNELS", "numpy")
+pytest_plugins = ("browser_cases",)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -171,3 +171,11 @@ def test_the_heights_of_walls_come_whole(folder):
     parts = engine.parts(options, is_preview=False)
     expected = nm.relief(nm.read_normal_map(folder / "bunny.exr"), options=options)
     assert np.allclose(parts.z_mm(77), expected.z_mm)
+
+
+def test_the_width_is_left_to_the_page_unless_lengths_depend_on_it(folder):
+    engine = Engine(opened([str(folder / "bunny.exr")]))
+    wide = nm.ReliefOptions(width=nm.length("90mm"))
+    assert engine.parts(wide, is_preview=False).pitch_mm == 0.5  # the map's own
+    rounded = nm.ReliefOptions(width=nm.length("90mm"), background="cut", outline_round=nm.length("5mm"))
+    assert engine.parts(rounded, is_preview=False).pitch_mm == 3.0

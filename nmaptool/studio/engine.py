@@ -28,6 +28,11 @@ def has_parts(options: ReliefOptions) -> bool:
     return options.edge == "blend"
 
 
+def uses_width(document: Document) -> bool:
+    """Whether the parts depend on the width, as with a curved background in mm; otherwise only the page uses it."""
+    return document.relief.files.surface is not None or document.options.outline_round is not None
+
+
 class Engine:
     """The maps of a document and a session for each of the two grids.
 
@@ -71,6 +76,8 @@ class Engine:
         session = self.preview if is_preview else self.full
         tolerance = PREVIEW_TOLERANCE if is_preview else None
         if has_parts(options):
+            if self.scene.surface is None and options.outline_round is None:
+                options = dataclasses.replace(options, width=None)  # the page needs the map's own, if there is none
             return session.parts(options, preview_tolerance=tolerance, progress=progress)
         solved = session.solve(options, preview_tolerance=tolerance, progress=progress)
         height = solved.height

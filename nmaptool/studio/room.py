@@ -19,7 +19,7 @@ from nmaptool.studio import recovery
 from nmaptool.studio.controls import controls, plain, plain_options
 from nmaptool.studio.descriptions import forms
 from nmaptool.studio.document import Document, History
-from nmaptool.studio.engine import has_parts
+from nmaptool.studio.engine import has_parts, uses_width
 from nmaptool.studio.export import formats
 from nmaptool.studio.exports import Exports
 from nmaptool.studio.inspector import Inspector
@@ -273,6 +273,9 @@ def _needs(document: Document) -> Document:
     """Return what the heights that the page gets depend on."""
     document = dataclasses.replace(document, path=None)
     try:
-        return document.changed(dict.fromkeys(_LOCAL)) if has_parts(document.options) else document
+        if not has_parts(document.options):
+            return document
+        local = [name for name in _LOCAL if name != "width" or not uses_width(document)]
+        return document.changed(dict.fromkeys(local))
     except NmaptoolError:  # options that contradict each other without the others
         return document

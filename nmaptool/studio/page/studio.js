@@ -56,6 +56,7 @@ export class Studio {
 
   /** Send a request; says so if the server is not there. */
   ask(message) {
+    this.send(); // what was changed before
     const sent = this.link.ask(message);
     if (!sent) this.say("the studio does not answer; start nmap studio again");
     return sent;
@@ -76,8 +77,9 @@ export class Studio {
   }
 
   send() {
-    if (this.asked) this.ask(this.asked);
+    const asked = this.asked;
     this.asked = null;
+    if (asked) this.ask(asked);
   }
 
   /** Show an error, in the words of the command line; "" clears it. */

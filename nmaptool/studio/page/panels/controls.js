@@ -2,6 +2,9 @@
 
 import { millimetres } from "../heights.js";
 
+// a control that was just used keeps what the user sees for this long: states on their way are older
+const HELD_MS = 300;
+
 /** Millimetres as text of three or four digits. */
 function lengthText(mm) {
   return `${Number(mm.toPrecision(mm >= 100 ? 4 : 3))}mm`;
@@ -62,8 +65,18 @@ class Panel {
     text.id = `value-${one.name}`;
     text.placeholder = one.kind === "length" ? "as it is" : one.example;
     text.setAttribute("aria-describedby", `help-${one.name}`);
-    text.addEventListener("change", () => this.changed(one.name, this.typed(one, text.value), false));
-    const control = { ...one, text };
+    const control = { ...one, text, isTyping: false, used: -Infinity };
+    text.addEventListener("input", () => {
+      control.isTyping = true;
+    });
+    text.addEventListener("blur", () => {
+      control.isTyping = false;
+    });
+    text.addEventListener("change", () => {
+      control.isTyping = false;
+      control.used = performance.now();
+      this.changed(one.name, this.typed(one, text.value), false);
+    });
     this.controls.set(one.name, control);
     if (!one.slider) return [document.createElement("span"), text];
     const slide = document.createElement("input");
@@ -77,12 +90,16 @@ class Panel {
     const move = (moving) => {
       const value = this.at(one, Number(slide.value));
       text.value = value;
+      control.used = performance.now();
       slide.setAttribute("aria-valuetext", value);
       this.changed(one.name, this.typed(one, String(value)), moving);
     };
     slide.addEventListener("input", () => move(true));
     slide.addEventListener("change", () => move(false));
-    slide.addEventListener("dblclick", () => this.changed(one.name, null, false));
+    slide.addEventListener("dblclick", () => {
+      control.used = -Infinity;
+      this.changed(one.name, null, false);
+    });
     control.slide = slide;
     return [slide, text];
   }
@@ -103,25 +120,33 @@ class Panel {
     return one.kind === "length" ? lengthText(value) : String(Number(value.toPrecision(3)));
   }
 
-  place(one, value) {
+  step(one, value) {
     const { low, high, is_log, steps } = one.slider;
     const share = is_log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
     return Math.round(steps * Math.min(Math.max(share, 0), 1));
   }
 
-  /** Show the values of the document; a control that is being used keeps what the user sees. */
+  /** Show the values of the document; a control that is in use, later. */
   show(values) {
+    clearTimeout(this.later);
+    const now = performance.now();
+    let areAllShown = true;
     for (const [name, control] of this.controls) {
       const value = values[name];
-      if (control.select) {
-        control.select.value = value;
-        continue;
-      }
-      if (document.activeElement !== control.text) control.text.value = value ?? "";
-      if (!control.slide || document.activeElement === control.slide) continue;
-      const number = control.kind === "length" ? millimetres(value) : value;
-      if (Number.isFinite(number)) control.slide.value = this.place(control, number);
+      if (control.select) control.select.value = value;
+      else if (now - control.used < HELD_MS) areAllShown = false;
+      else this.place(control, value);
     }
+    if (!areAllShown) this.later = setTimeout(() => this.show(values), HELD_MS);
+  }
+
+  place(control, value) {
+    const { text, slide } = control;
+    if (!control.isTyping) text.value = value ?? "";
+    if (!slide) return;
+    const number = control.kind === "length" ? millimetres(value) : value;
+    if (Number.isFinite(number)) slide.value = this.step(control, number);
+    slide.setAttribute("aria-valuetext", value ?? "");
   }
 }
 

@@ -26,8 +26,18 @@ export class Form {
     const input = field.kind === "choice" ? choice(field) : entry(field);
     input.id = id;
     input.setAttribute("aria-describedby", help.id);
-    input.addEventListener("change", () => this.changed(field.name, read(field, input)));
-    this.inputs.set(field.name, { field, input, row });
+    const one = { field, input, row, isTyping: false };
+    input.addEventListener("input", () => {
+      one.isTyping = true;
+    });
+    input.addEventListener("blur", () => {
+      one.isTyping = false;
+    });
+    input.addEventListener("change", () => {
+      one.isTyping = false;
+      this.changed(field.name, read(field, input));
+    });
+    this.inputs.set(field.name, one);
     row.append(label, input, help);
     return row;
   }
@@ -38,10 +48,10 @@ export class Form {
 
   /** Show values; a field that is being typed in keeps what the user sees. */
   show(values) {
-    for (const [name, { field, input }] of this.inputs) {
+    for (const [name, { field, input, isTyping }] of this.inputs) {
       const value = values[name] ?? field.default;
       if (field.kind === "switch") input.checked = Boolean(value);
-      else if (document.activeElement !== input || input.tagName === "SELECT") input.value = value ?? "";
+      else if (!isTyping || input.tagName === "SELECT") input.value = value ?? "";
     }
   }
 

@@ -1,0 +1,165 @@
+"""A window of the studio in a test: what a hand does to it, and what it shows."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import cv2
+import numpy as np
+
+TIMEOUT_MS = 20_000
+# heights as the page computes them for the values that it shows; the module is the page's own
+HEIGHTS = """async () => {
+  const { combined } = await import("/page/heights.js");
+  const { frame, values } = window.studio;
+  const { z, pitch } = combined(frame, values);
+  return { z: Array.from(z), pitch, surface: Array.from(frame.surface), rows: frame.rows, full: frame.is_full };
+}"""
+QUIET = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
+def eventually(found: Callable[[], Any], holds: Callable[[Any], bool], what: str = "") -> Any:
+    """Return what is found as soon as it holds; fails after the time of a slow machine."""
+    end = time.monotonic() + TIMEOUT_MS / 1000
+    while not holds(value := found()):
+        assert time.monotonic() < end, f"{what or 'waited for another value'}; the last one: {value}"
+        time.sleep(0.02)
+    return value
+
+
+class Window:
+    """A page that shows a studio.
+
+    Parameters
+    ----------
+    context : playwright's BrowserContext
+    studio : nmaptool.studio.server.Studio
+    pictures : Path
+        Where `shot` writes: a number and a name are added.
+    """
+
+    def __init__(self, context: Any, studio: Any, pictures: Path) -> None:
+        self.page = context.new_page()
+        self.studio = studio
+        self.faults: list[str] = []
+        self.expected: list[str] = []
+        self.hosts: set[str] = set()
+        self._pictures = pictures
+        self._shots = 0
+        self.page.on("console", self._hear)
+        self.page.on("pageerror", lambda error: self.faults.append(str(error)))
+        self.page.on("request", lambda request: self._note(request.url))
+        self.page.on("websocket", lambda socket: self._note(socket.url))
+        self.page.goto(studio.address)
+
+    def _hear(self, message: Any) -> None:
+        if message.type in ("error", "warning"):  # violations of the Content-Security-Policy are among them
+            self.faults.append(f"{message.type}: {message.text}")
+
+    def _note(self, url: str) -> None:
+        if re.match("(http|ws)s?:", url):  # data: and blob: do not leave the page
+            self.hosts.add(re.sub(r"^\w+://([^/:]*).*", r"\1", url))
+
+    def check(self) -> None:
+        """Fail if there was an error or a request to another machine."""
+        known = [re.compile(pattern) for pattern in self.expected]
+        assert [fault for fault in self.faults if not any(one.search(fault) for one in known)] == []
+        assert self.hosts == {"127.0.0.1"}
+
+    def shot(self, name: str) -> None:
+        """Keep a picture of the window for people to look at."""
+        self._shots += 1
+        self._pictures.parent.mkdir(parents=True, exist_ok=True)
+        self.page.screenshot(path=f"{self._pictures}-{self._shots}-{name}.png")
+
+    # what it shows
+
+    def js(self, code: str, given: Any = None) -> Any:
+        """The value of an expression of the page."""
+        return self.page.evaluate(code, given)
+
+    def text(self, name: str) -> str:
+        """The text of an element with an id."""
+        return self.page.locator(f"#{name}").inner_text()
+
+    def value(self, name: str) -> str:
+        """The text in the field of an option."""
+        return self.page.locator(f"#value-{name}").input_value()
+
+    def heights(self) -> SimpleNamespace:
+        """``z`` (rows, cols) in mm and ``surface`` of what the page computes now; ``full`` unless it is a preview."""
+        found = self.js(HEIGHTS)
+        shape = found["rows"], -1
+        z = np.reshape(found["z"], shape) * found["pitch"]
+        return SimpleNamespace(z=z, surface=np.reshape(found["surface"], shape) > 0, full=found["full"])
+
+    def picture(self) -> np.ndarray:
+        """Brightness, 0 to 1, of the canvas as it is on the screen."""
+        self.js(QUIET)
+        shot = self.page.locator("#view").screenshot()
+        grey = cv2.imdecode(np.frombuffer(shot, np.uint8), cv2.IMREAD_GRAYSCALE)
+        assert grey is not None
+        return grey.astype(np.float64) / 255
+
+    def relief(self, pad: float = 0.12) -> np.ndarray:
+        """Brightness of the relief on the canvas, without a share of its width and height on each side."""
+        (left, top), (right, bottom) = (self.place(share, share) for share in (0, 1))
+        pad_x, pad_y = pad * (right - left), pad * (bottom - top)
+        rows, cols = slice(round(top + pad_y), round(bottom - pad_y)), slice(round(left + pad_x), round(right - pad_x))
+        return self.picture()[rows, cols]
+
+    def place(self, across: float, down: float, within: str = "canvas") -> tuple[float, float]:
+        """Where a point of the map, in shares of its width and height, lies on the canvas or in the window."""
+        x, y = self.js(
+            """([u, v]) => { const { camera } = studio.stage.view;
+              const { x, y } = camera.toScreen(u * camera.full[0], v * camera.full[1]);
+              return [x, y]; }""",
+            [across, down],
+        )
+        if within == "canvas":
+            return x, y
+        box = self.page.locator("#view").bounding_box()
+        return box["x"] + x, box["y"] + y
+
+    def ready(self) -> Window:
+        """Wait for the first picture at full resolution."""
+        self.page.wait_for_function("() => window.studio?.frame?.is_full && studio.stage.view.drawn > 0")
+        return self
+
+    def waits_for(self, expression: str) -> None:
+        """Wait until an expression of the page holds."""
+        self.page.wait_for_function(f"() => {expression}")
+
+    # what a hand does
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float], steps: int = 6) -> None:
+        """Drag with the mouse from one point of the window to another."""
+        mouse = self.page.mouse
+        mouse.move(*start)
+        mouse.down()
+        mouse.move(*end, steps=steps)
+        mouse.up()
+
+    def slide(self, name: str, share: float) -> None:
+        """Drag the slider of an option from where it is to a share of its length."""
+        slider = self.page.locator(f"#slide-{name}")
+        slider.scroll_into_view_if_needed()
+        box = slider.bounding_box()
+        now = self.js("(name) => { const s = document.getElementById(name); return s.value / s.max }", f"slide-{name}")
+        thumb = 16  # its middle moves between half of it from both ends
+
+        def at(part: float) -> tuple[float, float]:
+            return box["x"] + thumb / 2 + part * (box["width"] - thumb), box["y"] + box["height"] / 2
+
+        self.drag(at(now), at(share))
+
+    def type(self, name: str, text: str) -> None:
+        """Type a value and press Enter."""
+        field = self.page.locator(f"#value-{name}")
+        field.fill(text)
+        field.press("Enter")
