@@ -1,11 +1,11 @@
 """The document of the studio, its controls and the bytes of its heights."""
 
 import json
-import struct
 
 import numpy as np
 import pytest
 from stack_cases import waves, write_maps
+from studio_cases import decoded
 
 import nmaptool as nm
 from nmaptool.core.errors import InputError, UsageError
@@ -99,21 +99,6 @@ def test_controls_describe_the_options():
     assert made["height"]["kind"] == "length"
     assert made["background"]["choices"] == ["plane", "free", "cut", "surface"]
     json.dumps(controls())
-
-
-def decoded(data):
-    """The header, the fields and the mask of a frame."""
-    (length,) = struct.unpack_from("<I", data)
-    assert length % 4 == 0
-    header = json.loads(data[4 : 4 + length])
-    shape, at, fields = (header["rows"], header["cols"]), 4 + length, {}
-    for field in header["fields"]:
-        numbers = np.frombuffer(data, "<u2", shape[0] * shape[1], at).reshape(shape)
-        at += numbers.nbytes
-        fields[field["name"]] = field["low"] + numbers * (field["high"] - field["low"]) / 65535
-    surface = np.frombuffer(data, np.uint8, shape[0] * shape[1], at).reshape(shape)
-    assert at + surface.nbytes == len(data)
-    return header, fields, surface
 
 
 def test_a_frame_holds_the_parts_of_the_heights(folder):

@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 from stack_cases import write_maps
-from test_studio_server import ask, exported, served, until
+from studio_cases import ask, exported, served, until
 
 import nmaptool as nm
 from nmaptool.options.formats import HEIGHT_FORMATS, MESH_FORMATS

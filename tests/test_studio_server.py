@@ -1,19 +1,14 @@
 """The studio's server on this machine: who may speak to it, and what it answers."""
 
-import contextlib
-import http.client
-import json
 import re
 import signal
 import subprocess
 import sys
-import threading
-import time
 from pathlib import Path
 
 import pytest
 from stack_cases import write_maps
-from test_studio_document import decoded
+from studio_cases import ask, exported, served, until
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -24,77 +19,15 @@ from nmaptool.studio.server import Studio
 PAGE = Path(nm.__file__).parent / "studio" / "page"
 
 
-class Client:
-    """A browser, as far as the server can tell."""
-
-    def __init__(self, studio):
-        self.host = f"127.0.0.1:{studio.port}"
-        self.token = studio.address.partition("token=")[2]
-        self.cookie = {"Cookie": f"nmap-studio={self.token}"}
-
-    def get(self, path, headers=None, method="GET"):
-        connection = http.client.HTTPConnection(self.host, timeout=20)
-        connection.request(method, path, headers=self.cookie if headers is None else headers)
-        answer = connection.getresponse()
-        answer.body = answer.read()
-        connection.close()
-        return answer
-
-    def live(self, origin=None, headers=None):
-        origin = f"http://{self.host}" if origin is None else origin
-        more = self.cookie if headers is None else headers
-        return connect(f"ws://{self.host}/live", origin=origin, additional_headers=more, max_size=None)
-
-
 @pytest.fixture
 def folder(tmp_path, png):
     return write_maps(tmp_path, png)
 
 
-@contextlib.contextmanager
-def served(file):
-    """A client of a server that shows a file."""
-    studio = Studio(opened([str(file)]), root=file.parent / "state")
-    thread = threading.Thread(target=studio.run)
-    thread.start()
-    while not studio.is_started:
-        time.sleep(0.01)
-    yield Client(studio)
-    studio.stop()
-    thread.join(10)
-    assert not thread.is_alive()
-
-
 @pytest.fixture
 def client(folder):
-    with served(folder / "bunny.exr") as found:
+    with served(folder / "bunny.exr", root=folder / "state") as found:
         yield found
-
-
-def until(live, kind):
-    """The next message of a kind, or the next frame."""
-    while True:
-        message = live.recv(timeout=20)
-        if isinstance(message, bytes):
-            if kind == "frame":
-                return decoded(message)
-            continue
-        found = json.loads(message)
-        if found["kind"] == kind:
-            return found
-
-
-def ask(live, **message):
-    live.send(json.dumps(message))
-
-
-def exported(live, **wanted):
-    """The last message about an export."""
-    ask(live, do="export", **wanted)
-    while True:
-        found = until(live, "export")
-        if found["state"] not in ("begun", "running"):
-            return found
 
 
 def test_the_token_opens_the_page(client):
@@ -228,7 +161,7 @@ def test_a_saved_recipe_makes_the_bytes_of_the_export(client, folder, run):
 
 def test_a_map_that_cannot_be_read_is_said_in_every_window(tmp_path):
     (tmp_path / "bad.png").write_bytes(b"no picture")
-    with served(tmp_path / "bad.png") as client:
+    with served(tmp_path / "bad.png", root=tmp_path / "state") as client:
         for _ in range(2):
             with client.live() as live:
                 assert "bad.png" in until(live, "error")["text"]

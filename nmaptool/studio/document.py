@@ -115,12 +115,11 @@ class Document:
 
 
 def _renamed(entry: Entry, new: Callable[[str], str]) -> Entry:
-    mask = entry.mask if entry.mask is None else new(entry.mask)
     if isinstance(entry, RecipeLayer):
-        return dataclasses.replace(entry, file=new(entry.file), mask=mask)
-    if isinstance(entry, RecipeGroup):
-        return dataclasses.replace(entry, mask=mask, layers=tuple(_renamed(layer, new) for layer in entry.layers))
-    return dataclasses.replace(entry, mask=mask)
+        entry = dataclasses.replace(entry, file=new(entry.file))
+    elif isinstance(entry, RecipeGroup):
+        entry = dataclasses.replace(entry, layers=tuple(_renamed(layer, new) for layer in entry.layers))
+    return entry if entry.mask is None else dataclasses.replace(entry, mask=new(entry.mask))
 
 
 def _read(kind: type[Options], given: Mapping[str, Any]) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from platformdirs import user_config_path, user_state_path
 from nmaptool.core.errors import OutputError, reason_of
 from nmaptool.studio.app import application
 from nmaptool.studio.document import Document
+from nmaptool.studio.engine import Engine
 from nmaptool.studio.presets import Presets
 from nmaptool.studio.room import Room
 from nmaptool.studio.store import Store
@@ -88,6 +89,11 @@ class Studio:
     def is_started(self) -> bool:
         """Whether it answers requests."""
         return self._server.started
+
+    @property
+    def engine(self) -> Engine | None:
+        """The maps and sessions of the document; None before they were read."""
+        return self._room.worker.engine_of(self._room.now)
 
     @property
     def has_unsaved(self) -> bool:
