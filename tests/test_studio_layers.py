@@ -102,7 +102,8 @@ def test_a_moved_layer_turns_its_vectors(folder):
 
 def test_maps_are_inspected_and_a_remedy_is_offered(folder, dome):
     d = dome()
-    nm.write_normal_map(nm.NormalMap(d.normals.astype(np.float32), d.inside.astype(np.float32)), folder / "down.exr")
+    bumps = nm.NormalMap(d.normals.astype(np.float32), d.inside.astype(np.float32), nm.Frame(*d.inside.shape))
+    nm.write_normal_map(bumps, folder / "down.exr")
     with served(folder / "down.exr") as client, client.live() as live:
         found = until(live, "findings", lambda message: message["layers"])["layers"]
         assert found == [{"place": [0], "findings": []}]

@@ -127,8 +127,8 @@ def test_a_stroke_flattens_and_is_undone(folder):
         ask(live, do="paint", role="beta_map", brush=brush, points=[[5, 20, 1], [9, 20, 1]])
         state = until(live, "state", lambda found: found["files"]["beta_map"])
         file = state["files"]["beta_map"]
-        assert nm.read_raster(file).bits == 16
-        assert nm.read_grey(file)[20, 8] == 0
+        assert nm.read_raster(folder / file).bits == 16
+        assert nm.read_grey(folder / file)[20, 8] == 0
         painted = until(live, "frame")[1]
         ask(live, do="paint", role="beta_map", brush={**brush, "value": 0.5}, points=[[25, 20, 1]])
         again = until(live, "state")["files"]["beta_map"]

@@ -27,7 +27,8 @@ const acts = {
 };
 const found = cases.map(({ box, options, act, by }) => {
   const after = acts[act](box, by);
-  return { matrix: after.matrix, keys: keysFor(box, after, options, { cols: 600, rows: 400 }), share: shareAt(after, ...pointAt(after, [0.2, 0.7])) };
+  const keys = keysFor(box, after, options, { cols: 600, rows: 400 });
+  return { matrix: after.matrix, keys, share: shareAt(after, ...pointAt(after, [0.2, 0.7])) };
 });
 const snaps = [snap([10, 20, 30], [0, 24, 40], 5), snap([10], [16], 5), snap([1, 39], [0, 40], 5)];
 console.log(JSON.stringify({ found, snaps }));
@@ -36,8 +37,8 @@ console.log(JSON.stringify({ found, snaps }));
 
 def box_of(options):
     """The box of a layer, as the server sends it."""
-    normal_map = nm.NormalMap(np.full((ROWS, COLS, 3), (0, 0, 1), np.float32), np.ones((ROWS, COLS), np.float32))
-    matrix = matrix_of(nm.Layer(normal_map, nm.LayerOptions(**options)), FRAME)
+    flat = np.full((ROWS, COLS, 3), (0, 0, 1), np.float32)
+    matrix = matrix_of(nm.Layer(flat, nm.LayerOptions(**options)), FRAME)
     return {"cols": COLS, "rows": ROWS, "matrix": matrix.tolist()}
 
 

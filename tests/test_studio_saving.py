@@ -143,7 +143,7 @@ def test_work_is_recovered_after_a_kill(folder, tmp_path):
         with client.live() as live:
             until(live, "frame")
             file = paint(live)
-            grey = nm.read_grey(file)
+            grey = nm.read_grey(folder / file)
             ask(live, do="set", values={"mu": 0.6})
             until(live, "state")
             facts = next(root.iterdir()) / "autosave.json"
@@ -163,7 +163,7 @@ def test_work_is_recovered_after_a_kill(folder, tmp_path):
         assert until(live, "unsaved")["items"] == []
         assert state["values"]["mu"] == 0.6
         assert state["layers"][0]["file"] == "bunny.exr"
-        assert np.array_equal(nm.read_grey(state["files"]["delta_map"]), grey)
+        assert np.array_equal(nm.read_grey(folder / state["files"]["delta_map"]), grey)
         until(live, "frame")
         ask(live, do="save", name="back.toml")
         assert until(live, "saved")["path"] == str(folder / "back.toml")

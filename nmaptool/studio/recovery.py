@@ -14,7 +14,7 @@ from nmaptool.composition.recipe_toml import to_toml
 from nmaptool.core.errors import InputError, NmaptoolError
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
-from nmaptool.studio.document import Document
+from nmaptool.studio.document import Document, relative
 from nmaptool.studio.store import Store
 
 _RECIPE, _FACTS = "autosave.toml", "autosave.json"
@@ -108,7 +108,7 @@ def recovered(unsaved: Unsaved, store: Store) -> Document:
     moved: dict[Path, Path] = {}
 
     def new(name: str) -> str:
-        file, layer = split_layer(name)
+        file, layer = split_layer(str(unsaved.home / name))
         if not file.is_relative_to(unsaved.folder):
             return name
         if file not in moved:
@@ -116,7 +116,7 @@ def recovered(unsaved: Unsaved, store: Store) -> Document:
                 raise InputError(f"{unsaved.name}: {file.name} is gone")
             moved[file] = store.place(file.name)
             shutil.copyfile(file, moved[file])
-        return f"{moved[file]}" + ("" if layer is None else f":{layer}")
+        return relative(moved[file], read.folder) + ("" if layer is None else f":{layer}")
 
     document = read.renamed(new)
     shutil.rmtree(unsaved.folder, ignore_errors=True)
