@@ -5,6 +5,7 @@
 
 const FOCUS = 1 / Math.tan((15 * Math.PI) / 180); // a field of view of 30 degrees
 const DEFAULT_TURN = { yaw: -20, tilt: 48 };
+const SHARE = 0.92; // of the canvas that the whole map fills
 const [LEAST_ZOOM, MOST_ZOOM] = [0.01, 64];
 
 export class Camera {
@@ -22,16 +23,22 @@ export class Camera {
   fit() {
     const [cols, rows] = this.full;
     this.target = [cols / 2, rows / 2, 0];
-    const [width, height] = this.orbits ? this.extent() : [cols, rows];
-    this.zoom = 0.94 * Math.min(this.width / width, this.height / height);
+    this.zoom = SHARE * Math.min(this.width / cols, this.height / rows);
+    // perspective makes near corners larger: a few steps settle it
+    for (let i = 0; this.orbits && i < 6; i++) {
+      const { left, right, top, bottom } = this.outline();
+      this.pan((this.width - left - right) / 2, (this.height - top - bottom) / 2);
+      const factor = Math.min(this.width / (right - left), this.height / (bottom - top));
+      this.zoomAt(this.width / 2, this.height / 2, SHARE * factor);
+    }
   }
 
-  /** Width and height of the plate, as it is turned, on the screen. */
-  extent() {
+  /** The box of the plate's corners on the screen. */
+  outline() {
     const [cols, rows] = this.full;
-    const { right, up } = this.axes();
-    const size = (axis) => Math.abs(axis[0]) * cols + Math.abs(axis[1]) * rows;
-    return [1.15 * size(right), 1.25 * size(up)];
+    const corners = [0, cols].flatMap((x) => [0, rows].map((y) => this.toScreen(x, y)));
+    const [xs, ys] = [corners.map(({ x }) => x), corners.map(({ y }) => y)];
+    return { left: Math.min(...xs), right: Math.max(...xs), top: Math.min(...ys), bottom: Math.max(...ys) };
   }
 
   /** Look at the plate from the default direction. */

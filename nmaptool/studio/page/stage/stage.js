@@ -1,9 +1,10 @@
 /* The picture and what surrounds it: the toolbar, the light, and the pointer on the canvas. */
 
-import { combined } from "../heights.js";
+import { combined, millimetres } from "../heights.js";
 import { $ } from "../studio.js";
 import { Pointer } from "./pointer.js";
-import { MATERIALS, OVERLAYS, View } from "./view.js";
+import { MATERIALS, OVERLAYS } from "./materials.js";
+import { View } from "./view.js";
 
 const TURNS = { ArrowLeft: [5, 0], ArrowRight: [-5, 0], ArrowUp: [0, 3], ArrowDown: [0, -3] };
 
@@ -43,9 +44,13 @@ function setUpLayers(view) {
 function render(studio, view) {
   const { frame, values } = studio;
   const { z, span, low, high, pitch } = combined(frame, values);
-  view.show(z, frame.surface, frame.cols, frame.rows, { low, high, pitch, full: frame.full });
-  const size = `${((frame.cols - 1) * pitch).toFixed(1)} x ${((frame.rows - 1) * pitch).toFixed(1)} mm`;
-  $("facts").textContent = `${size}, ${span.toFixed(3)} mm high`;
+  const { cols, rows, surface, full } = frame;
+  const width = (cols - 1) * pitch;
+  const base = millimetres(values.base);
+  // a surface without a back is shown as a thin plate
+  const thick = Number.isFinite(base) ? base : 0.02 * width;
+  view.show({ z, surface, cols, rows, low, high, pitch, full, base: thick });
+  $("facts").textContent = `${width.toFixed(1)} x ${((rows - 1) * pitch).toFixed(1)} mm, ${span.toFixed(3)} mm high`;
 }
 
 function setUpToolbar(studio, view) {
@@ -70,7 +75,7 @@ function setUpToolbar(studio, view) {
 
 function keys(view, event) {
   const turn = TURNS[event.key];
-  if (turn) moveLight(view, view.light.azimuth + turn[0], view.light.elevation + turn[1]);
+  if (turn) moveLight(view, view.lights[0].azimuth + turn[0], view.lights[0].elevation + turn[1]);
   else if (event.key === "+" || event.key === "-")
     view.zoomAt(view.camera.width / 2, view.camera.height / 2, event.key === "+" ? 1.25 : 0.8);
   else return;
@@ -78,17 +83,17 @@ function keys(view, event) {
 }
 
 function moveLight(view, azimuth, elevation) {
-  view.light = { azimuth: (azimuth + 360) % 360, elevation: Math.min(Math.max(elevation, 3), 89) };
+  view.lights[0] = { ...view.lights[0], azimuth: (azimuth + 360) % 360, elevation: Math.min(Math.max(elevation, 3), 89) };
   const { clientWidth: width, clientHeight: height } = $("picture");
-  const out = 0.42 * Math.min(width, height) * Math.cos((view.light.elevation * Math.PI) / 180);
-  const angle = (view.light.azimuth * Math.PI) / 180;
-  const [turned, high] = [view.light.azimuth, view.light.elevation].map(Math.round);
+  const out = 0.42 * Math.min(width, height) * Math.cos((view.lights[0].elevation * Math.PI) / 180);
+  const angle = (view.lights[0].azimuth * Math.PI) / 180;
+  const [turned, high] = [view.lights[0].azimuth, view.lights[0].elevation].map(Math.round);
   const knob = $("light");
   knob.style.left = `${width / 2 + out * Math.cos(angle)}px`;
   knob.style.top = `${height / 2 - out * Math.sin(angle)}px`;
   knob.setAttribute("aria-valuenow", turned);
   knob.setAttribute("aria-valuetext", `${turned} degrees, ${high} high`);
-  view.draw();
+  view.move();
 }
 
 function setUpLight(view) {
@@ -111,6 +116,6 @@ function setUpLight(view) {
   });
   new ResizeObserver(() => {
     view.look(() => {});
-    moveLight(view, view.light.azimuth, view.light.elevation);
+    moveLight(view, view.lights[0].azimuth, view.lights[0].elevation);
   }).observe($("picture"));
 }
