@@ -25,22 +25,28 @@ float at(vec2 p) {
   return mix(mix(texelFetch(heights, i, 0).r, texelFetch(heights, ivec2(j.x, i.y), 0).r, f.x),
              mix(texelFetch(heights, ivec2(i.x, j.y), 0).r, texelFetch(heights, j, 0).r, f.x), f.y);`
   }
-}`;
+}
+`;
 
 /* Red, green: slopes dz/dx and dz/dy (y down); blue: whether it is on the surface. The weights of Scharr's filter
    also smooth the steps that 16 bits leave. At the edge of the surface the slope goes to one side. */
 export const SLOPES = `
-uniform bool has_holes;
 out vec4 found;
 float z(ivec2 i, float own) {
   i = clamp(i, ivec2(0), ivec2(grid) - 1);
   float height = texelFetch(heights, i, 0).r;
-  return has_holes && texelFetch(surface, i, 0).r == 0.0 ? own : height;
+#if HOLES
+  if (texelFetch(surface, i, 0).r == 0.0) return own;
+#endif
+  return height;
 }
 void main() {
   ivec2 i = ivec2(gl_FragCoord.xy);
   float own = texelFetch(heights, i, 0).r;
-  float is_on = has_holes ? step(0.001, texelFetch(surface, i, 0).r) : 1.0;
+  float is_on = 1.0;
+#if HOLES
+  is_on = step(0.001, texelFetch(surface, i, 0).r);
+#endif
   float nw = z(i + ivec2(-1, -1), own), n = z(i + ivec2(0, -1), own), ne = z(i + ivec2(1, -1), own);
   float w = z(i + ivec2(-1, 0), own), e = z(i + ivec2(1, 0), own);
   float sw = z(i + ivec2(-1, 1), own), s = z(i + ivec2(0, 1), own), se = z(i + ivec2(1, 1), own);

@@ -6,7 +6,7 @@ import { HEIGHTS, OCCLUSION, SHADOW, SLOPES, WHOLE } from "./passes.js";
 /** Longest side of what is computed while something moves, and when it rests; on a card or on the processor. */
 const SIZES = {
   card: { moving: { shadow: 1024, occlusion: 512 }, resting: { shadow: 2048, occlusion: 1024 } },
-  processor: { moving: { shadow: 256, occlusion: 96 }, resting: { shadow: 1024, occlusion: 512 } },
+  processor: { moving: { shadow: 192, occlusion: 96 }, resting: { shadow: 1024, occlusion: 512 } },
 };
 
 /** The programs that reliefs share. */
@@ -16,7 +16,8 @@ export class Passes {
     this.isLinear = isLinear;
     this.sizes = SIZES[isSoftware ? "processor" : "card"];
     const made = (text) => new Program(gl, WHOLE, HEIGHTS(isLinear) + text);
-    this.slopes = made(SLOPES);
+    this.slopes = made(`#define HOLES 0\n${SLOPES}`);
+    this.slopesAtHoles = made(`#define HOLES 1\n${SLOPES}`);
     this.occlusion = made(OCCLUSION);
     this.shadow = made(SHADOW);
   }
@@ -47,7 +48,7 @@ export class Relief {
       this.hasHoles = surface.includes(0);
     }
     this.slopes.resize(cols, rows);
-    this.slopes.draw(this.passes.slopes, { ...this.inputs, has_holes: this.hasHoles });
+    this.slopes.draw(this.hasHoles ? this.passes.slopesAtHoles : this.passes.slopes, this.inputs);
     this.slopes.reduce();
     this.done = { occlusion: null, shadow: null };
   }
@@ -111,7 +112,6 @@ export class Relief {
       slopes: this.slopes.texture,
       occlusion: this.occlusion.texture,
       shadow: this.shadows[1].texture,
-      has_holes: this.hasHoles,
     };
   }
 

@@ -5,10 +5,10 @@ import { MATERIALS, noise, palette } from "./materials.js";
 import { HEIGHTS, WHOLE } from "./passes.js";
 import { Passes, Relief } from "./relief.js";
 import { BACKDROP, FLAT, LIFTED, SIDE, SIDES, TURNED } from "./shaders.js";
-import { SHADING } from "./shading.js";
+import { CHOICES, SHADING } from "./shading.js";
 
 // vertices along the longer side of the mesh in the orbit view
-const MESH = { card: { moving: 513, resting: 1025 }, processor: { moving: 193, resting: 513 } };
+const MESH = { card: { moving: 513, resting: 1025 }, processor: { moving: 97, resting: 385 } };
 const SAMPLES = 4;
 
 export class Renderer {
@@ -17,11 +17,11 @@ export class Renderer {
     const { gl, isLinear } = context;
     this.gl = gl;
     this.passes = new Passes(context);
+    /** Share of the device pixels that are drawn while something moves. */
+    this.coarse = context.isSoftware ? 0.5 : 1;
     this.meshes = MESH[context.isSoftware ? "processor" : "card"];
-    const head = HEIGHTS(isLinear);
-    this.flat = new Program(gl, WHOLE, head + SHADING + FLAT);
-    this.turned = new Program(gl, head + LIFTED, head + SHADING + TURNED);
-    this.sides = new Program(gl, head + SIDES, head + SHADING + SIDE);
+    this.head = HEIGHTS(isLinear);
+    this.built = new Map(); // programs by what they draw and the choices
     this.backdrop = new Program(gl, WHOLE, BACKDROP);
     this.noise = picture(gl, noise(), "REPEAT");
     this.palette = picture(gl, palette(), "CLAMP_TO_EDGE");
@@ -29,6 +29,31 @@ export class Renderer {
     this.layer.fill(new Uint8Array(1), 1, 1);
     this.triangles = { key: "", count: 0, buffer: gl.createBuffer() };
     this.smooth = null; // a multisampled target for the outline of the turned plate
+  }
+
+  /** The program that draws the relief "flat", "turned" or its "sides" for a scene; built when it is first needed. */
+  program(kind, scene, { relief }) {
+    const stuff = MATERIALS[scene.material];
+    const choices = [
+      stuff.kind,
+      Number(stuff.finish[0] > 0.3),
+      Number(stuff.finish[1] < 0.7),
+      kind === "sides" ? 0 : scene.overlay,
+      scene.lights.length,
+      Number(scene.shadows),
+      Number(relief.hasHoles),
+    ];
+    const key = [kind, ...choices].join();
+    if (!this.built.has(key)) {
+      const chosen = CHOICES.map((name, i) => `#define ${name} ${choices[i]}\n`).join("");
+      const [vertex, fragment] = {
+        flat: [WHOLE, FLAT],
+        turned: [this.head + LIFTED, TURNED],
+        sides: [this.head + SIDES, SIDE],
+      }[kind];
+      this.built.set(key, new Program(this.gl, vertex, this.head + chosen + SHADING + fragment));
+    }
+    return this.built.get(key);
   }
 
   relief() {
@@ -72,7 +97,7 @@ export class Renderer {
     const corner = camera.onPlane(0, camera.height);
     const ratio = part.relief.grid.map((count, i) => (count - 1) / camera.full[i]);
     const pace = 1 / (camera.zoom * density);
-    this.flat.use({
+    this.program("flat", scene, part).use({
       ...this.looks(scene, part),
       corner: [corner.x * ratio[0], corner.y * ratio[1]],
       step_px: [pace * ratio[0], -pace * ratio[1]],
@@ -99,9 +124,10 @@ export class Renderer {
       eye: camera.target.map((value, i) => value + camera.distance * near[i]),
     };
     const mesh = this.mesh(grid, scene.moving);
-    this.turned.use({ ...values, mesh });
+    this.program("turned", scene, part).use({ ...values, mesh });
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.triangles.buffer);
     gl.drawElements(gl.TRIANGLES, this.triangles.count, gl.UNSIGNED_INT, 0);
+    const sides = this.program("sides", scene, part);
     [
       [0, -1, 0],
       [1, 0, 0],
@@ -109,7 +135,7 @@ export class Renderer {
       [-1, 0, 0],
     ].forEach((outward, side) => {
       const count = mesh[side % 2];
-      this.sides.use({ ...values, side, count, outward });
+      sides.use({ ...values, side, count, outward });
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 2 * count);
     });
   }
@@ -135,15 +161,11 @@ export class Renderer {
       noise: this.noise.texture,
       palette: this.palette.texture,
       layer: this.layer.texture,
-      has_shadow: scene.shadows,
-      lights: scene.lights.length,
       to_light: scene.lights.flatMap((light) => light.direction),
       strength: scene.lights.map((light) => light.strength),
       albedo: stuff.albedo,
       hollow: stuff.hollow,
       finish: stuff.finish,
-      material: stuff.kind,
-      overlay: scene.overlay,
       range: relief.range,
       contour: [scene.contourMm / relief.pitch, 5],
       steepest: scene.steepest,

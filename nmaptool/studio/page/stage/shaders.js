@@ -16,7 +16,9 @@ void main() {
   }
   float is_on;
   vec3 tone = look(p, vec3(0.0, 0.0, 1.0), is_on);
-  if (has_holes) is_in *= smoothstep(0.4, 0.6, is_on);
+#if HOLES
+  is_in *= smoothstep(0.4, 0.6, is_on);
+#endif
   colour = developed(mix(ground, tone, is_in));
 }`;
 
@@ -50,13 +52,13 @@ void main() {
   vec3 view = normalize(eye - world);
   float is_on;
   vec3 tone;
-  if (solid > 0.99) {
+#if HOLES
+  vec3 n = normalize(cross(dFdx(world), dFdy(world)));
+  if (dot(n, view) < 0.0) n = -n;
+  if (solid < 0.99) tone = shade(place, at(place), n, view, 0.9, 0.8);
+  else
+#endif
     tone = look(place, view, is_on);
-  } else {
-    vec3 n = normalize(cross(dFdx(world), dFdy(world)));
-    if (dot(n, view) < 0.0) n = -n;
-    tone = shade(place, world.z, n, view, 0.9, 0.8);
-  }
   colour = developed(tone);
 }`;
 

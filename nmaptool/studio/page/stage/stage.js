@@ -34,7 +34,7 @@ export function setUpStage(studio) {
 function setUpLayers(view) {
   const [svg, paint] = [$("tools-layer"), $("paint-layer")];
   view.onView(() => {
-    const { width, height } = view.canvas;
+    const [width, height] = [view.camera.width, view.camera.height].map((size) => Math.round(size * view.density));
     if (paint.width !== width) paint.width = width;
     if (paint.height !== height) paint.height = height;
     svg.setAttribute("viewBox", `0 0 ${view.camera.width} ${view.camera.height}`);

@@ -58,6 +58,7 @@ export class View {
 
   /** Change the camera, and draw. */
   look(change) {
+    this.moves = true;
     this.resize();
     change(this.camera);
     for (const listener of this.listeners) listener();
@@ -129,15 +130,21 @@ export class View {
     return heightAt(relief, x, y);
   }
 
+  /** Device pixels per CSS px, at most 2. */
   get density() {
     return Math.min(window.devicePixelRatio || 1, 2);
+  }
+
+  /** Pixels that are drawn per CSS px: fewer while something moves and the processor draws. */
+  get drawnDensity() {
+    return this.density * (this.moves ? this.renderer.coarse : 1);
   }
 
   /** Give the canvas the pixels of its place on the screen. */
   resize() {
     const { clientWidth, clientHeight } = this.canvas;
-    const width = Math.max(1, Math.round(clientWidth * this.density));
-    const height = Math.max(1, Math.round(clientHeight * this.density));
+    const width = Math.max(1, Math.round(clientWidth * this.drawnDensity));
+    const height = Math.max(1, Math.round(clientHeight * this.drawnDensity));
     this.camera.width = Math.max(clientWidth, 1);
     this.camera.height = Math.max(clientHeight, 1);
     if (this.canvas.width !== width) this.canvas.width = width;
@@ -177,7 +184,7 @@ export class View {
           { ...now, range: [this.split, 1] },
         ]
       : [{ ...now, range: [0, 1] }];
-    const { camera, density, moves: moving, material, overlay, shadows } = this;
+    const { camera, drawnDensity: density, moves: moving, material, overlay, shadows } = this;
     const lights = this.lights.map((light) => ({ direction: toLight(light), strength: light.strength }));
     const steepest = Math.tan(((90 - this.draft) * Math.PI) / 180);
     const contourMm = contourStep(this.relief.high - this.relief.low);
