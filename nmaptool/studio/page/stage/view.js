@@ -70,6 +70,11 @@ export class View {
     this.look((camera) => camera.fit());
   }
 
+  /** Show the whole relief from the default direction. */
+  reset() {
+    this.look((camera) => camera.reset());
+  }
+
   /** Show one px of the map per device pixel. */
   actual() {
     this.look((camera) => camera.scaleTo(1 / this.density));
