@@ -16,20 +16,21 @@ export class Camera {
     this.orbits = false;
     this.zoom = 1; // CSS px per px of the map; in the orbit view, at the target
     this.target = [0.5, 0.5, 0];
+    this.isFitted = true; // until the user zooms or moves the view
     this.turn = { ...DEFAULT_TURN }; // degrees: about the plate's normal, and from the view straight on
   }
 
   /** Show the whole map. */
   fit() {
+    this.isFitted = true;
     const [cols, rows] = this.full;
     this.target = [cols / 2, rows / 2, 0];
     this.zoom = SHARE * Math.min(this.width / cols, this.height / rows);
     // perspective makes near corners larger: a few steps settle it
     for (let i = 0; this.orbits && i < 6; i++) {
       const { left, right, top, bottom } = this.outline();
-      this.pan((this.width - left - right) / 2, (this.height - top - bottom) / 2);
-      const factor = Math.min(this.width / (right - left), this.height / (bottom - top));
-      this.zoomAt(this.width / 2, this.height / 2, SHARE * factor);
+      this.shift((this.width - left - right) / 2, (this.height - top - bottom) / 2);
+      this.zoom *= SHARE * Math.min(this.width / (right - left), this.height / (bottom - top));
     }
   }
 
@@ -123,8 +124,16 @@ export class Camera {
     return this.onPlane(x, y, low);
   }
 
+  /** The canvas has another size: a view that shows the whole map still does. */
+  resize(width, height) {
+    if (this.width === width && this.height === height) return;
+    [this.width, this.height] = [width, height];
+    if (this.isFitted) this.fit();
+  }
+
   /** Change the zoom; what is at a place on the screen stays there. */
   zoomAt(x, y, factor) {
+    this.isFitted = false;
     const { right, up } = this.axes();
     const before = this.zoom;
     this.zoom = Math.min(Math.max(this.zoom * factor, LEAST_ZOOM), MOST_ZOOM);
@@ -135,6 +144,11 @@ export class Camera {
 
   /** Move what is seen by px of the screen. */
   pan(dx, dy) {
+    this.isFitted = false;
+    this.shift(dx, dy);
+  }
+
+  shift(dx, dy) {
     const { right, up } = this.axes();
     this.target = this.target.map((value, i) => value - (dx * right[i] - dy * up[i]) / this.zoom);
   }

@@ -1,9 +1,11 @@
 /* The legend of the overlay: its colours, with numbers. */
 
+import { $ } from "../studio.js";
 import { colourAt, OVERLAYS } from "./materials.js";
 import { contourStep, mmText, roundUp, ticks } from "./scales.js";
 
 const WIDTH = 220; // CSS px of the colour bar
+const EDGE = 18; // beside it, for numbers that are centred on its ends
 
 /** Share of the surface that is steeper than `steepest` (rise per run), from heights and spacing in the same unit. */
 export function steepShare({ z, surface, cols, rows }, steepest) {
@@ -61,14 +63,14 @@ export function showLegend(holder, legend) {
 }
 
 function bar({ scale, numbers }) {
-  const svg = element("svg", { width: WIDTH + 24, height: 34, "aria-hidden": true });
+  const svg = element("svg", { width: WIDTH + 2 * EDGE, height: 34, "aria-hidden": true });
   const strips = 64;
   for (let i = 0; i < strips; i++) {
     const fill = `rgb(${colourAt(scale, (i + 0.5) / strips)})`;
-    svg.append(element("rect", { x: 12 + (i * WIDTH) / strips, width: WIDTH / strips + 0.5, y: 0, height: 12, fill }));
+    svg.append(element("rect", { x: EDGE + (i * WIDTH) / strips, width: WIDTH / strips + 0.5, y: 0, height: 12, fill }));
   }
   for (const [share, text] of numbers) {
-    const x = 12 + share * WIDTH;
+    const x = EDGE + share * WIDTH;
     svg.append(element("line", { x1: x, x2: x, y1: 12, y2: 16 }));
     const number = element("text", { x, y: 29, "text-anchor": "middle" });
     number.textContent = text;
@@ -87,7 +89,7 @@ function mark([kind, text]) {
 
 /** An SVG element with attributes. */
 export function element(name, attributes = {}) {
-  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+  const made = document.createElementNS($("section-layer").namespaceURI, name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
   return made;
 }

@@ -18,25 +18,24 @@ export function anglesOf([x, y, z]) {
 
 /**
  * The direction whose knob is at (u, v) on the dome, right and up, in radii. Of the two on the line of sight, the one
- * towards the viewer, unless it lies below the plate.
+ * above the plate that is nearer to the direction `now`.
  */
-export function directionAt(u, v, { right, up, near }) {
+export function directionAt(u, v, { right, up, near }, now) {
   const size = Math.hypot(u, v);
   const [a, b] = size > 0.999 ? [(u / size) * 0.999, (v / size) * 0.999] : [u, v];
   const depth = Math.sqrt(1 - a * a - b * b);
-  const at = (w) => [0, 1, 2].map((i) => a * right[i] + b * up[i] + w * near[i]);
-  const [front, back] = [at(depth), at(-depth)];
   const least = Math.sin((LOWEST * Math.PI) / 180);
-  if (front[2] >= least) return front;
-  if (back[2] >= least) return back;
-  return unit([front[0], front[1], Math.max(front[2], least)]);
+  const both = [depth, -depth].map((w) => [0, 1, 2].map((i) => a * right[i] + b * up[i] + w * near[i]));
+  const above = both.filter((direction) => direction[2] >= least);
+  if (above.length) return above.reduce((one, other) => (dot(other, now) > dot(one, now) ? other : one));
+  return unit([both[0][0], both[0][1], least]);
 }
 
 /** Another light: opposite the last one, and weaker. */
 export function another(lights) {
   const last = lights[lights.length - 1];
   const azimuth = (last.azimuth + (lights.length === 1 ? 160 : 100)) % 360;
-  return { azimuth, elevation: 45, strength: 0.4 };
+  return { azimuth, elevation: 40, strength: 0.3 };
 }
 
 export class Lights {
@@ -102,7 +101,8 @@ export class Lights {
     const radius = DOME * Math.min(camera.width, camera.height);
     const u = (event.clientX - box.left - camera.width / 2) / radius;
     const v = (box.top + camera.height / 2 - event.clientY) / radius;
-    this.move(number, anglesOf(directionAt(u, v, camera.axes())));
+    const now = toLight(this.view.lights[number]);
+    this.move(number, anglesOf(directionAt(u, v, camera.axes(), now)));
   }
 
   move(number, { azimuth, elevation }) {

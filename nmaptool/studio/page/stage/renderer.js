@@ -1,5 +1,6 @@
 /* Draws reliefs on the canvas: flat or turned, one or two beside each other. */
 
+import { dot } from "./camera.js";
 import { Program, start, Texture } from "./gl.js";
 import { MATERIALS, noise, palette } from "./materials.js";
 import { HEIGHTS, WHOLE } from "./passes.js";
@@ -8,7 +9,7 @@ import { BACKDROP, FLAT, LIFTED, SIDE, SIDES, TURNED } from "./shaders.js";
 import { CHOICES, SHADING } from "./shading.js";
 
 // vertices along the longer side of the mesh in the orbit view
-const MESH = { card: { moving: 513, resting: 1025 }, processor: { moving: 97, resting: 385 } };
+const MESH = { card: { moving: 513, resting: 1025 }, processor: { moving: 65, resting: 321 } };
 const SAMPLES = 4;
 
 export class Renderer {
@@ -134,6 +135,8 @@ export class Renderer {
       [0, 1, 0],
       [-1, 0, 0],
     ].forEach((outward, side) => {
+      const edge = [1, 2].includes(side) ? camera.full : [0, 0];
+      if (dot(outward, values.eye) <= dot(outward, [...edge, 0])) return; // seen from behind
       const count = mesh[side % 2];
       sides.use({ ...values, side, count, outward });
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 2 * count);

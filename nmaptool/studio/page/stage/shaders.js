@@ -16,10 +16,14 @@ void main() {
   }
   float is_on;
   vec3 tone = look(p, vec3(0.0, 0.0, 1.0), is_on);
+  vec3 behind = ground;
 #if HOLES
+#if OVERLAY == 4
+  if (is_in == 1.0) behind = bare_stripes(ground, 1.0);
+#endif
   is_in *= smoothstep(0.4, 0.6, is_on);
 #endif
-  colour = developed(mix(ground, tone, is_in));
+  colour = developed(mix(behind, tone, is_in));
 }`;
 
 /** Turned: the vertices of a mesh over the grid, lifted by the height. */

@@ -59,6 +59,12 @@ vec3 room(vec3 r, float rough) {
   return light + dim * vec3(0.40, 0.44, 0.52) - front * 0.10 * (1.0 - 0.5 * rough);
 }
 
+/* Background in blue stripes, as far as it is bare. */
+vec3 bare_stripes(vec3 tone, float bare) {
+  float stripe = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 12.0));
+  return mix(tone, vec3(0.02, 0.16, 0.62), clamp(bare, 0.0, 1.0) * (0.62 + 0.2 * stripe));
+}
+
 vec3 tint(vec3 tone, vec2 p, float z, float slope, float key) {
   float lit_by = 0.42 + 0.58 * min(key, 1.2);
 #if OVERLAY == 1
@@ -74,9 +80,7 @@ vec3 tint(vec3 tone, vec2 p, float z, float slope, float key) {
 #elif OVERLAY == 3
   return mix(tone, vec3(0.85, 0.03, 0.02) * lit_by, 0.92 * step(steepest, slope));
 #elif OVERLAY == 4
-  float bare = 1.0 - texture(layer, (p + 0.5) / grid).r;
-  float stripe = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 12.0));
-  return mix(tone, vec3(0.02, 0.16, 0.62) * lit_by, bare * (0.62 + 0.2 * stripe));
+  return bare_stripes(tone, lit_by * (1.0 - texture(layer, (p + 0.5) / grid).r));
 #elif OVERLAY == 5
   return texture(palette, vec2(texture(layer, (p + 0.5) / grid).r, 0.625)).rgb * (0.55 + 0.45 * min(key, 1.2));
 #else
@@ -104,7 +108,7 @@ vec3 shade(vec2 p, float z, vec3 n, vec3 view, float open, float lit) {
     float lobe = exp2(tight * (dot(n, half_way) - 1.0) * 1.4427);
     float away = 1.0 - max(dot(half_way, view), 0.0);
     float fresnel = mirror + (1.0 - mirror) * 0.04 + (1.0 - mirror) * pow(away, 5.0) * 0.5;
-    shine += vec3(fresnel * lobe * min(0.05 * tight, 6.0) * reach * smoothstep(0.0, 0.12, incoming));
+    shine += vec3(fresnel * lobe * min(0.035 * tight, 2.2) * reach * smoothstep(0.0, 0.12, incoming));
 #endif
   }
   float up = 0.5 - 0.5 * n.y * 0.7 - 0.15 * n.x;
@@ -118,6 +122,7 @@ vec3 shade(vec2 p, float z, vec3 n, vec3 view, float open, float lit) {
   float edge = pow(1.0 - facing, 5.0);
   vec3 colour_of = mix(base, vec3(1.0), 0.6 * edge);
   tone = mix(diffuse * 0.45, colour_of * (seen * 1.05 + 0.45 * key), mirror) + colour_of * shine * worn;
+  tone *= 1.3 / (1.0 + 0.5 * tone);
 #endif
   return tint(tone, p, z, length(n.xy) / max(n.z, 1e-3), key);
 }

@@ -150,8 +150,7 @@ export class View {
     const { clientWidth, clientHeight } = this.canvas;
     const width = Math.max(1, Math.round(clientWidth * this.drawnDensity));
     const height = Math.max(1, Math.round(clientHeight * this.drawnDensity));
-    this.camera.width = Math.max(clientWidth, 1);
-    this.camera.height = Math.max(clientHeight, 1);
+    this.camera.resize(Math.max(clientWidth, 1), Math.max(clientHeight, 1));
     if (this.canvas.width !== width) this.canvas.width = width;
     if (this.canvas.height !== height) this.canvas.height = height;
   }
