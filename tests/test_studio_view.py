@@ -263,6 +263,18 @@ console.log(JSON.stringify(Array.from(triangles(4, 3))));
     assert area == 6
 
 
+def test_heights_off_the_surface_neither_bend_its_edge_nor_cast_shadows(node):
+    found = node("""
+import { close } from "./relief.js";
+const z = Float32Array.from([5, 99, 99, 99, 7, 99, 99, 99]);
+const surface = Uint8Array.from([1, 0, 0, 0, 1, 0, 0, 0]);
+const closed = new Float32Array(8);
+close({ z, surface, cols: 4, rows: 2, lowPx: -1 }, closed);
+console.log(JSON.stringify(Array.from(closed)));
+""")
+    assert found == [5, 6, -1, -1, 7, 6, -1, -1]
+
+
 def test_the_bytes_of_an_overlay_are_read(node):
     found = node("""
 import { unpacked } from "./map_layers.js";

@@ -28,31 +28,37 @@ float at(vec2 p) {
 }
 `;
 
-/* Red, green: slopes dz/dx and dz/dy (y down); blue: whether it is on the surface. The weights of Scharr's filter
+/* Red, green: slopes dz/dx and dz/dy (y down), 0 off the surface; blue: whether it is on the surface. The weights of Scharr's filter
    also smooth the steps that 16 bits leave. At the edge of the surface the slope goes to one side. */
 export const SLOPES = `
 out vec4 found;
+float on(ivec2 i) {
+  return step(0.001, texelFetch(surface, clamp(i, ivec2(0), ivec2(grid) - 1), 0).r);
+}
 float z(ivec2 i, float own) {
   i = clamp(i, ivec2(0), ivec2(grid) - 1);
   float height = texelFetch(heights, i, 0).r;
 #if HOLES
-  if (texelFetch(surface, i, 0).r == 0.0) return own;
+  if (on(i) == 0.0) return own;
 #endif
   return height;
 }
 void main() {
   ivec2 i = ivec2(gl_FragCoord.xy);
   float own = texelFetch(heights, i, 0).r;
-  float is_on = 1.0;
-#if HOLES
-  is_on = step(0.001, texelFetch(surface, i, 0).r);
-#endif
   float nw = z(i + ivec2(-1, -1), own), n = z(i + ivec2(0, -1), own), ne = z(i + ivec2(1, -1), own);
   float w = z(i + ivec2(-1, 0), own), e = z(i + ivec2(1, 0), own);
   float sw = z(i + ivec2(-1, 1), own), s = z(i + ivec2(0, 1), own), se = z(i + ivec2(1, 1), own);
+  /* at an edge the difference spans one px, not two */
   vec2 last = vec2(1.0) + vec2(equal(i, ivec2(0))) + vec2(equal(i, ivec2(grid) - 1));
+  float is_on = 1.0;
+#if HOLES
+  is_on = on(i);
+  last += 2.0 - vec2(on(i + ivec2(1, 0)) + on(i - ivec2(1, 0)), on(i + ivec2(0, 1)) + on(i - ivec2(0, 1)));
+  last = min(last, 2.0);
+#endif
   vec2 slope = vec2(3.0 * (ne - nw + se - sw) + 10.0 * (e - w), 3.0 * (sw - nw + se - ne) + 10.0 * (s - n)) / 32.0;
-  found = vec4(clamp(slope * last, -200.0, 200.0), is_on, 1.0);
+  found = vec4(clamp(slope * last, -200.0, 200.0) * is_on, is_on, 1.0);
 }`;
 
 /* Share of the sky that a vertex sees: the horizon in 8 directions, above the tangent plane. */

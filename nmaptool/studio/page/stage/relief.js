@@ -9,6 +9,29 @@ const SIZES = {
   processor: { moving: { shadow: 192, occlusion: 96 }, resting: { shadow: 1024, occlusion: 512 } },
 };
 
+/**
+ * Give vertices off the surface a height: that of the surface beside them, so that its edge is not bent down between
+ * vertices, and the lowest farther away, so that they cast no shadow.
+ */
+export function close({ z, surface, cols, rows, lowPx }, into) {
+  for (let y = 0, i = 0; y < rows; y++)
+    for (let x = 0; x < cols; x++, i++) {
+      if (surface[i]) {
+        into[i] = z[i];
+        continue;
+      }
+      let [sum, count] = [0, 0];
+      for (let v = Math.max(y - 1, 0); v <= Math.min(y + 1, rows - 1); v++)
+        for (let u = Math.max(x - 1, 0); u <= Math.min(x + 1, cols - 1); u++) {
+          const beside = v * cols + u;
+          if (!surface[beside]) continue;
+          sum += z[beside];
+          count += 1;
+        }
+      into[i] = count ? sum / count : lowPx;
+    }
+}
+
 /** The programs that reliefs share. */
 export class Passes {
   constructor({ gl, isLinear, isSoftware }) {
@@ -41,12 +64,14 @@ export class Relief {
   fill({ z, surface, cols, rows, lowPx, highPx }) {
     this.grid = [cols, rows];
     this.range = [lowPx, highPx];
-    this.heights.fill(z, cols, rows);
     if (this.mask !== surface) {
       this.mask = surface;
       this.surface.fill(surface, cols, rows);
       this.hasHoles = surface.includes(0);
     }
+    if (this.hasHoles && this.closed?.length !== z.length) this.closed = new Float32Array(z.length);
+    if (this.hasHoles) close({ z, surface, cols, rows, lowPx }, this.closed);
+    this.heights.fill(this.hasHoles ? this.closed : z, cols, rows);
     this.slopes.resize(cols, rows);
     this.slopes.draw(this.hasHoles ? this.passes.slopesAtHoles : this.passes.slopes, this.inputs);
     this.slopes.reduce();

@@ -56,7 +56,7 @@ export function layout({ width, height, length, range }) {
   const [low, high] = range;
   const across = inner / Math.max(length, 1e-9);
   const upward = tall / (high - low);
-  const down = Math.max(Math.floor(tall / 26), 2);
+  const down = Math.max(Math.floor(tall / 20), 2);
   const stepDown = roundUp((high - low) / down);
   const many = Math.max(Math.floor(inner / 70), 2);
   const stepAcross = roundUp(Math.max(length, 1e-9) / many);
