@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.vectors import curl, inner_vertices, slopes
 from nmaptool.types.inputs import NormalsLike, as_normal_map
+from nmaptool.types.normal_map import NormalMap
 
 # slope per px shown darkest and brightest; between them the scale is logarithmic
 DARKEST, BRIGHTEST = 1e-3, 1.0
@@ -43,6 +44,24 @@ def curl_picture(normal_map: NormalsLike) -> NDArray[np.uint8]:
     import cv2
 
     normal_map = as_normal_map(normal_map)
+    codes = curl_codes(normal_map)
+    picture: NDArray[np.uint8] = cv2.applyColorMap(codes, cv2.COLORMAP_INFERNO)[..., ::-1].copy()
+    picture[normal_map.coverage < 0.5] = _UNDEFINED
+    return picture
+
+
+def curl_codes(normal_map: NormalMap) -> NDArray[np.uint8]:
+    """Return |curl| at each pixel on the scale of `curl_picture`.
+
+    Parameters
+    ----------
+    normal_map : NormalMap
+
+    Returns
+    -------
+    (H, W) uint8
+        0 where the map is integrable or not defined, 255 at a curl of 1 slope per px or more.
+    """
     rows, cols = normal_map.frame.shape
     at_vertex = np.zeros((rows + 1, cols + 1), np.float32)
     if min(rows, cols) > 1:
@@ -52,7 +71,4 @@ def curl_picture(normal_map: NormalsLike) -> NDArray[np.uint8]:
     largest = np.maximum(at_vertex[:-1], at_vertex[1:])
     largest = np.maximum(largest[:, :-1], largest[:, 1:])
     share = np.log(np.maximum(largest, DARKEST) / DARKEST) / np.log(BRIGHTEST / DARKEST)
-    codes = (share.clip(0, 1) * 255 + 0.5).astype(np.uint8)
-    picture: NDArray[np.uint8] = cv2.applyColorMap(codes, cv2.COLORMAP_INFERNO)[..., ::-1].copy()
-    picture[normal_map.coverage < 0.5] = _UNDEFINED
-    return picture
+    return np.asarray(share.clip(0, 1) * 255 + 0.5, np.float32).astype(np.uint8)

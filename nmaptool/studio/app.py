@@ -22,6 +22,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.studio.guard import Guard
+from nmaptool.studio.overlays import overlay
 from nmaptool.studio.painting import picture_of
 from nmaptool.studio.requests import answer
 from nmaptool.studio.room import Room
@@ -69,10 +70,18 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
             return JSONResponse({"text": with_recipe_keys(str(error))}, 400)
         return Response(data, media_type="image/png")
 
+    async def overlaid(request: Request) -> Response:
+        try:
+            data = await run_in_threadpool(overlay, room.worker, room.now, request.path_params["name"])
+        except NmaptoolError as error:
+            return JSONResponse({"text": with_recipe_keys(str(error))}, 400)
+        return Response(data, media_type="application/octet-stream")
+
     routes = [
         Route("/", page),
         Route("/files/{name}", dropped, methods=["POST"]),
         Route("/painted/{role}", painted),
+        Route("/overlay/{name}", overlaid),
         Route("/export/{name}", exported),
         WebSocketRoute("/live", socket),
         Mount("/page", StaticFiles(directory=PAGE)),

@@ -42,6 +42,7 @@ class Worker:
         self._number = 0
         self._ends = False
         self._engine: Engine | None = None
+        self._maps = 0  # engines so far: the page asks again for what it shows of the maps
         self._pictures = PictureCache()
         self._thread = threading.Thread(target=self._run, name="studio solver", daemon=True)
         self._thread.start()
@@ -95,6 +96,7 @@ class Worker:
             self._send({"kind": "progress", "stage": "reading", "share": 0.0})
             self._engine = Engine(document, self._pictures, self._engine)
             self._pictures.forget()
+            self._maps += 1
             self._send(placements(self._engine.scene))
         engine = self._engine
         self._solve(engine, number, document, is_preview=True)
@@ -119,6 +121,7 @@ class Worker:
         facts = {
             "request": number,
             "full": engine.size,
+            "maps": self._maps,
             "is_full": engine.is_small or not is_preview,
             "seconds": round(time.perf_counter() - started, 4),
         }

@@ -5,6 +5,7 @@
 
 const FOCUS = 1 / Math.tan((15 * Math.PI) / 180); // a field of view of 30 degrees
 const DEFAULT_TURN = { yaw: -20, tilt: 48 };
+const SHARE = 0.92; // of the canvas that the whole map fills
 const [LEAST_ZOOM, MOST_ZOOM] = [0.01, 64];
 
 export class Camera {
@@ -15,23 +16,30 @@ export class Camera {
     this.orbits = false;
     this.zoom = 1; // CSS px per px of the map; in the orbit view, at the target
     this.target = [0.5, 0.5, 0];
+    this.isFitted = true; // until the user zooms or moves the view
     this.turn = { ...DEFAULT_TURN }; // degrees: about the plate's normal, and from the view straight on
   }
 
   /** Show the whole map. */
   fit() {
+    this.isFitted = true;
     const [cols, rows] = this.full;
     this.target = [cols / 2, rows / 2, 0];
-    const [width, height] = this.orbits ? this.extent() : [cols, rows];
-    this.zoom = 0.94 * Math.min(this.width / width, this.height / height);
+    this.zoom = SHARE * Math.min(this.width / cols, this.height / rows);
+    // perspective makes near corners larger: a few steps settle it
+    for (let i = 0; this.orbits && i < 6; i++) {
+      const { left, right, top, bottom } = this.outline();
+      this.shift((this.width - left - right) / 2, (this.height - top - bottom) / 2);
+      this.zoom *= SHARE * Math.min(this.width / (right - left), this.height / (bottom - top));
+    }
   }
 
-  /** Width and height of the plate, as it is turned, on the screen. */
-  extent() {
+  /** The box of the plate's corners on the screen. */
+  outline() {
     const [cols, rows] = this.full;
-    const { right, up } = this.axes();
-    const size = (axis) => Math.abs(axis[0]) * cols + Math.abs(axis[1]) * rows;
-    return [1.15 * size(right), 1.25 * size(up)];
+    const corners = [0, cols].flatMap((x) => [0, rows].map((y) => this.toScreen(x, y)));
+    const [xs, ys] = [corners.map(({ x }) => x), corners.map(({ y }) => y)];
+    return { left: Math.min(...xs), right: Math.max(...xs), top: Math.min(...ys), bottom: Math.max(...ys) };
   }
 
   /** Look at the plate from the default direction. */
@@ -116,8 +124,16 @@ export class Camera {
     return this.onPlane(x, y, low);
   }
 
+  /** The canvas has another size: a view that shows the whole map still does. */
+  resize(width, height) {
+    if (this.width === width && this.height === height) return;
+    [this.width, this.height] = [width, height];
+    if (this.isFitted) this.fit();
+  }
+
   /** Change the zoom; what is at a place on the screen stays there. */
   zoomAt(x, y, factor) {
+    this.isFitted = false;
     const { right, up } = this.axes();
     const before = this.zoom;
     this.zoom = Math.min(Math.max(this.zoom * factor, LEAST_ZOOM), MOST_ZOOM);
@@ -128,6 +144,11 @@ export class Camera {
 
   /** Move what is seen by px of the screen. */
   pan(dx, dy) {
+    this.isFitted = false;
+    this.shift(dx, dy);
+  }
+
+  shift(dx, dy) {
     const { right, up } = this.axes();
     this.target = this.target.map((value, i) => value - (dx * right[i] - dy * up[i]) / this.zoom);
   }

@@ -1,115 +1,114 @@
-/* The picture of a relief: one triangle over the whole canvas; every pixel looks its height up in a texture. */
+/* The pictures: the relief flat on the screen, the relief turned in space, and the sides of its plate. */
 
-export const VERTEX = `#version 300 es
-void main() {
-  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
-  gl_Position = vec4(corner, 0.0, 1.0);
-}`;
-
-export const FRAGMENT = `#version 300 es
-precision highp float;
-precision highp sampler2D;
-uniform sampler2D heights;   /* red: height in px, green: 1 on the surface */
-uniform vec2 grid;           /* columns and rows of vertices */
-uniform vec2 origin;         /* vertex at the upper left corner of the canvas */
-uniform float zoom;          /* device pixels per vertex */
-uniform float canvas_height;
-uniform vec3 light;          /* unit vector to the key light: x right, y down, z to the viewer */
-uniform vec3 albedo;
-uniform vec2 gloss;          /* strength and exponent of the highlight */
-uniform float grain;         /* strength of wood grain or marble veins */
-uniform int material;        /* 0 plain, 1 wood, 2 marble */
-uniform int overlay;         /* 0 none, 1 heights, 2 slope */
-uniform vec2 range;          /* lowest and highest height in px */
-uniform float contour;       /* px between contour lines */
-uniform int steps;           /* of the shadow; 0: none */
+/** Flat: one triangle over the whole canvas; every pixel looks up the place of the relief that it shows. */
+export const FLAT = `
+uniform vec2 corner;         /* vertex of the grid at the lower left corner of the canvas */
+uniform vec2 step_px;        /* vertices of the grid per device pixel */
 uniform vec3 ground;
 out vec4 colour;
-
-vec2 at(vec2 p) {
-  vec2 q = clamp(p, vec2(0.0), grid - 1.001);
-  ivec2 i = ivec2(q);
-  vec2 f = q - vec2(i);
-  vec2 a = texelFetch(heights, i, 0).rg;
-  vec2 b = texelFetch(heights, i + ivec2(1, 0), 0).rg;
-  vec2 c = texelFetch(heights, i + ivec2(0, 1), 0).rg;
-  vec2 d = texelFetch(heights, i + ivec2(1, 1), 0).rg;
-  return mix(mix(a, b, f.x), mix(c, d, f.x), f.y);
-}
-
-/* Share of the key light that reaches a point: the highest angle on the way to the light, softened. */
-float lit(vec2 p, float z) {
-  if (steps == 0) return 1.0;
-  vec2 way = light.xy / max(length(light.xy), 1e-4);
-  float rise = light.z / max(length(light.xy), 1e-4);
-  float far = min((range.y - z) / max(rise, 1e-3), 0.6 * max(grid.x, grid.y));
-  float open = 1.0;
-  float jump = max(far / float(steps), 1.0);
-  float t = 1.5;
-  for (int i = 0; i < 64; i++) {
-    if (i >= steps || t > far) break;
-    float above = at(p + way * t).r - (z + rise * t);
-    open = min(open, 1.0 - clamp(0.5 + above / (0.06 * t + 0.6), 0.0, 1.0));
-    t += jump;
-  }
-  return smoothstep(0.0, 0.5, open);
-}
-
-float noise(vec2 p) {
-  vec2 i = floor(p), f = fract(p);
-  f = f * f * (3.0 - 2.0 * f);
-  vec4 h = fract(sin(vec4(dot(i, vec2(12.9, 78.2)), dot(i + vec2(1, 0), vec2(12.9, 78.2)),
-                          dot(i + vec2(0, 1), vec2(12.9, 78.2)), dot(i + vec2(1, 1), vec2(12.9, 78.2)))) * 43758.5);
-  return mix(mix(h.x, h.y, f.x), mix(h.z, h.w, f.x), f.y);
-}
-
-vec3 stuff(vec2 p, float z) {
-  vec2 q = p / max(grid.x, grid.y);
-  if (material == 1) {
-    float rings = q.y * 42.0 + 3.0 * noise(q * vec2(3.0, 9.0)) + 0.02 * z;
-    float line = 0.5 + 0.5 * sin(6.2832 * rings);
-    return albedo * (1.0 - grain * line * line - 0.3 * grain * noise(q * vec2(30.0, 400.0)));
-  }
-  if (material == 2) {
-    float vein = abs(sin(9.0 * (q.x + q.y) + 5.0 * noise(q * 6.0) + 2.5 * noise(q * 17.0)));
-    return albedo * (1.0 - grain * pow(1.0 - vein, 8.0));
-  }
-  return albedo;
-}
-
-vec3 scale_of(float t) {
-  return clamp(vec3(1.5 - abs(4.0 * t - 3.0), 1.5 - abs(4.0 * t - 2.0), 1.5 - abs(4.0 * t - 1.0)), 0.0, 1.0);
-}
-
 void main() {
-  vec2 p = origin + vec2(gl_FragCoord.x, canvas_height - gl_FragCoord.y) / zoom;
-  vec2 here = at(p);
-  if (p.x < 0.0 || p.y < 0.0 || p.x > grid.x - 1.0 || p.y > grid.y - 1.0 || here.g < 0.5) {
-    colour = vec4(ground, 1.0);
+  vec2 p = corner + gl_FragCoord.xy * step_px;
+  vec2 inside = min(p, grid - 1.0 - p) / abs(step_px) + 0.5;
+  float is_in = clamp(min(inside.x, inside.y), 0.0, 1.0);
+  if (is_in == 0.0) {
+    colour = developed(ground);
     return;
   }
-  float e = max(1.0, 1.0 / zoom);
-  vec2 slope = vec2(at(p + vec2(e, 0)).r - at(p - vec2(e, 0)).r, at(p + vec2(0, e)).r - at(p - vec2(0, e)).r) / (2.0 * e);
-  vec3 n = normalize(vec3(-slope, 1.0));
-  float key = max(dot(n, light), 0.0) * lit(p, here.r);
-  float sky = 0.5 + 0.5 * dot(n, normalize(vec3(-light.xy * 0.6, 0.8)));
-  vec3 half_way = normalize(light + vec3(0, 0, 1));
-  float shine = gloss.x * pow(max(dot(n, half_way), 0.0), gloss.y) * step(0.001, key);
-  /* hollows get less of the sky */
-  float mean = 0.0;
-  for (int i = 0; i < 8; i++) {
-    float a = 0.7854 * float(i);
-    mean += at(p + 5.0 * vec2(cos(a), sin(a))).r;
-  }
-  float hollow = clamp(1.0 - 0.09 * max(mean / 8.0 - here.r, 0.0), 0.45, 1.0);
-  vec3 made = stuff(p, here.r);
-  vec3 tone = made * (1.05 * key + 0.26 * sky * hollow) + shine * mix(vec3(1.0), albedo, 0.4);
-  if (overlay == 1) {
-    float t = (here.r - range.x) / max(range.y - range.x, 1e-6);
-    float line = abs(fract(here.r / contour - 0.5) - 0.5) * contour / max(length(slope), 1e-3);
-    tone = scale_of(t) * (0.45 + 0.55 * key) * mix(0.35, 1.0, smoothstep(0.4, 1.2, line * zoom));
-  } else if (overlay == 2) {
-    tone = scale_of(clamp(atan(length(slope)) / 1.5708, 0.0, 1.0)) * (0.6 + 0.4 * key);
-  }
-  colour = vec4(pow(clamp(tone, 0.0, 1.0), vec3(1.0 / 2.2)), 1.0);
+  float is_on;
+  vec3 tone = look(p, vec3(0.0, 0.0, 1.0), is_on);
+  vec3 behind = ground;
+#if HOLES
+#if OVERLAY == 4
+  if (is_in == 1.0) behind = bare_stripes(ground, 1.0);
+#endif
+  is_in *= smoothstep(0.4, 0.6, is_on);
+#endif
+  colour = developed(mix(behind, tone, is_in));
+}`;
+
+/** Turned: the vertices of a mesh over the grid, lifted by the height. */
+export const LIFTED = `
+uniform mat4 matrix;
+uniform ivec2 mesh;          /* columns and rows of vertices of the mesh */
+uniform vec2 unit;           /* px of the map per px of the grid, in the plane and in height */
+uniform float bottom;        /* px of the grid */
+out vec2 place;
+out vec3 world;
+out float solid;
+void main() {
+  ivec2 ij = ivec2(gl_VertexID % mesh.x, gl_VertexID / mesh.x);
+  place = vec2(ij) / vec2(mesh - 1) * (grid - 1.0);
+  ivec2 nearest = ivec2(place + 0.5);
+  solid = step(0.001, texelFetch(surface, nearest, 0).r);
+  float z = solid > 0.0 ? at(place) : bottom;
+  world = vec3(place * unit.x, z * unit.y);
+  gl_Position = matrix * vec4(world, 1.0);
+}`;
+
+export const TURNED = `
+uniform vec3 eye;
+in vec2 place;
+in vec3 world;
+in float solid;
+out vec4 colour;
+void main() {
+  if (solid < 0.01) discard;
+  vec3 view = normalize(eye - world);
+  float is_on;
+  vec3 tone;
+#if HOLES
+  vec3 n = normalize(cross(dFdx(world), dFdy(world)));
+  if (dot(n, view) < 0.0) n = -n;
+  if (solid < 0.99) tone = shade(place, at(place), n, view, 0.9, 0.8);
+  else
+#endif
+    tone = look(place, view, is_on);
+  colour = developed(tone);
+}`;
+
+/** The four sides of the plate, from its edge down to the back. */
+export const SIDES = `
+uniform mat4 matrix;
+uniform int side;            /* 0 upper, 1 right, 2 lower, 3 left */
+uniform int count;           /* vertices along it */
+uniform vec2 unit;
+uniform float bottom;
+out vec2 place;
+out vec3 world;
+void main() {
+  float share = float(gl_VertexID / 2) / float(count - 1);
+  vec2 most = grid - 1.0;
+  place = side == 0 ? vec2(share * most.x, 0.0) : side == 1 ? vec2(most.x, share * most.y)
+        : side == 2 ? vec2(share * most.x, most.y) : vec2(0.0, share * most.y);
+  float is_on = step(0.001, texelFetch(surface, ivec2(place + 0.5), 0).r);
+  bool is_top = gl_VertexID % 2 == 0 && is_on > 0.0;
+  world = vec3(place * unit.x, (is_top ? at(place) : bottom) * unit.y);
+  gl_Position = matrix * vec4(world, 1.0);
+}`;
+
+export const SIDE = `
+uniform vec3 eye;
+uniform vec3 outward;
+uniform vec2 unit;
+uniform float bottom;
+in vec2 place;
+in vec3 world;
+out vec4 colour;
+void main() {
+  vec3 view = normalize(eye - world);
+  float z = world.z / unit.y;
+  vec2 grained = place + vec2(0.0, bottom - z) * abs(outward.y) + vec2(bottom - z, 0.0) * abs(outward.x);
+  colour = developed(shade(grained, z, outward, view, 0.85, 1.0));
+}`;
+
+/** The ground behind the turned relief: lighter above. */
+export const BACKDROP = `#version 300 es
+precision highp float;
+uniform vec3 ground;
+uniform vec2 size;
+out vec4 colour;
+void main() {
+  float share = gl_FragCoord.y / size.y;
+  float grainy = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+  colour = vec4(pow(ground * (0.75 + 0.9 * share), vec3(1.0 / 2.2)) + grainy / 255.0, 1.0);
 }`;

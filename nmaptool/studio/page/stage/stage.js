@@ -1,11 +1,19 @@
-/* The picture and what surrounds it: the toolbar, the light, and the pointer on the canvas. */
+/* The picture and what surrounds it. */
 
-import { combined } from "../heights.js";
+import { combined, millimetres } from "../heights.js";
 import { $ } from "../studio.js";
+import { Lights } from "./lights.js";
+import { MapLayers } from "./map_layers.js";
 import { Pointer } from "./pointer.js";
-import { MATERIALS, OVERLAYS, View } from "./view.js";
+import { mmText } from "./scales.js";
+import { Section } from "./section_panel.js";
+import * as settings from "./settings.js";
+import { setUpSplit } from "./split.js";
+import { Toolbar } from "./toolbar.js";
+import { View } from "./view.js";
 
-const TURNS = { ArrowLeft: [5, 0], ArrowRight: [-5, 0], ArrowUp: [0, 3], ArrowDown: [0, -3] };
+// thickness of a plate whose back is not set, as a share of its width
+const THIN = 0.02;
 
 /**
  * Set up the picture. Returns, for tools on the canvas: `view` with `toGrid(event)` and `toScreen(x, y)`; `onView`, which
@@ -14,12 +22,31 @@ const TURNS = { ArrowLeft: [5, 0], ArrowRight: [-5, 0], ArrowUp: [0, 3], ArrowDo
  */
 export function setUpStage(studio) {
   const view = new View($("view"));
+  Object.assign(view, settings.read());
   const pointer = new Pointer(view);
-  setUpToolbar(studio, view);
-  setUpLight(view);
+  const maps = new MapLayers(studio, view);
+  const toolbar = new Toolbar(view, () => {
+    settings.write(view);
+    maps.refresh();
+  });
+  const lights = new Lights(view, $("knobs"), () => {
+    toolbar.showLights();
+    settings.write(view);
+  });
+  toolbar.useLights(lights);
   setUpLayers(view);
-  view.canvas.addEventListener("keydown", (event) => keys(view, event));
-  studio.on("render", () => render(studio, view));
+  setUpSplit(view);
+  const section = new Section(view);
+  setUpReadOut(view);
+  view.canvas.addEventListener("keydown", (event) => {
+    if (!pointer.tool) toolbar.key(event);
+  });
+  new ResizeObserver(() => view.look(() => {})).observe($("picture"));
+  studio.on("render", () => {
+    render(studio, view);
+    toolbar.legend();
+    section.draw();
+  });
   return {
     view,
     svg: $("tools-layer"),
@@ -29,88 +56,41 @@ export function setUpStage(studio) {
   };
 }
 
+function render(studio, view) {
+  const { frame, values } = studio;
+  const { z, span, low, high, pitch } = combined(frame, values);
+  const { cols, rows, surface, full } = frame;
+  const width = (cols - 1) * pitch;
+  const base = millimetres(values.base);
+  view.show({ z, surface, cols, rows, low, high, pitch, full, base: Number.isFinite(base) ? base : THIN * width });
+  $("facts").textContent = `${width.toFixed(1)} x ${((rows - 1) * pitch).toFixed(1)} mm, ${span.toFixed(3)} mm high`;
+}
+
 /** The layers that tools draw on have the size of the picture; the 2D canvas has its device pixels. */
 function setUpLayers(view) {
   const [svg, paint] = [$("tools-layer"), $("paint-layer")];
   view.onView(() => {
-    const { width, height } = view.canvas;
+    const [width, height] = [view.camera.width, view.camera.height].map((size) => Math.round(size * view.density));
     if (paint.width !== width) paint.width = width;
     if (paint.height !== height) paint.height = height;
     svg.setAttribute("viewBox", `0 0 ${view.camera.width} ${view.camera.height}`);
   });
 }
 
-function render(studio, view) {
-  const { frame, values } = studio;
-  const { z, span, low, high, pitch } = combined(frame, values);
-  view.show(z, frame.surface, frame.cols, frame.rows, { low, high, pitch, full: frame.full });
-  const size = `${((frame.cols - 1) * pitch).toFixed(1)} x ${((frame.rows - 1) * pitch).toFixed(1)} mm`;
-  $("facts").textContent = `${size}, ${span.toFixed(3)} mm high`;
-}
-
-function setUpToolbar(studio, view) {
-  for (const name of Object.keys(MATERIALS))
-    $("material").add(new Option(name, name, name === view.material, name === view.material));
-  for (const name of Object.keys(OVERLAYS)) $("overlay").add(new Option(name, name));
-  $("material").addEventListener("change", () => {
-    view.material = $("material").value;
-    view.draw();
+/** Where the pointer is on the relief, and how high that is. */
+function setUpReadOut(view) {
+  const shown = $("read-out");
+  view.canvas.addEventListener("pointermove", (event) => {
+    const place = view.relief && view.toGrid(event);
+    const height = place ? view.heightAt(place.x, place.y) : NaN;
+    if (!Number.isFinite(height)) {
+      shown.textContent = "";
+      return;
+    }
+    const [x, y] = [place.x, place.y].map((px) => mmText(px / view.pxPerMm, 0.1));
+    shown.textContent = `${x}, ${y} mm: ${mmText(height, 0.001)} mm high`;
   });
-  $("overlay").addEventListener("change", () => {
-    view.overlay = OVERLAYS[$("overlay").value];
-    view.draw();
+  view.canvas.addEventListener("pointerleave", () => {
+    shown.textContent = "";
   });
-  $("shadows").addEventListener("change", () => {
-    view.shadows = $("shadows").checked;
-    view.draw();
-  });
-  $("fit-view").addEventListener("click", () => studio.frame && view.fit());
-  $("one-to-one").addEventListener("click", () => studio.frame && view.actual());
-}
-
-function keys(view, event) {
-  const turn = TURNS[event.key];
-  if (turn) moveLight(view, view.light.azimuth + turn[0], view.light.elevation + turn[1]);
-  else if (event.key === "+" || event.key === "-")
-    view.zoomAt(view.camera.width / 2, view.camera.height / 2, event.key === "+" ? 1.25 : 0.8);
-  else return;
-  event.preventDefault();
-}
-
-function moveLight(view, azimuth, elevation) {
-  view.light = { azimuth: (azimuth + 360) % 360, elevation: Math.min(Math.max(elevation, 3), 89) };
-  const { clientWidth: width, clientHeight: height } = $("picture");
-  const out = 0.42 * Math.min(width, height) * Math.cos((view.light.elevation * Math.PI) / 180);
-  const angle = (view.light.azimuth * Math.PI) / 180;
-  const [turned, high] = [view.light.azimuth, view.light.elevation].map(Math.round);
-  const knob = $("light");
-  knob.style.left = `${width / 2 + out * Math.cos(angle)}px`;
-  knob.style.top = `${height / 2 - out * Math.sin(angle)}px`;
-  knob.setAttribute("aria-valuenow", turned);
-  knob.setAttribute("aria-valuetext", `${turned} degrees, ${high} high`);
-  view.draw();
-}
-
-function setUpLight(view) {
-  function drag(event) {
-    const box = $("picture").getBoundingClientRect();
-    const x = event.clientX - box.left - box.width / 2;
-    const y = box.top + box.height / 2 - event.clientY;
-    const share = Math.min(Math.hypot(x, y) / (0.42 * Math.min(box.width, box.height)), 0.999);
-    moveLight(view, (Math.atan2(y, x) * 180) / Math.PI, (Math.acos(share) * 180) / Math.PI);
-  }
-
-  const knob = $("light");
-  knob.addEventListener("keydown", (event) => keys(view, event));
-  knob.addEventListener("pointerdown", (event) => {
-    knob.setPointerCapture(event.pointerId);
-    knob.onpointermove = drag;
-  });
-  knob.addEventListener("pointerup", () => {
-    knob.onpointermove = null;
-  });
-  new ResizeObserver(() => {
-    view.look(() => {});
-    moveLight(view, view.light.azimuth, view.light.elevation);
-  }).observe($("picture"));
 }
