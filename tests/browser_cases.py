@@ -23,6 +23,7 @@ PICTURES = Path(__file__).parents[1] / "build" / "pictures"
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 # WebGL on the processor, as the picture must also work there
 FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+COARSE = 'Object.defineProperty(window, "devicePixelRatio", { get: () => 0.5 })'
 MISSING = "needs Chromium; on Debian and Ubuntu: sudo apt-get install -y --no-install-recommends chromium"
 
 
@@ -54,12 +55,17 @@ class Browser:
         """Start another Chromium."""
         return self._driver.chromium.launch(executable_path=self._path, args=[*FLAGS, *flags])
 
-    def open(self, **more: Any) -> Any:
-        """Return a new context, which shares nothing with others."""
+    def open(self, *, sharp: bool = False, **more: Any) -> Any:
+        """Return a new context, which shares nothing with others.
+
+        Unless ``sharp``, it draws a quarter of the pixels of the relief.
+        """
         if not self._chromium.is_connected():
             self._chromium = self.launch()
         context = self._chromium.new_context(**{"viewport": {"width": 1280, "height": 800}, **more})
         context.set_default_timeout(TIMEOUT_MS)
+        if not sharp:
+            context.add_init_script(COARSE)
         return context
 
     def close(self) -> None:
@@ -99,7 +105,7 @@ def running(*files: Path, root: Path, port: int = 0) -> Iterator[Any]:
     from nmaptool.studio.document import opened
     from nmaptool.studio.server import Studio
 
-    studio = Studio(opened([str(file) for file in files]), port, root=root)
+    studio = Studio(*opened([str(file) for file in files]), port, root=root)
     thread = threading.Thread(target=studio.run)
     thread.start()
     while not studio.is_started:

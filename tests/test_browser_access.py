@@ -1,0 +1,104 @@
+"""The studio for everybody: axe-core finds nothing serious, the keyboard reaches everything, and focus is visible."""
+
+import pytest
+from axe_playwright_python.base import AXE_FILE_PATH
+from browser_windows import QUIET
+from stack_cases import write_maps
+
+SCRIPT = AXE_FILE_PATH.read_text(encoding="utf-8")
+SIZES = {"desktop": {"width": 1280, "height": 800}, "tablet": {"width": 820, "height": 1180}}
+# what the Tab key should reach: seen, not disabled, and of a group of radio buttons one
+REACHABLE = """() => {
+  const all = document.querySelectorAll("a[href], button, input, select, textarea, summary, [tabindex='0']");
+  const isOne = (e) => e.type !== "radio" || e.checked;
+  const isSeen = (e) => e.checkVisibility({ visibilityProperty: true });
+  return [...all].filter((e) => !e.disabled && e.tabIndex >= 0 && isSeen(e) && isOne(e)).map(window.nameOf);
+}"""
+NAME_OF = """() => { window.nameOf = (e) => {
+  const n = [...document.querySelectorAll("*")].indexOf(e);
+  return e.id || `${e.tagName} ${e.getAttribute("aria-label") ?? e.textContent.trim()} ${n}`; } }"""
+OUTLINE = """() => { const { outlineStyle: style, outlineWidth: width } = getComputedStyle(document.activeElement);
+  const box = document.activeElement.getBoundingClientRect();
+  return { name: window.nameOf(document.activeElement), seen: style !== "none" && parseFloat(width) >= 2,
+    inside: box.bottom > 0 && box.right > 0 && box.top < innerHeight && box.left < innerWidth }; }"""
+
+
+@pytest.fixture
+def studio(serve, tmp_path, png):
+    folder = write_maps(tmp_path, png)
+    return serve(folder / "plate.exr", folder / "bunny.exr")
+
+
+def findings(page):
+    """What axe-core calls serious or critical, each with the elements."""
+    page.js(QUIET)
+    page.js(SCRIPT)
+    found = page.js("axe.run()")
+    assert "color-contrast" in {one["id"] for one in found["passes"]}
+    return [
+        f"{one['id']} ({one['impact']}): {node['html'][:160]} {node['failureSummary']}"
+        for one in found["violations"]
+        if one["impact"] in ("serious", "critical")
+        for node in one["nodes"]
+    ]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("size", SIZES)
+def test_axe_finds_nothing_serious(size, scheme, studio, window):
+    page = window(studio, viewport=SIZES[size], color_scheme=scheme, sharp=True).ready()
+    page.shot("page")
+    assert findings(page) == []
+    page.type("mu", "-3")  # an error is shown
+    page.waits_for("document.getElementById('error').textContent !== ''")
+    page.page.locator("#layers button").first.click()
+    page.shot("layer")
+    assert findings(page) == []
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_nothing_is_wider_than_the_window(size, studio, window):
+    page = window(studio, viewport=SIZES[size]).ready()
+    assert page.js("document.documentElement.scrollWidth <= innerWidth")
+    assert page.js("document.getElementById('view').clientHeight") > 240
+    for name in ("undo", "save", "export", "slide-mu", "value-base"):
+        page.page.locator(f"#{name}").scroll_into_view_if_needed()
+        box = page.page.locator(f"#{name}").bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= SIZES[size]["width"]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_keyboard_reaches_every_control_and_focus_is_seen(scheme, studio, window):
+    page = window(studio, color_scheme=scheme).ready()
+    page.type("mu", "0.3")  # so that there is a step to undo
+    page.waits_for("!document.getElementById('undo').disabled")
+    page.page.reload()  # Tab begins at the top again
+    page.ready()
+    page.js(NAME_OF)
+    wanted, reached, hidden = page.js(REACHABLE), [], []
+    for _ in range(len(wanted) + 20):
+        page.page.keyboard.press("Tab")
+        now = page.js(OUTLINE)
+        if now["name"] in reached or now["name"].startswith("BODY"):
+            break
+        reached.append(now["name"])
+        hidden += [] if now["seen"] and now["inside"] else [now["name"]]
+        if now["name"] in ("view", "slide-beta"):
+            page.shot(f"focus-{now['name']}")
+    assert sorted(set(wanted) - set(reached)) == []
+    assert hidden == []
+
+
+def test_the_canvas_and_the_light_work_by_keys(studio, window):
+    page = window(studio).ready()
+    page.page.locator("#view").focus()
+    before = page.picture()
+    for _ in range(6):
+        page.page.keyboard.press("ArrowLeft")
+    page.js(QUIET)
+    turned = page.picture()
+    assert abs(turned - before).mean() > 0.01
+    zoom = page.js("studio.stage.view.camera.zoom")
+    page.page.keyboard.press("+")
+    assert page.js("studio.stage.view.camera.zoom") > 1.1 * zoom
