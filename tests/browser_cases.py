@@ -105,7 +105,7 @@ def running(*files: Path, root: Path, port: int = 0) -> Iterator[Any]:
     from nmaptool.studio.document import opened
     from nmaptool.studio.server import Studio
 
-    studio = Studio(*opened([str(file) for file in files]), port, root=root)
+    studio = Studio(opened([str(file) for file in files]), port, root=root)
     thread = threading.Thread(target=studio.run)
     thread.start()
     while not studio.is_started:
@@ -153,7 +153,7 @@ def window(browser: Browser, request: pytest.FixtureRequest) -> Iterator[Callabl
 
 
 def nmap(*words: object) -> None:
-    """Run the command line in a process of its own."""
+    """Run the command line in its own process."""
     import subprocess
 
     code = "import sys; from nmaptool_cli.start import run; sys.exit(run())"

@@ -171,3 +171,12 @@ class Window:
         field = self.page.locator(f"#value-{name}")
         field.fill(text)
         field.press("Enter")
+
+    def export(self, ending: str) -> Any:
+        """Export the relief by the dialog; return the download."""
+        self.page.keyboard.press("Control+e")
+        self.page.locator("#export-format").select_option(ending)
+        with self.page.expect_download() as download:
+            self.page.locator("#export-start").click()
+        self.page.locator("#export-close").click()
+        return download.value
