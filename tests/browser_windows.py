@@ -172,6 +172,21 @@ class Window:
         field.fill(text)
         field.press("Enter")
 
+    def drop(self, *files: Path, at: tuple[float, float] = (400, 300)) -> None:
+        """Drag files from outside onto the window, as from a folder of the desktop."""
+        data = {"items": [], "files": [str(file) for file in files], "dragOperationsMask": 1}
+        driver = self.page.context.new_cdp_session(self.page)
+        for step in ("dragEnter", "dragOver", "drop"):
+            driver.send("Input.dispatchDragEvent", {"type": step, "x": at[0], "y": at[1], "data": data})
+        driver.detach()
+
+    def save(self, name: str) -> None:
+        """Save under a name."""
+        self.page.keyboard.press("Control+s")
+        self.page.locator("#save-name").fill(name)
+        self.page.locator("#save-name").press("Enter")
+        self.page.locator("#save-dialog").wait_for(state="hidden")
+
     def export(self, ending: str) -> Any:
         """Export the relief by the dialog; return the download."""
         self.page.keyboard.press("Control+e")

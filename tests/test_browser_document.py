@@ -43,8 +43,7 @@ def test_a_saved_relief_is_exported_to_the_bytes_of_the_command(folder, serve, w
     page.slide("beta", 0.7)
     page.type("base", "1.5")
     eventually(lambda: page.text("saved"), lambda found: found == "not saved")
-    page.page.once("dialog", lambda asked: asked.accept("relief.toml"))
-    page.page.keyboard.press("Control+s")
+    page.save("relief.toml")
     eventually(lambda: page.text("saved"), lambda found: found == "saved")
     assert page.text("name") == "relief.toml"
     page.shot("saved")
