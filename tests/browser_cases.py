@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import re
 import shutil
+import subprocess
 import sys
 import threading
 import time
@@ -24,6 +25,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 # WebGL on the processor, as the picture must also work there
 FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 COARSE = 'Object.defineProperty(window, "devicePixelRatio", { get: () => 0.5 })'
+COMMAND = "import sys; from nmaptool_cli.start import run; sys.exit(run())"
 MISSING = "needs Chromium; on Debian and Ubuntu: sudo apt-get install -y --no-install-recommends chromium"
 
 
@@ -154,8 +156,7 @@ def window(browser: Browser, request: pytest.FixtureRequest) -> Iterator[Callabl
 
 def nmap(*words: object) -> None:
     """Run the command line in its own process."""
-    import subprocess
-
-    code = "import sys; from nmaptool_cli.start import run; sys.exit(run())"
-    done = subprocess.run([sys.executable, "-c", code, *map(str, words)], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", COMMAND, *map(str, words)], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr

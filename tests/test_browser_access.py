@@ -1,5 +1,8 @@
 """The studio for everybody: axe-core finds nothing serious, the keyboard reaches everything, and focus is visible."""
 
+import re
+
+import numpy as np
 import pytest
 from axe_playwright_python.base import AXE_FILE_PATH
 from browser_windows import QUIET
@@ -44,6 +47,25 @@ def findings(page):
         if one["impact"] in ("serious", "critical")
         for node in one["nodes"]
     ]
+
+
+def contrast(one, other):
+    """The ratio of WCAG between two colours such as "rgb(20, 30, 40)"."""
+
+    def luminance(colour):
+        values = np.array([int(value) / 255 for value in re.findall(r"\d+", colour)[:3]])
+        return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4) @ (0.2126, 0.7152, 0.0722)
+
+    low, high = sorted([luminance(one), luminance(other)])
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_texts_that_axe_does_not_measure_have_contrast(scheme, studio, window):
+    page = window(studio, color_scheme=scheme).ready()
+    pair = """(part) => { const field = document.getElementById("value-height");
+      return [getComputedStyle(field, part).color, getComputedStyle(field).backgroundColor]; }"""
+    assert contrast(*page.js(pair, "::placeholder")) > 4.5
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

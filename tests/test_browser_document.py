@@ -1,10 +1,14 @@
 """A document in the browser: two windows, saving, exporting, reloading, and a studio that goes away and comes back."""
 
+import os
 import secrets
+import subprocess
+import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from browser_cases import nmap, running
+from browser_cases import COMMAND, nmap, running
 from browser_windows import eventually
 from stack_cases import write_maps
 
@@ -88,3 +92,50 @@ def test_a_page_waits_for_its_studio_and_finds_it_again(folder, browser, window,
         eventually(lambda: page.js("studio.document.values.mu"), lambda found: found == 0.4)
         assert page.text("error") == ""
         page.shot("again")
+
+
+@pytest.fixture
+def command(folder):
+    """``command(*files)`` starts `nmap studio`, with its state in the folder, and gives the process and the address."""
+    started = []
+    places = ("HOME", "XDG_STATE_HOME", "XDG_CONFIG_HOME", "LOCALAPPDATA", "APPDATA")
+    env = {**os.environ, **{name: str(folder / "home") for name in places}}
+
+    def start(*files):
+        words = [sys.executable, "-c", COMMAND, "studio", *map(str, files), "--no-browser"]
+        process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True, env=env)
+        started.append(process)
+        return process, SimpleNamespace(address=process.stderr.readline().partition("studio: ")[2].strip())
+
+    yield start
+    for process in started:
+        process.kill()
+        process.wait()
+        process.stderr.close()
+
+
+def test_unsaved_work_is_recovered_after_a_kill(folder, command, window):
+    process, address = command(folder / "bunny.exr")
+    page = window(address).ready()
+    page.expected.append("ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection")
+    page.type("height", "2.5mm")
+    page.drop(folder / "leaf.png")
+    eventually(lambda: page.js("studio.document.layers.length"), lambda found: found == 2)
+    page.slide("beta", 0.8)
+    beta = page.value("beta")
+    kept = lambda: [path.read_text(encoding="utf-8") for path in (folder / "home").rglob("autosave.toml")]  # noqa: E731
+    eventually(kept, lambda found: found and beta in found[0] and "leaf" in found[0])
+    process.kill()
+    process.wait()
+    eventually(lambda: page.text("status"), lambda found: found == "waiting for the studio")
+    _, address = command(folder / "plate.exr")
+    again = window(address, sharp=True).ready()
+    again.page.locator("#unsaved").get_by_text("was not saved when the studio ended").wait_for()
+    again.shot("offered")
+    again.page.get_by_role("button", name="Recover").click()
+    eventually(lambda: again.value("height"), lambda found: found == "2.5mm")
+    assert again.value("beta") == beta
+    assert again.js("studio.document.layers.length") == 2
+    eventually(lambda: again.text("facts"), lambda found: "2.500 mm high" in found)
+    again.shot("recovered")
+    again.page.locator("#unsaved").wait_for(state="hidden")
