@@ -62,7 +62,7 @@ def test_a_saved_relief_is_exported_to_the_bytes_of_the_command(folder, serve, w
 
 def test_a_reloaded_page_shows_the_document(folder, serve, window):
     page = window(serve(folder / "bunny.exr")).ready()
-    page.type("mu", "0.7")
+    page.type("slope_cap", "2.5")
     page.slide("delta", 0.9)
     delta = page.value("delta")
     eventually(lambda: page.js("studio.document.undo"), lambda found: found == 2)
@@ -70,7 +70,7 @@ def test_a_reloaded_page_shows_the_document(folder, serve, window):
     page.page.reload()
     page.ready()
     eventually(lambda: page.value("delta"), lambda found: found == delta)
-    assert page.value("mu") == "0.7"
+    assert page.value("slope_cap") == "2.5"
     after = eventually(page.heights, lambda now: now.z.shape == before.shape)
     assert np.abs(after.z - before).max() < 1e-3 * np.ptp(before)
     page.page.locator("#undo").click()
@@ -83,13 +83,13 @@ def test_a_page_waits_for_its_studio_and_finds_it_again(folder, browser, window,
         page = window(studio).ready()
     page.expected.append("ERR_CONNECTION_REFUSED|WebSocket connection")
     eventually(lambda: page.text("status"), lambda found: found == "waiting for the studio")
-    page.type("mu", "0.9")
+    page.type("beta", "0.02")
     eventually(lambda: page.text("error"), lambda found: "does not answer; start nmap studio again" in found)
     page.shot("waiting")
     with running(folder / "bunny.exr", root=tmp_path / "state", port=studio.port):
-        eventually(lambda: page.value("mu"), lambda found: found == "0.1")
-        page.type("mu", "0.4")
-        eventually(lambda: page.js("studio.document.values.mu"), lambda found: found == 0.4)
+        eventually(lambda: page.value("beta"), lambda found: found == "0.001")
+        page.type("beta", "0.04")
+        eventually(lambda: page.js("studio.document.values.beta"), lambda found: found == 0.04)
         assert page.text("error") == ""
         page.shot("again")
 
