@@ -1,5 +1,6 @@
 # make demo   reliefs of the samples, in gallery/
 # make test   every check and test; make test JOBS=1 uses one process instead of one per core
+#             its browser leaves pictures of the studio, one for each step, in build/pictures
 # make test-long  the same, with all random trials
 # make test-numpy the tests alone, with NumPy in place of the compiled loops
 # make check  the checks without the tests

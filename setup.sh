@@ -53,6 +53,20 @@ if ! "$bin/python" -c 'import nmaptool._compiled' 2>/dev/null; then
     echo "Python's headers${missing:+ (on Debian and Ubuntu: sudo $compiler)}, then run: make setup" >&2
 fi
 
+# tests of the studio drive a browser; without one, they are skipped
+browser=
+for candidate in chromium chromium-browser google-chrome google-chrome-stable; do
+    command -v $candidate >/dev/null 2>&1 && browser=$candidate
+done
+if [ -z "$browser" ] && [ "$(uname -s)" = Linux ]; then
+    install="apt-get install -y --no-install-recommends chromium fonts-liberation"
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1; then
+        { apt-get update -q && $install; } || echo "This failed, so tests in a browser are skipped: $install" >&2
+    else
+        echo "Tests in a browser are skipped without Chromium. On Debian and Ubuntu:  sudo $install" >&2
+    fi
+fi
+
 # rendering meshes needs the OpenGL libraries (and pyglet one of X), but no graphics card or display
 draws='from nmaptool.render import gl
 with gl.drawing():

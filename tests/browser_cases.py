@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import re
 import shutil
+import subprocess
 import sys
 import threading
 import time
@@ -23,6 +24,8 @@ PICTURES = Path(__file__).parents[1] / "build" / "pictures"
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 # WebGL on the processor, as the picture must also work there
 FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+COARSE = 'Object.defineProperty(window, "devicePixelRatio", { get: () => 0.5 })'
+COMMAND = "import sys; from nmaptool_cli.start import run; sys.exit(run())"
 MISSING = "needs Chromium; on Debian and Ubuntu: sudo apt-get install -y --no-install-recommends chromium"
 
 
@@ -54,12 +57,17 @@ class Browser:
         """Start another Chromium."""
         return self._driver.chromium.launch(executable_path=self._path, args=[*FLAGS, *flags])
 
-    def open(self, **more: Any) -> Any:
-        """Return a new context, which shares nothing with others."""
+    def open(self, *, sharp: bool = False, **more: Any) -> Any:
+        """Return a new context, which shares nothing with others.
+
+        Unless ``sharp``, it draws a quarter of the pixels of the relief.
+        """
         if not self._chromium.is_connected():
             self._chromium = self.launch()
         context = self._chromium.new_context(**{"viewport": {"width": 1280, "height": 800}, **more})
         context.set_default_timeout(TIMEOUT_MS)
+        if not sharp:
+            context.add_init_script(COARSE)
         return context
 
     def close(self) -> None:
@@ -147,9 +155,8 @@ def window(browser: Browser, request: pytest.FixtureRequest) -> Iterator[Callabl
 
 
 def nmap(*words: object) -> None:
-    """Run the command line in a process of its own."""
-    import subprocess
-
-    code = "import sys; from nmaptool_cli.start import run; sys.exit(run())"
-    done = subprocess.run([sys.executable, "-c", code, *map(str, words)], capture_output=True, text=True, check=False)
+    """Run the command line in its own process."""
+    done = subprocess.run(
+        [sys.executable, "-c", COMMAND, *map(str, words)], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import re
 import time
 from collections.abc import Callable
@@ -13,12 +14,17 @@ import cv2
 import numpy as np
 
 TIMEOUT_MS = 20_000
-# heights as the page computes them for the values that it shows; the module is the page's own
+# heights as the page computes them for the values that it shows, as base64; the module is the page's own
 HEIGHTS = """async () => {
   const { combined } = await import("/page/heights.js");
   const { frame, values } = window.studio;
   const { z, pitch } = combined(frame, values);
-  return { z: Array.from(z), pitch, surface: Array.from(frame.surface), rows: frame.rows, full: frame.is_full };
+  const text = ({ buffer, byteOffset, byteLength }) => {
+    const bytes = new Uint8Array(buffer, byteOffset, byteLength), parts = [];
+    for (let i = 0; i < bytes.length; i += 8192) parts.push(String.fromCharCode(...bytes.subarray(i, i + 8192)));
+    return btoa(parts.join(""));
+  };
+  return { z: text(z), pitch, surface: text(frame.surface), rows: frame.rows, full: frame.is_full };
 }"""
 QUIET = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
@@ -94,9 +100,11 @@ class Window:
     def heights(self) -> SimpleNamespace:
         """``z`` (rows, cols) in mm and ``surface`` of what the page computes now; ``full`` unless it is a preview."""
         found = self.js(HEIGHTS)
-        shape = found["rows"], -1
-        z = np.reshape(found["z"], shape) * found["pitch"]
-        return SimpleNamespace(z=z, surface=np.reshape(found["surface"], shape) > 0, full=found["full"])
+        z, surface = (
+            np.frombuffer(base64.b64decode(found[name]), kind) for name, kind in (("z", "<f4"), ("surface", "u1"))
+        )
+        z, surface = (field.reshape(found["rows"], -1) for field in (z * np.float64(found["pitch"]), surface > 0))
+        return SimpleNamespace(z=z, surface=surface, full=found["full"])
 
     def picture(self) -> np.ndarray:
         """Brightness, 0 to 1, of the canvas as it is on the screen."""
@@ -163,3 +171,27 @@ class Window:
         field = self.page.locator(f"#value-{name}")
         field.fill(text)
         field.press("Enter")
+
+    def drop(self, *files: Path, at: tuple[float, float] = (400, 300)) -> None:
+        """Drag files from outside onto the window, as from a folder of the desktop."""
+        data = {"items": [], "files": [str(file) for file in files], "dragOperationsMask": 1}
+        driver = self.page.context.new_cdp_session(self.page)
+        for step in ("dragEnter", "dragOver", "drop"):
+            driver.send("Input.dispatchDragEvent", {"type": step, "x": at[0], "y": at[1], "data": data})
+        driver.detach()
+
+    def save(self, name: str) -> None:
+        """Save under a name."""
+        self.page.keyboard.press("Control+s")
+        self.page.locator("#save-name").fill(name)
+        self.page.locator("#save-name").press("Enter")
+        self.page.locator("#save-dialog").wait_for(state="hidden")
+
+    def export(self, ending: str) -> Any:
+        """Export the relief by the dialog; return the download."""
+        self.page.keyboard.press("Control+e")
+        self.page.locator("#export-format").select_option(ending)
+        with self.page.expect_download() as download:
+            self.page.locator("#export-start").click()
+        self.page.locator("#export-close").click()
+        return download.value

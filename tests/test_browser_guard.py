@@ -10,7 +10,7 @@ import pytest
 from browser_windows import TIMEOUT_MS, eventually
 from stack_cases import write_maps
 
-# what a hostile page tries; each entry is what came of it
+# what a hostile page tries; each entry is the answer, or the refusal
 ATTACKS = """async ([host, token]) => {
   const tried = {};
   const of = async (name, act) => {
@@ -135,8 +135,9 @@ def test_the_network_log_names_this_machine_alone(studio, browser, tmp_path):
         page.wait_for_function("() => window.studio?.frame?.is_full")
         page.locator("#slide-beta").press("End")
         eventually(lambda: page.evaluate("studio.document.values.beta"), lambda found: found == 0.1)
+        page.locator("#export").click()
         with page.expect_download():
-            page.locator("#export").click()
+            page.locator("#export-start").click()
     events = json.loads(log.read_text(encoding="utf-8"))["events"]
     # what Chromium asks on its own account, such as for updates, has "not an origin" for an initiator
     asked = {event["params"]["url"] for event in events if "://" in event.get("params", {}).get("initiator", "")}
