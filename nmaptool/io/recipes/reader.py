@@ -16,7 +16,16 @@ from nmaptool.io.pictures.formats import is_picture
 from nmaptool.io.pictures.reader import read_image
 from nmaptool.io.recipes.lines import Lines
 from nmaptool.options import CanvasOptions
-from nmaptool.types.recipe import DEEPEST, MOST_LAYERS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink, RecipeRelief
+from nmaptool.types.recipe import (
+    DEEPEST,
+    MOST_LAYERS,
+    Entry,
+    Recipe,
+    RecipeGroup,
+    RecipeLayer,
+    RecipeLink,
+    RecipeRelief,
+)
 
 _LARGEST_BYTES = 1_000_000
 _LONGEST_SHOWN = 60
