@@ -43,15 +43,17 @@ def test_a_saved_relief_is_exported_to_the_bytes_of_the_command(folder, serve, w
     page.slide("beta", 0.7)
     page.type("base", "1.5")
     eventually(lambda: page.text("saved"), lambda found: found == "not saved")
-    page.page.once("dialog", lambda asked: asked.accept("relief.toml"))
     page.page.keyboard.press("Control+s")
+    page.page.locator("#save-name").fill("relief.toml")
+    page.page.keyboard.press("Enter")
     eventually(lambda: page.text("saved"), lambda found: found == "saved")
     assert page.text("name") == "relief.toml"
     page.shot("saved")
+    page.page.locator("#export").click()
     for ending in ("stl", "ply", "3mf"):
-        page.page.locator("#format").select_option(ending)
+        page.page.locator("#export-format").select_option(ending)
         with page.page.expect_download() as download:
-            page.page.locator("#export").click()
+            page.page.locator("#export-start").click()
         assert download.value.suggested_filename == f"relief.{ending}"
         download.value.save_as(folder / "page" / f"relief.{ending}")
         nmap("relief", folder / "relief.toml", "-o", folder / f"relief.{ending}")

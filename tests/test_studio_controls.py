@@ -8,8 +8,8 @@ import subprocess
 import numpy as np
 import pytest
 from stack_cases import write_maps
+from studio_cases import ask, served, until
 from test_studio_page import PAGE, needs_node
-from test_studio_server import ask, served, until
 
 import nmaptool as nm
 from nmaptool.options.fields import descriptions
@@ -28,7 +28,7 @@ def folder(tmp_path, png):
 
 @pytest.fixture
 def document(folder):
-    return opened([str(folder / "bunny.exr")])[0]
+    return opened([str(folder / "bunny.exr")])
 
 
 def with_files(document, **files):
@@ -127,7 +127,7 @@ def test_beta_per_pixel_looks_the_same_on_the_small_grid(tmp_path, dome, monkeyp
     monkeypatch.setattr("nmaptool.studio.engine.PREVIEW_PX", 60)
     d = dome(120, 120)
     nm.write_normal_map(nm.NormalMap.from_array(d.normals, d.inside), tmp_path / "dome.exr")
-    document = opened([str(tmp_path / "dome.exr")])[0]
+    document = opened([str(tmp_path / "dome.exr")])
     engine = Engine(document)
     assert not engine.is_small
     options = nm.ReliefOptions(per_pixel=True, beta=0.01, delta=5)

@@ -5,7 +5,7 @@ import json
 
 import pytest
 from stack_cases import write_maps
-from test_studio_server import ask, served, until
+from studio_cases import ask, served, until
 
 import nmaptool as nm
 from nmaptool.options.relief_presets import COVERED, RELIEF_PRESETS
@@ -22,7 +22,7 @@ def folder(tmp_path, png):
 
 @pytest.fixture
 def document(folder):
-    return opened([str(folder / "bunny.exr")])[0]
+    return opened([str(folder / "bunny.exr")])
 
 
 def test_the_presets_cover_every_option_that_shapes_a_relief():
