@@ -102,14 +102,12 @@ def test_typed_lengths_may_have_any_unit(scene, serve, window):
 def test_a_wrong_value_is_answered_in_the_line_of_the_command(scene, serve, window):
     page = window(serve(scene)).ready()
     page.type("mu", "-3")
-    said = page.page.get_by_text("must be zero or more")
-    said.wait_for()
-    assert re.match(r"`?mu ?= ?-3`?: must be zero or more", said.inner_text())
+    eventually(lambda: page.text("note-mu"), lambda found: re.match(r"mu = -3: must be zero or more", found))
+    assert page.value("mu") == "0.1"  # it goes back
     page.shot("wrong")
     page.type("mu", "0.5")
     eventually(lambda: page.js("studio.document.values.mu"), lambda found: found == 0.5)
-    said.wait_for(state="hidden")
-    assert page.text("error") == ""
+    assert page.page.locator("#note-mu").is_hidden()
 
 
 def test_keys_move_a_slider_and_a_double_click_resets_it(scene, serve, window):
@@ -119,11 +117,11 @@ def test_keys_move_a_slider_and_a_double_click_resets_it(scene, serve, window):
     for key, expected in (("ArrowRight", 0.11), ("ArrowRight", 0.12), ("ArrowLeft", 0.11), ("Home", 0), ("End", 4)):
         page.page.keyboard.press(key)
         eventually(lambda: page.js(f"{values}.mu"), lambda found, expected=expected: found == expected, key)
-        eventually(lambda: page.value("mu"), lambda found, expected=expected: found == str(expected), key)
+        assert page.value("mu") == str(expected)
     for name, default in (("mu", 0.1), ("beta", 0.001)):
         page.page.locator(f"#slide-{name}").dblclick()
         eventually(lambda name=name: page.js(f"{values}.{name}"), lambda found, default=default: found == default)
-        eventually(lambda name=name: page.value(name), lambda found, default=default: found == str(default))
+        assert page.value(name) == str(default)
 
 
 def test_steps_are_undone_by_keys_and_buttons(scene, library, serve, window):

@@ -9,7 +9,7 @@ from studio_cases import decoded
 
 import nmaptool as nm
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.studio.controls import SLIDERS, controls
+from nmaptool.studio.controls import GROUPS, controls
 from nmaptool.studio.document import MOST_STEPS, Document, History, opened
 from nmaptool.studio.engine import PREVIEW_PX, Engine
 from nmaptool.studio.frames import frame_of
@@ -88,7 +88,7 @@ def test_steps_are_undone_and_redone():
 
 def test_controls_describe_the_options():
     made = {control["name"]: control for control in controls()}
-    assert list(made) == list(SLIDERS)
+    assert list(made) == [name for names in GROUPS.values() for name in names]
     options = {**vars(nm.ReliefOptions()), **vars(nm.SolidOptions())}
     for name, control in made.items():
         assert control["default"] == options[name]

@@ -104,6 +104,16 @@ def parse_recipe(
     return Recipe(layers, canvas, name, folder, relief=relief)
 
 
+def parse_relief(values: Mapping[str, Any], *, name: str = "preset", line_of: LineOf | None = None) -> RecipeRelief:
+    """Make the relief of a recipe that has a table ``[relief]`` and nothing else, such as a preset.
+
+    Parameters and errors are those of `parse_recipe`.
+    """
+    top = Place(name, line_of)
+    known = _known(values, ("relief",), top)
+    return _relief(known.get("relief", {}), top.to("relief", title="relief"))
+
+
 def _relief(found: Any, place: Place) -> RecipeRelief:
     known = _known(_table(found, place, "[relief]"), (*_FILE_KEYS, *RELIEF_KEYS, *_SOLID_KEYS), place)
     parts: list[dict[str, Any]] = []

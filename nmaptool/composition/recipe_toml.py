@@ -10,7 +10,7 @@ from nmaptool.composition.recipe_parsing import number_text
 from nmaptool.core.errors import InputError
 from nmaptool.core.units import Length, Offset
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReliefFiles
-from nmaptool.types.recipe import Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
+from nmaptool.types.recipe import Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink, RecipeRelief
 
 _SHORT = {"\b": "\\b", "\t": "\\t", "\n": "\\n", "\f": "\\f", "\r": "\\r", '"': '\\"', "\\": "\\\\"}
 
@@ -44,11 +44,20 @@ def to_toml(recipe: Recipe) -> str:
     if lines:
         lines = ["[canvas]", *lines, ""]
     if recipe.relief is not None:
-        files = _given(recipe.relief.files, ReliefFiles())
-        lines += ["[relief]", *_pairs({**files, **recipe.relief.options, **recipe.relief.solid}), ""]
+        lines += [*_relief(recipe.relief), ""]
     for layer in recipe.layers:
         lines += _entry(layer, "layer")
     return "\n".join(lines)
+
+
+def relief_to_toml(relief: RecipeRelief) -> str:
+    """Write the table ``[relief]`` of a recipe alone; errors as for `to_toml`."""
+    return "\n".join([*_relief(relief), ""])
+
+
+def _relief(relief: RecipeRelief) -> Iterator[str]:
+    yield "[relief]"
+    yield from _pairs({**_given(relief.files, ReliefFiles()), **relief.options, **relief.solid})
 
 
 def _entry(layer: Entry, path: str) -> Iterator[str]:

@@ -18,7 +18,7 @@ Fit = Literal["scale", "slope", "delta"]
 Edge = Literal["blend", "wall", "auto"]
 SolverName = Literal["auto", "dct", "multigrid", "amg"]
 
-_SMALLEST_BETA = 1e-9
+SMALLEST_BETA = 1e-9
 _LARGEST_SLOPE = 1e4
 
 
@@ -101,8 +101,8 @@ class ReliefOptions(Options, group="Relief"):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if 0 < self.beta < _SMALLEST_BETA:
-            raise UsageError(f"`beta={self.beta:g}`: must be 0 or at least {_SMALLEST_BETA:g}")
+        if 0 < self.beta < SMALLEST_BETA:
+            raise UsageError(f"`beta={self.beta:g}`: must be 0 or at least {SMALLEST_BETA:g}")
         if not (math.isfinite(self.delta) and abs(self.delta) <= LARGEST_WEIGHT):
             raise UsageError(f"`delta={self.delta:g}`: must be a number of at most {LARGEST_WEIGHT:g}")
         if not 1e-14 <= self.tolerance < 1:

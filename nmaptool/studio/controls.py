@@ -23,32 +23,38 @@ class Slider:
     steps: int = 400
 
 
-# in the order of the page; lengths are in mm
-SLIDERS: dict[str, Slider | None] = {
+# headings and their controls, in the order of the page
+GROUPS = {
+    "Shape": ("mu", "beta", "delta", "slope_cap", "energy"),
+    "Size": ("height", "fit", "width"),
+    "Outline": ("background", "edge"),
+    "Solid": ("base", "triangles"),
+    "Advanced": (
+        *("edge_height", "outline_round", "outline", "shell", "hollow", "one_piece", "max_error"),
+        *("per_pixel", "solver", "tolerance", "max_iterations"),
+    ),
+}
+# lengths are in mm
+SLIDERS = {
     "mu": Slider(0.0, 4.0),
     "beta": Slider(1e-5, 0.1, is_log=True),
     "delta": Slider(-200.0, 200.0),
     "slope_cap": Slider(0.3, 10.0, is_log=True),
     "height": Slider(0.2, 30.0, is_log=True),
     "width": Slider(10.0, 500.0, is_log=True),
-    "background": None,
-    "edge": None,
-    "energy": None,
-    "fit": None,
     "base": Slider(0.5, 20.0, is_log=True),
-    "triangles": None,
 }
 
 
 def controls() -> list[dict[str, Any]]:
-    """Return one mapping for each control: name, label, help, kind, default, choices and slider."""
-    return [_control(name, slider) for name, slider in SLIDERS.items()]
+    """Return one mapping for each control: group, name, label, help, kind, default, choices and slider."""
+    return [{"group": group, **_control(name)} for group, names in GROUPS.items() for name in names]
 
 
-def _control(name: str, slider: Slider | None) -> dict[str, Any]:
+def _control(name: str) -> dict[str, Any]:
     options: type[Options] = ReliefOptions if name in _names(ReliefOptions) else SolidOptions
     field = next(f for f in dataclasses.fields(options) if f.name == name)
-    kind = kind_of(field)
+    kind, slider = kind_of(field), SLIDERS.get(name)
     assert kind is not None
     told = re.sub(r"--([a-z-]+)", lambda flag: flag[1].replace("-", " "), descriptions(options)[name])
     return {

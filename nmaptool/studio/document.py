@@ -10,15 +10,25 @@ from typing import Any
 
 from nmaptool.composition.recipe_parsing import parse_recipe
 from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.units import Length
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.options import CanvasOptions, ReliefFiles, ReliefOptions, SolidOptions
-from nmaptool.options.fields import Options
+from nmaptool.options.fields import Options, kind_of
 from nmaptool.options.formats import is_recipe
+from nmaptool.options.kinds import Count
 from nmaptool.types.recipe import RELIEF_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeRelief
 
 MOST_STEPS = 200
+# of numbers, before the options check them
+_LARGEST = 1e15
 _SOLID_KEYS = tuple(f.name for f in dataclasses.fields(SolidOptions))
+_KINDS = {
+    f.name: kind
+    for options in (ReliefOptions, SolidOptions)
+    for f in dataclasses.fields(options)
+    if (kind := kind_of(f)) is not None
+}
 
 
 @dataclass(frozen=True)
@@ -90,7 +100,7 @@ class Document:
             table = options if name in RELIEF_KEYS else solid
             table.pop(name, None)
             if value is not None:
-                table[name] = value
+                table[name] = _of_type(name, value)
         options, solid = _read(ReliefOptions, options), _read(SolidOptions, solid)
         return dataclasses.replace(self, relief=RecipeRelief(self.relief.files, options, solid))
 
@@ -120,6 +130,20 @@ def _renamed(entry: Entry, new: Callable[[str], str]) -> Entry:
     elif isinstance(entry, RecipeGroup):
         entry = dataclasses.replace(entry, layers=tuple(_renamed(layer, new) for layer in entry.layers))
     return entry if entry.mask is None else dataclasses.replace(entry, mask=new(entry.mask))
+
+
+def _of_type(name: str, value: Any) -> Any:
+    """Return a value that has the type of its option, as in a recipe; lengths may be text."""
+    kind = _KINDS[name]
+    if kind.toml is not float:
+        if isinstance(value, str | Length) if kind.toml is str else isinstance(value, kind.toml):
+            return value
+        raise UsageError(f"`{name}={value!r}`: expected {kind.such_as or 'True or False'}")
+    if isinstance(value, bool) or not isinstance(value, int | float) or abs(value) > _LARGEST:
+        raise UsageError(f"`{name}={value!r}`: expected a number, such as {kind.such_as}")
+    if isinstance(kind, Count) and not float(value).is_integer():
+        raise UsageError(f"`{name}={value!r}`: expected a whole number, such as {kind.such_as}")
+    return int(value) if isinstance(kind, Count) else float(value)
 
 
 def _read(kind: type[Options], given: Mapping[str, Any]) -> dict[str, Any]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from nmaptool.core.errors import UsageError
+from nmaptool.core.errors import NmaptoolError, UsageError
 from nmaptool.studio import layers
-from nmaptool.studio.room import Room
+from nmaptool.studio.room import Room, error_message
 from nmaptool.studio.windows import Message
 
 
@@ -16,7 +16,11 @@ def set_values(room: Room, message: Mapping[str, Any]) -> Message | None:
     values = message.get("values")
     if not isinstance(values, Mapping):
         raise UsageError("the page sent no values; reload it")
-    room.do(room.now.changed(values), joining=("set", *sorted(values)))
+    try:
+        document = room.now.changed(values)
+    except NmaptoolError as error:
+        return {**error_message(error), "names": sorted(values)}  # shown beside their controls
+    room.do(document, joining=("set", *sorted(values)))
     if not message.get("moving"):
         room.rest()  # the last event of a drag still belongs to it
     return None

@@ -13,7 +13,9 @@ from nmaptool.core.progress import Progress
 from nmaptool.io.recipes.scenes import Scene, read_greys, read_scene
 from nmaptool.io.recipes.stacks import PictureCache
 from nmaptool.options import ReliefOptions, TransformOptions
+from nmaptool.options.relief import SMALLEST_BETA
 from nmaptool.reliefs.session import ReliefSession
+from nmaptool.reliefs.targets import REFERENCE_SIDE_PX
 from nmaptool.studio.document import Document
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.relief_parts import ReliefParts
@@ -73,6 +75,8 @@ class Engine:
 
     def parts(self, options: ReliefOptions, *, is_preview: bool, progress: Progress | None = None) -> ReliefParts:
         """Solve for the parts of the heights; if they have none, for the heights, as the first part."""
+        if is_preview and self.preview is not self.full and options.per_pixel:
+            return self._per_pixel(options, progress)
         session = self.preview if is_preview else self.full
         tolerance = PREVIEW_TOLERANCE if is_preview else None
         if has_parts(options):
@@ -81,9 +85,17 @@ class Engine:
             return session.parts(options, preview_tolerance=tolerance, progress=progress)
         solved = session.solve(options, preview_tolerance=tolerance, progress=progress)
         height = solved.height
-        pitch_mm = solved.report.pitch_mm
+        pitch_mm, per_delta = solved.report.pitch_mm, solved.report.px_per_delta
         z_px = height.z_mm / pitch_mm
-        return ReliefParts(z_px, np.zeros_like(z_px), None, height.domain, height.frame, pitch_mm, 1.0)
+        return ReliefParts(z_px, np.zeros_like(z_px), None, height.domain, height.frame, pitch_mm, per_delta)
+
+    def _per_pixel(self, options: ReliefOptions, progress: Progress | None) -> ReliefParts:
+        """Solve on the small grid for beta and delta in pixels of the document, which are smaller than its own."""
+        scale = max(self.size) / REFERENCE_SIDE_PX
+        beta = max(options.beta * scale**2, SMALLEST_BETA) if options.beta else 0.0
+        scaled = dataclasses.replace(options, per_pixel=False, beta=beta, delta=options.delta / scale)
+        parts = self.parts(scaled, is_preview=True, progress=progress)
+        return dataclasses.replace(parts, px_per_delta=parts.px_per_delta / scale)
 
     def _session(self, original: NormalMap, detail: NormalMap | None, greys: dict[str, Any]) -> ReliefSession:
         return ReliefSession(original, detail, surface=self.scene.surface, **greys)

@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.errors import InputError, NmaptoolError, OutputError, UsageError, reason_of
-from nmaptool.io.recipes.reader import read_recipe
-from nmaptool.io.recipes.writer import write_recipe
+from nmaptool.io.recipes.reader import read_relief
+from nmaptool.io.recipes.writer import write_relief_table
 from nmaptool.options.formats import RECIPE_ENDING
 from nmaptool.options.relief_presets import COVERED, RELIEF_PRESETS, ReliefPreset
 from nmaptool.studio.controls import plain
 from nmaptool.studio.document import Document
 from nmaptool.studio.store import plain_name
-from nmaptool.types.recipe import Recipe, RecipeRelief
+from nmaptool.types.recipe import RecipeRelief
 
 # an own preset also keeps the size
 _OWN = (*COVERED, "width")
@@ -90,7 +90,7 @@ class Presets:
             self._folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OutputError(f"{self._folder}: cannot be made ({reason_of(error)})") from None
-        write_recipe(Recipe((), relief=relief), path, overwrite=overwrite)
+        write_relief_table(relief, path, overwrite=overwrite)
 
     def delete(self, name: str) -> None:
         """Delete one of the user's own.
@@ -119,10 +119,7 @@ class Presets:
         path = self._path(name)
         if not path.is_file():
             raise InputError(f"{path.stem}: there is no preset of yours with this name")
-        recipe = read_recipe(path, name=path.name)
-        if recipe.layers or recipe.relief is None:
-            raise InputError(f"{path.name}: a preset holds a table [relief] and no layers")
-        return recipe.relief
+        return read_relief(path, name=path.name)
 
     def _described(self, name: str) -> str:
         """What it changes, or why it cannot be used."""

@@ -25,6 +25,7 @@ from nmaptool.studio.exports import Exports
 from nmaptool.studio.inspector import Inspector
 from nmaptool.studio.layers import described
 from nmaptool.studio.presets import Presets
+from nmaptool.studio.reasons import reasons
 from nmaptool.studio.store import Store
 from nmaptool.studio.windows import Message, Window, Windows
 from nmaptool.studio.worker import Worker
@@ -137,6 +138,7 @@ class Room:
             "path": None if now.path is None else str(now.path),
             "is_saved": self.is_saved,
             "values": {control["name"]: plain(values[control["name"]]) for control in controls()},
+            "reasons": reasons(now),
             "layers": described(now.layers),
             "files": vars(now.relief.files),
             "depths": {file: plain_options(options) for file, (_, options) in self.depths.items()},

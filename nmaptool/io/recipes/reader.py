@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import Any
 
-from nmaptool.composition.recipe_parsing import parse_recipe
+from nmaptool.composition.recipe_parsing import parse_recipe, parse_relief
 from nmaptool.composition.recipe_places import LineOf
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.io.opening import read_head
@@ -16,7 +16,16 @@ from nmaptool.io.pictures.formats import is_picture
 from nmaptool.io.pictures.reader import read_image
 from nmaptool.io.recipes.lines import Lines
 from nmaptool.options import CanvasOptions
-from nmaptool.types.recipe import DEEPEST, MOST_LAYERS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeLink
+from nmaptool.types.recipe import (
+    DEEPEST,
+    MOST_LAYERS,
+    Entry,
+    Recipe,
+    RecipeGroup,
+    RecipeLayer,
+    RecipeLink,
+    RecipeRelief,
+)
 
 _LARGEST_BYTES = 1_000_000
 _LONGEST_SHOWN = 60
@@ -68,6 +77,19 @@ def read_recipe(
     values, line_of = _values(path, name, max_megapixels)
     recipe = parse_recipe(values, name=name, folder="" if folder == Path() else str(folder), line_of=line_of)
     return _Linking(folder, max_megapixels).linked(recipe, _Chain(((identity(path), name),)))
+
+
+def read_relief(path: Path, *, name: str | None = None) -> RecipeRelief:
+    """Read a file that holds the table ``[relief]`` of a recipe alone, such as a preset.
+
+    Raises
+    ------
+    InputError, LimitError
+        As `read_recipe`.
+    """
+    name = str(path) if name is None else name
+    values, line_of = _values(path, name, 0.0)
+    return parse_relief(values, name=name, line_of=line_of)
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from nmaptool.composition.recipe_toml import to_toml
+from nmaptool.composition.recipe_toml import relief_to_toml, to_toml
 from nmaptool.io.output.writing import write_together
-from nmaptool.types.recipe import Recipe
+from nmaptool.types.recipe import Recipe, RecipeRelief
 
 
 def write_recipe(recipe: Recipe, path: str | Path, *, overwrite: bool = False) -> None:
@@ -36,3 +36,9 @@ def write_recipe(recipe: Recipe, path: str | Path, *, overwrite: bool = False) -
     """
     text = to_toml(recipe)
     write_together([(Path(path), lambda file: file.write_text(text, encoding="utf-8"))], overwrite)
+
+
+def write_relief_table(relief: RecipeRelief, path: Path, *, overwrite: bool = False) -> None:
+    """Write the table ``[relief]`` of a recipe alone, such as a preset; errors as for `write_recipe`."""
+    text = relief_to_toml(relief)
+    write_together([(path, lambda file: file.write_text(text, encoding="utf-8"))], overwrite)

@@ -25,6 +25,37 @@ export function millimetres(text) {
   return found ? Number(found[1]) * unit[found[2].toLowerCase()] : NaN;
 }
 
+/** Millimetres of a length, also of one in px or in % of the longer side of the picture; NaN if it is not a length. */
+export function inMillimetres(text, frame) {
+  const found = /^\s*([-+.\de]+)\s*(px|%)\s*$/i.exec(String(text ?? ""));
+  if (!found || !frame) return millimetres(text);
+  const longer = Math.max(frame.rows, frame.cols) - 1;
+  const size = longer * pitchOf(frame, {});
+  return Number(found[1]) * (found[2] === "%" ? size / 100 : size / Math.max(...(frame.full ?? [longer])));
+}
+
+/** The size of a pixel of a frame in mm. */
+export function pitchOf(frame, values) {
+  const width = millimetres(values.width);
+  return Number.isFinite(width) ? width / (frame.cols - 1) : frame.pitch_mm;
+}
+
+/** The weight of the slopes; see nmaptool.reliefs.targets.Weights. */
+function stiffness(values, hasDetail) {
+  return hasDetail && values.energy === "eq6" ? 1 + values.mu : 1;
+}
+
+/** Millimetres of the largest forms that beta keeps, without a map of beta; infinite for beta 0. */
+export function reachOf(frame, values, hasDetail) {
+  return Math.sqrt(stiffness(values, hasDetail) / values.beta) * frame.px_per_delta * pitchOf(frame, values);
+}
+
+/** The beta that keeps forms up to so many millimetres; NaN if there is none. */
+export function betaFor(mm, frame, values, hasDetail) {
+  if (!(mm > 0)) return NaN;
+  return stiffness(values, hasDetail) / (mm / (frame.px_per_delta * pitchOf(frame, values))) ** 2;
+}
+
 /** Lowest and highest value of a h0 + b h1 on the surface. */
 function rangeOf({ first, second, surface }, a, b) {
   let low = Infinity;
@@ -78,9 +109,8 @@ function factors(frame, delta, wanted, fit) {
  */
 export function combined(frame, values) {
   const { first, second, base, surface, rows, cols } = frame;
-  const width = millimetres(values.width);
-  const pitch = Number.isFinite(width) ? width / (cols - 1) : frame.pitch_mm;
-  const wanted = millimetres(values.height) / pitch;
+  const pitch = pitchOf(frame, values);
+  const wanted = inMillimetres(values.height, { ...frame, pitch_mm: pitch }) / pitch;
   const [a, b, scale] = factors(frame, values.delta * frame.px_per_delta, wanted, values.fit);
   const z = new Float32Array(rows * cols);
   let low = Infinity;

@@ -6,6 +6,7 @@ import { setUpSaving } from "./files/saving.js";
 import { setUpControls } from "./panels/controls.js";
 import { setUpFiles } from "./panels/files.js";
 import { setUpLayers } from "./panels/layers.js";
+import { setUpPresets } from "./panels/presets.js";
 import { setUpBrush } from "./stage/brush.js";
 import { setUpHandles } from "./stage/handles.js";
 import { setUpStage } from "./stage/stage.js";
@@ -13,6 +14,7 @@ import { $, Studio } from "./studio.js";
 
 const studio = new Studio();
 const stage = setUpStage(studio);
+setUpPresets(studio);
 setUpControls(studio);
 const layers = setUpLayers(studio);
 const handles = setUpHandles(studio, stage, layers);

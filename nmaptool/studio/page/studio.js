@@ -42,6 +42,11 @@ export class Studio {
     if (message.kind === "state") {
       this.document = message;
       this.values = message.values;
+    } else if (message.kind === "error" && message.names) {
+      this.values = this.document.values;
+      this.emit("refused", message);
+      if (this.frame) this.emit("render");
+      return;
     } else if (message.kind === "error") this.say(message.text);
     this.emit(message.kind, message);
     if (message.kind === "state" && this.frame) this.emit("render");

@@ -78,7 +78,7 @@ class ExportDialog {
   }
 
   open() {
-    if (this.dialog.open) return;
+    if (this.dialog.open || $("export").disabled) return;
     if (!this.job) this.say("");
     this.dialog.showModal();
     this.chosen();

@@ -1,157 +1,132 @@
 /* The controls of the relief, made from the descriptions that the server derives from its options. */
 
-import { millimetres } from "../heights.js";
+import { betaFor, inMillimetres, pitchOf, reachOf } from "../heights.js";
+import { element } from "../wording.js";
+import { Control } from "./control.js";
 
-// a control that was just used keeps what the user sees for this long: states on their way are older
-const HELD_MS = 300;
-
-/** Millimetres as text of three or four digits. */
-function lengthText(mm) {
-  return `${Number(mm.toPrecision(mm >= 100 ? 4 : 3))}mm`;
-}
+/** Typed text with a unit that an option itself does not take. */
+const CONVERTED = {
+  // a height in mm, as a number of px of a picture of 1000 px
+  delta: (text, { studio }) => {
+    const mm = inMillimetres(text, studio.frame);
+    if (!Number.isFinite(mm) || !studio.frame) return undefined;
+    return Number((mm / (studio.frame.px_per_delta * pitchOf(studio.frame, studio.values))).toPrecision(6));
+  },
+  // an angle
+  slope_cap: (text) => {
+    const found = /^([\d.]+)\s*(?:°|deg)$/i.exec(text);
+    return found ? Number(Math.tan((Number(found[1]) * Math.PI) / 180).toPrecision(6)) : undefined;
+  },
+};
 
 class Panel {
-  /**
-   * @param {HTMLFormElement} form
-   * @param {(name: string, value: any, moving: boolean) => void} changed  called when the user sets a value
-   */
-  constructor(form, changed) {
+  constructor(studio, form) {
+    this.studio = studio;
     this.form = form;
-    this.changed = changed;
     this.controls = new Map();
     form.addEventListener("submit", (event) => event.preventDefault());
+    form.addEventListener("focusin", (event) => this.explain(event.target.closest(".control")));
   }
 
-  /** Build the controls. */
+  /** Build the controls under their headings; the last group is folded. */
   build(descriptions) {
-    this.form.replaceChildren();
     this.controls.clear();
+    const groups = new Map();
     for (const one of descriptions) {
-      const row = document.createElement("div");
-      row.className = "control";
-      const label = document.createElement("label");
-      label.textContent = one.label;
-      label.htmlFor = `value-${one.name}`;
-      label.title = one.help;
-      const help = document.createElement("p");
-      help.className = "help";
-      help.id = `help-${one.name}`;
-      help.hidden = true;
-      help.textContent = one.help;
-      row.append(label, ...(one.kind === "choice" ? this.choice(one) : this.number(one)), help);
-      row.addEventListener("focusin", () => this.explain(help));
-      this.form.append(row);
+      if (!groups.has(one.group)) groups.set(one.group, []);
+      groups.get(one.group).push(this.control(one).row);
     }
+    this.form.replaceChildren(...[...groups].map(([name, rows]) => this.group(name, rows)));
+    this.reach = this.reachField();
+    this.controls.get("beta").note.before(this.reach.row);
   }
 
-  explain(help) {
-    for (const each of this.form.querySelectorAll(".help")) each.hidden = each !== help;
+  group(name, rows) {
+    if (name === "Advanced") return element("details", { id: "advanced" }, element("summary", {}, name), ...rows);
+    const title = element("h2", { id: `group-${name.toLowerCase()}` }, name);
+    const section = element("section", { className: "group" }, title, ...rows);
+    section.setAttribute("aria-labelledby", title.id);
+    return section;
   }
 
-  choice(one) {
-    const select = document.createElement("select");
-    select.className = "wide";
-    select.id = `value-${one.name}`;
-    select.setAttribute("aria-describedby", `help-${one.name}`);
-    for (const name of one.choices) select.add(new Option(name, name));
-    select.addEventListener("change", () => this.changed(one.name, select.value, false));
-    this.controls.set(one.name, { ...one, select });
-    return [select];
-  }
-
-  number(one) {
-    const text = document.createElement("input");
-    text.type = "text";
-    text.id = `value-${one.name}`;
-    text.placeholder = one.kind === "length" ? "as it is" : one.example;
-    text.setAttribute("aria-describedby", `help-${one.name}`);
-    const control = { ...one, text, isTyping: false, used: -Infinity };
-    text.addEventListener("input", () => {
-      control.isTyping = true;
-    });
-    text.addEventListener("blur", () => {
-      control.isTyping = false;
-    });
-    text.addEventListener("change", () => {
-      control.isTyping = false;
-      control.used = performance.now();
-      this.changed(one.name, this.typed(one, text.value), false);
+  control(one) {
+    const { studio } = this;
+    const convert = CONVERTED[one.name];
+    const control = new Control(one, (value, moving) => this.change(one.name, value, moving), {
+      converted: (text) => convert?.(text, this),
+      placed: (value) => (one.kind === "length" ? inMillimetres(value, studio.frame) : Number(value ?? NaN)),
     });
     this.controls.set(one.name, control);
-    if (!one.slider) return [document.createElement("span"), text];
-    const slide = document.createElement("input");
-    slide.type = "range";
-    slide.id = `slide-${one.name}`;
-    slide.min = 0;
-    slide.max = one.slider.steps;
-    slide.step = 1;
-    slide.setAttribute("aria-label", one.label);
-    slide.setAttribute("aria-describedby", `help-${one.name}`);
-    const move = (moving) => {
-      const value = this.at(one, Number(slide.value));
-      text.value = value;
-      control.used = performance.now();
-      slide.setAttribute("aria-valuetext", value);
-      this.changed(one.name, this.typed(one, String(value)), moving);
-    };
-    slide.addEventListener("input", () => move(true));
-    slide.addEventListener("change", () => move(false));
-    slide.addEventListener("dblclick", () => {
-      control.used = -Infinity;
-      this.changed(one.name, null, false);
+    return control;
+  }
+
+  change(name, value, moving) {
+    this.studio.change(name, value, moving);
+    if (name === "beta" || name === "mu") this.showReach();
+  }
+
+  /** The length that the shape keeps, beside beta; a typed length sets beta. */
+  reachField() {
+    const text = element("input", { type: "text", id: "reach" });
+    const label = element("label", { htmlFor: "reach" }, "keeps forms up to");
+    text.setAttribute("aria-describedby", "help-beta");
+    const field = { text, row: element("p", { className: "readout" }, label, text), is_typed: false };
+    text.addEventListener("input", () => (field.is_typed = true));
+    text.addEventListener("change", () => {
+      field.is_typed = false;
+      const given = text.value.trim();
+      const mm = inMillimetres(/^[.\d]+$/.test(given) ? `${given}mm` : given, this.studio.frame);
+      const beta = betaFor(mm, this.studio.frame, this.studio.values, this.hasDetail);
+      if (Number.isFinite(beta)) this.change("beta", Number(beta.toPrecision(4)), false);
+      else this.controls.get("beta").refuse(`${given || "nothing"}: give a length, such as 8mm`);
+      this.showReach();
     });
-    control.slide = slide;
-    return [slide, text];
+    return field;
   }
 
-  /** The value that a typed text stands for; an empty one is the default. */
-  typed(one, text) {
-    const given = text.trim();
-    if (given === "") return null;
-    if (one.kind !== "number") return /^[-+.\d]+$/.test(given) && one.kind === "length" ? `${given}mm` : given;
-    return Number.isFinite(Number(given)) ? Number(given) : given;
+  get hasDetail() {
+    return Boolean(this.studio.document?.files.detail);
   }
 
-  /** The value at a place of a slider, as text. */
-  at(one, place) {
-    const { low, high, is_log, steps } = one.slider;
-    const share = place / steps;
-    const value = is_log ? low * (high / low) ** share : low + (high - low) * share;
-    return one.kind === "length" ? lengthText(value) : String(Number(value.toPrecision(3)));
+  showReach() {
+    const { frame, values } = this.studio;
+    if (!this.reach || this.reach.is_typed) return;
+    this.reach.text.disabled = !frame;
+    if (!frame || !values) return;
+    const mm = reachOf(frame, values, this.hasDetail);
+    this.reach.text.value = Number.isFinite(mm) ? `${Number(mm.toPrecision(3))}mm` : "any size";
   }
 
-  step(one, value) {
-    const { low, high, is_log, steps } = one.slider;
-    const share = is_log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
-    return Math.round(steps * Math.min(Math.max(share, 0), 1));
+  explain(row) {
+    for (const { help } of this.controls.values()) help.hidden = help.parentElement !== row;
   }
 
-  /** Show the values of the document; a control that is in use, later. */
-  show(values) {
-    clearTimeout(this.later);
-    const now = performance.now();
-    let areAllShown = true;
+  /** Show the document. */
+  show({ values, reasons }) {
     for (const [name, control] of this.controls) {
-      const value = values[name];
-      if (control.select) control.select.value = value;
-      else if (now - control.used < HELD_MS) areAllShown = false;
-      else this.place(control, value);
+      control.show(values[name]);
+      control.explain(reasons.controls[name] ?? "", reasons.choices[name]);
     }
-    if (!areAllShown) this.later = setTimeout(() => this.show(values), HELD_MS);
+    this.showReach();
   }
 
-  place(control, value) {
-    const { text, slide } = control;
-    if (!control.isTyping) text.value = value ?? "";
-    if (!slide) return;
-    const number = control.kind === "length" ? millimetres(value) : value;
-    if (Number.isFinite(number)) slide.value = this.step(control, number);
-    slide.setAttribute("aria-valuetext", value ?? "");
+  /** A change was refused: say why beside its controls, which go back. */
+  refuse({ names, text }) {
+    const known = names.filter((name) => this.controls.has(name));
+    for (const name of known) {
+      const control = this.controls.get(name);
+      control.refuse(text);
+      if (control.row.closest("details")) control.row.closest("details").open = true;
+    }
+    if (known.length) this.show(this.studio.document);
+    else this.studio.say(text);
   }
 }
 
 export function setUpControls(studio) {
-  const panel = new Panel(document.getElementById("controls"), (...change) => studio.change(...change));
+  const panel = new Panel(studio, document.getElementById("controls"));
   studio.on("controls", (message) => panel.build(message.controls));
-  studio.on("state", (message) => panel.show(message.values));
+  studio.on("state", (message) => panel.show(message));
+  studio.on("heights", () => studio.document && panel.show(studio.document));
+  studio.on("refused", (message) => panel.refuse(message));
 }
