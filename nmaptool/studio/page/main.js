@@ -8,6 +8,7 @@ import { setUpFiles } from "./panels/files.js";
 import { setUpLayers } from "./panels/layers.js";
 import { setUpBrush } from "./stage/brush.js";
 import { setUpHandles } from "./stage/handles.js";
+import { setUpMeshes } from "./panels/meshes.js";
 import { setUpStage } from "./stage/stage.js";
 import { $, Studio } from "./studio.js";
 
@@ -17,6 +18,7 @@ setUpControls(studio);
 const layers = setUpLayers(studio);
 const handles = setUpHandles(studio, stage, layers);
 setUpBrush(studio, stage, handles);
+const meshes = setUpMeshes(studio, layers);
 setUpFiles(studio);
 setUpDrop(studio);
 setUpSaving(studio);
@@ -37,4 +39,4 @@ studio.on("connected", (open) => {
 studio.connect();
 
 // for tests in a browser
-window.studio = Object.assign(studio, { stage, layers });
+window.studio = Object.assign(studio, { stage, layers, meshes });
