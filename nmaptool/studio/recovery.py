@@ -110,7 +110,8 @@ def recovered(unsaved: Unsaved, store: Store) -> Document:
     moved: dict[Path, Path] = {}
 
     def new(name: str) -> str:
-        file, layer = split_layer(name)
+        # names are relative if the store lies in the folder of the document, such as the user's own
+        file, layer = split_layer(str(unsaved.home / name))
         if not file.is_relative_to(unsaved.folder):
             return name
         if file not in moved:
