@@ -21,7 +21,9 @@ def open_dialog(page):
 def choose(page, format_):
     page.page.locator("#export-format").select_option(format_)
     page.waits_for("document.querySelector('#export-facts dd')")
-    return dict(zip(*(page.page.locator(f"#export-facts {tag}").all_inner_texts() for tag in ("dt", "dd")), strict=True))
+    return dict(
+        zip(*(page.page.locator(f"#export-facts {tag}").all_inner_texts() for tag in ("dt", "dd")), strict=True)
+    )
 
 
 def download(page, path):

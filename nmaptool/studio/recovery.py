@@ -14,6 +14,8 @@ from nmaptool.composition.recipe_toml import to_toml
 from nmaptool.core.errors import InputError, NmaptoolError
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
+from nmaptool.options.formats import is_recipe
+from nmaptool.studio.details import carried
 from nmaptool.studio.document import Document, relative
 from nmaptool.studio.store import Store
 
@@ -108,6 +110,7 @@ def recovered(unsaved: Unsaved, store: Store) -> Document:
     moved: dict[Path, Path] = {}
 
     def new(name: str) -> str:
+        # names are relative if the store lies in the folder of the document, such as the user's own
         file, layer = split_layer(str(unsaved.home / name))
         if not file.is_relative_to(unsaved.folder):
             return name
@@ -115,7 +118,10 @@ def recovered(unsaved: Unsaved, store: Store) -> Document:
             if not file.is_file():
                 raise InputError(f"{unsaved.name}: {file.name} is gone")
             moved[file] = store.place(file.name)
-            shutil.copyfile(file, moved[file])
+            if is_recipe(file.name):
+                moved[file].write_text(carried(file, new), encoding="utf-8")
+            else:
+                shutil.copyfile(file, moved[file])
         return relative(moved[file], read.folder) + ("" if layer is None else f":{layer}")
 
     document = read.renamed(new)
