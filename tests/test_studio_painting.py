@@ -147,8 +147,6 @@ def test_a_stroke_flattens_and_is_undone(folder):
 
 def test_wrong_strokes_are_answered_in_one_line(folder, png):
     png(folder / "small.png", np.full((8, 8), 255, np.uint8))
-    text = '[[layer]]\nfile = "bunny.exr"\n[relief]\nmu_map = "small.png"\ndetail = "bunny.exr"\n'
-    (folder / "scene.toml").write_text(text, encoding="utf-8")
     with served(folder / "bunny.exr") as client, client.live() as live:
         until(live, "frame")
         for message, expected in (
@@ -162,7 +160,30 @@ def test_wrong_strokes_are_answered_in_one_line(folder, png):
             ask(live, do="paint", **message)
             assert expected in until(live, "error")["text"]
         assert client.get("/painted/hat").status == 400
-    with served(folder / "scene.toml") as client:
-        while client.studio.engine is None and b"wait for the picture" in client.get("/painted/mu_map").body:
-            pass
+        client.drop(folder / "small.png")
+        ask(live, do="set-file", role="mu_map", file="small.png")
+        until(live, "error")  # the relief cannot be solved with it
         assert b"small.png: is 8 x 8 px, the map 30 x 40 px" in client.get("/painted/mu_map").body
+
+
+def test_the_mask_of_a_layer_is_painted_in_its_own_px(folder, tmp_path):
+    with served(folder / "plate.exr", folder / "bunny.exr", root=tmp_path / "state") as client, client.live() as live:
+        until(live, "frame")
+        assert client.get("/painted/layer-mask?place=7").status == 400
+        assert shown(client, "layer-mask?place=1").shape == (40, 30)
+        brush = {"tool": "paint", "size": 16, "value": 0, "hardness": 1, "opacity": 1}
+        ask(live, do="paint", role="layer-mask", place=[1], brush=brush, points=[[15, 20, 1]])
+        state = until(live, "state", lambda found: found["layers"][1]["mask"])
+        assert nm.read_grey(state["layers"][1]["mask"])[20, 15] == 0
+        until(live, "frame")
+        with_hole = client.studio.engine.scene.composition
+        plate = nm.read_normal_map(folder / "plate.exr")
+        # the bunny lies at 25,10: through the hole the plate shows
+        assert np.allclose(with_hole.normal_map.normals[30, 40], plate.normals[30, 40], atol=1e-6)
+        ask(live, do="save", name="scene")
+        until(live, "saved")
+        assert nm.read_recipe(folder / "scene.toml").layers[1].mask == "scene-layer-mask.png"
+        ask(live, do="set-layer", place=[1], values={"mask": "/etc/passwd"})
+        assert "dropped files alone" in until(live, "error")["text"]
+        ask(live, do="set-layer", place=[1], values={"mask": None})
+        assert until(live, "state", lambda found: not found["layers"][1]["mask"])

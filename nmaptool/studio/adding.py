@@ -88,6 +88,13 @@ def set_file(room: Room, message: Mapping[str, Any]) -> Message | None:
     return None
 
 
+def set_layer_mask(room: Room, message: Mapping[str, Any]) -> Message | None:
+    """Use the dropped ``file`` as the mask of the layer at ``place``."""
+    path = relative(dropped(room, message.get("file")), room.now.folder)
+    room.do(layers.edited(room.now, layers.place_of(message.get("place")), {"mask": path}))
+    return None
+
+
 def with_file(document: Document, role: str, name: str | None) -> Document:
     """Return the document with another file for a role of the relief."""
     files = dataclasses.replace(document.relief.files, **{role: name})

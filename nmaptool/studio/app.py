@@ -65,8 +65,9 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
         return await receive(room, request)
 
     async def painted(request: Request) -> Response:
+        place = request.query_params.get("place", "")
         try:
-            data = await run_in_threadpool(picture_of, room, request.path_params["role"])
+            data = await run_in_threadpool(picture_of, room, request.path_params["role"], place)
         except NmaptoolError as error:
             return JSONResponse({"text": with_recipe_keys(str(error))}, 400)
         return Response(data, media_type="image/png")

@@ -43,6 +43,8 @@ def set_layer(room: Room, message: Mapping[str, Any]) -> Message | None:
     values = message.get("values")
     if not isinstance(values, Mapping):
         raise UsageError("the page sent no values; reload it")
+    if "file" in values or values.get("mask") is not None:
+        raise UsageError("the page may name dropped files alone; reload it")
     place = layers.place_of(message.get("place"))
     room.do(layers.edited(room.now, place, values), joining=("layer", place, *sorted(values)))
     if not message.get("moving"):

@@ -26,6 +26,7 @@ REQUESTS: dict[str, Request] = {
     "add-depth": adding.add_depth,
     "set-depth": adding.set_depth,
     "set-file": adding.set_file,
+    "set-layer-mask": adding.set_layer_mask,
     "use-as-detail": adding.use_as_detail,
     "open-recipe": adding.open_recipe,
     "paint": painting.paint,

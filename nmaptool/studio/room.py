@@ -101,6 +101,11 @@ class Room:
         """(H, W) bool: where the composed map has its motif; None if no map has been read."""
         return self.worker.motif
 
+    def map_shape(self, place: tuple[int, ...]) -> tuple[int, int] | None:
+        """Rows and columns of the map of a layer; None if it is hidden or has none."""
+        known = () if self._placements is None else self._placements["layers"]
+        return next(((one["rows"], one["cols"]) for one in known if tuple(one["place"]) == place), None)
+
     def enter(self, window: Window) -> None:
         """Show the document in a window."""
         self.windows.enter(window)

@@ -6,7 +6,7 @@ import filecmp
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from nmaptool.composition.recipe_toml import to_toml
 from nmaptool.core.errors import InputError, UsageError
@@ -14,9 +14,9 @@ from nmaptool.io.output.writing import write_together
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.options.formats import RECIPE_ENDING, is_recipe
-from nmaptool.studio import details, recovery
+from nmaptool.studio import details, layers, recovery
 from nmaptool.studio.document import Document, relative
-from nmaptool.studio.painting import ROLES
+from nmaptool.studio.painting import LAYER_MASK, ROLES
 from nmaptool.studio.room import Room
 from nmaptool.studio.store import plain_name
 from nmaptool.studio.windows import Message
@@ -58,6 +58,7 @@ def _beside(room: Room, path: Path) -> tuple[Document, dict[Path, Path], dict[Pa
     """
     now = room.now
     roles = {name: role for role in ROLES if (name := getattr(now.relief.files, role)) is not None}
+    roles |= {entry.mask: LAYER_MASK for _, entry in layers.maps_of(now.layers) if _is_painted(room, entry.mask)}
     own = {now.folder / split_layer(name)[0] for name in room.saved_files} if path == room.now.path else set()
     targets: dict[Path, Path] = {}
     texts: dict[Path, str] = {}
@@ -77,6 +78,10 @@ def _beside(room: Room, path: Path) -> tuple[Document, dict[Path, Path], dict[Pa
         return relative(targets[file], now.folder) + ("" if layer is None else f":{layer}")
 
     return now.renamed(new), targets, texts
+
+
+def _is_painted(room: Room, name: str | None) -> TypeGuard[str]:
+    return name is not None and str(room.now.folder / name) in room.painted
 
 
 def _free(wanted: Path, source: Path, replaceable: set[Path], taken: set[Path]) -> Path:

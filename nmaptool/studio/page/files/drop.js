@@ -65,6 +65,7 @@ function fillRoles(fields) {
     ["layer", "a normal map: a new layer"],
     ...roles.map((field) => [field.name, `${field.label}: ${field.help}`]),
   ];
+  uses.splice(2, 0, ["layer-mask", "mask of the chosen layer: white where it shows; has the size of its map"]);
   $("grey-uses").replaceChildren(...uses.map(([value, text]) => choice(value, text)));
 }
 
@@ -80,6 +81,7 @@ function choice(value, text) {
 function ask(studio, file) {
   const dialog = $("grey-dialog");
   $("grey-name").textContent = file;
+  dialog.querySelector("input[value=layer-mask]").disabled = studio.layers.chosen?.kind !== "map";
   dialog.showModal();
   return new Promise((done) => {
     dialog.addEventListener(
@@ -89,6 +91,7 @@ function ask(studio, file) {
         if (dialog.returnValue === "use") {
           if (use === "depth") studio.ask({ do: "add-depth", file });
           else if (use === "layer") studio.ask({ do: "add-layer", file });
+          else if (use === "layer-mask") studio.ask({ do: "set-layer-mask", place: studio.layers.chosen.place, file });
           else studio.ask({ do: "set-file", role: use, file });
         }
         done();

@@ -4,6 +4,7 @@
  */
 
 import { $ } from "../studio.js";
+import { shareAt, sizes } from "./placing.js";
 
 const STEP = 0.12; // of the brush's size, between two points
 const HELP = {
@@ -11,6 +12,7 @@ const HELP = {
   mu_map: "Multiplies mu: black means no detail.",
   beta_map: "Multiplies beta: black means that nothing pulls towards delta.",
   delta_map: "Multiplies delta: black pulls down to the plate.",
+  "layer-mask": "White is where the chosen layer shows; erase hides it.",
 };
 const KEYS = { b: "paint", e: "erase", s: "smooth", g: "fill" };
 
@@ -40,6 +42,15 @@ class Brush {
     return $("brush-role").value;
   }
 
+  get isMask() {
+    return this.role === "mask" || this.role === "layer-mask";
+  }
+
+  /** The box of the chosen layer, if its mask is painted; null if the sheet is the whole map, undefined if it is missing. */
+  get box() {
+    return this.role === "layer-mask" ? (this.handles.box ?? undefined) : null;
+  }
+
   get tool() {
     return document.querySelector("input[name=brush-tool]:checked").value;
   }
@@ -50,7 +61,7 @@ class Brush {
 
   describe() {
     $("brush-help").textContent = HELP[this.role];
-    $("brush-value-row").hidden = this.role === "mask";
+    $("brush-value-row").hidden = this.isMask;
   }
 
   choose() {
@@ -80,13 +91,21 @@ class Brush {
 
   /** Fetch the picture of the role if another file holds it now. */
   async refresh() {
-    const shown = `${this.role} ${this.studio.document?.files?.[this.role]}`;
+    const layer = this.studio.layers.chosen;
+    const isLayer = this.role === "layer-mask";
+    const file = isLayer ? `${layer?.place} ${layer?.file} ${layer?.mask}` : this.studio.document?.files?.[this.role];
+    const shown = `${this.role} ${file}`;
     if (!this.release || shown === this.shown) {
       this.draw();
       return;
     }
     this.shown = shown;
-    const answer = await fetch(`painted/${this.role}`);
+    this.picture = null;
+    if (isLayer && layer?.kind !== "map") {
+      this.studio.say("choose a layer with a map to paint its mask");
+      return;
+    }
+    const answer = await fetch(`painted/${this.role}${isLayer ? `?place=${layer.place}` : ""}`);
     if (!answer.ok) {
       this.studio.say((await answer.json()).text);
       return;
@@ -128,13 +147,21 @@ class Brush {
 
   paint(points) {
     const tool = this.tool;
-    const isMask = this.role === "mask";
-    const value = isMask ? 1 : Number($("brush-value").value);
+    const value = this.isMask ? 1 : Number($("brush-value").value);
     const brush = { tool, size: this.size, value, hardness: Number($("brush-hardness").value), opacity: Number($("brush-opacity").value) };
     // erasing a mask takes away, erasing weights goes back to 1
-    if (isMask && tool === "erase") Object.assign(brush, { tool: "paint", value: 0 });
+    if (this.isMask && tool === "erase") Object.assign(brush, { tool: "paint", value: 0 });
     this.last = points;
-    this.studio.ask({ do: "paint", role: this.role, brush, points });
+    const box = this.box;
+    if (box === undefined) return;
+    if (box) {
+      const [across, down] = sizes(box);
+      brush.size /= Math.sqrt(across * down);
+      const within = (x, y) => shareAt(box, x, y).map((share, axis) => share * (axis ? box.rows : box.cols));
+      points = points.map(([x, y, pressure]) => [...within(x, y), pressure]);
+    }
+    const place = box ? this.studio.layers.chosen.place : null;
+    this.studio.ask({ do: "paint", role: this.role, place, brush, points });
     this.draw();
   }
 
@@ -169,7 +196,13 @@ class Brush {
     const corner = view.toScreen(0, 0);
     context.setTransform(density * view.scale, 0, 0, density * view.scale, density * corner.x, density * corner.y);
     const [cols, rows] = this.studio.frame.full;
-    if (this.picture) context.drawImage(this.picture, 0, 0, cols, rows);
+    const box = this.box;
+    if (this.picture && box !== undefined) {
+      context.save();
+      if (box) context.transform(...[0, 1, 2].flatMap((column) => box.matrix.map((row) => row[column])));
+      context.drawImage(this.picture, 0, 0, box?.cols ?? cols, box?.rows ?? rows);
+      context.restore();
+    }
     if (this.points) this.drawStroke(context);
     if (this.at) {
       context.lineWidth = 1.5 / view.scale;
