@@ -174,7 +174,7 @@ def test_the_mask_of_a_layer_is_painted_in_its_own_px(folder, tmp_path):
         brush = {"tool": "paint", "size": 16, "value": 0, "hardness": 1, "opacity": 1}
         ask(live, do="paint", role="layer-mask", place=[1], brush=brush, points=[[15, 20, 1]])
         state = until(live, "state", lambda found: found["layers"][1]["mask"])
-        assert nm.read_grey(state["layers"][1]["mask"])[20, 15] == 0
+        assert nm.read_grey(folder / state["layers"][1]["mask"])[20, 15] == 0
         until(live, "frame")
         with_hole = client.studio.engine.scene.composition
         plate = nm.read_normal_map(folder / "plate.exr")
