@@ -25,6 +25,7 @@ export function setUpLayers(studio) {
     shown = message.layers;
     $("no-layers").hidden = shown.length > 0;
     if (!layerAt(shown, chosen.place)) chosen.place = null;
+    if (isNew) studio.emit("added");
     choose(isNew ? [shown.length - 1] : chosen.place);
   });
   studio.on("findings", (message) => {

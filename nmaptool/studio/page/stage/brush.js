@@ -72,10 +72,9 @@ class Brush {
 
   /** Take the brush into the hand, or put it down. */
   use(isUsed) {
-    if (isUsed && !this.studio.frame) return;
+    if (isUsed === Boolean(this.release) || (isUsed && !this.studio.frame)) return;
     $("brush-on").setAttribute("aria-pressed", String(isUsed));
     $("brush-on").textContent = isUsed ? "Stop painting" : "Paint";
-    this.handles.show(!isUsed);
     this.release?.();
     this.release = isUsed ? this.stage.claim(this) : null;
     this.shown = "";
