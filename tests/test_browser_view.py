@@ -180,6 +180,24 @@ def test_the_browser_keeps_lights_and_material(studio, window):
     assert page.js("studio.document.undo") == 0  # the document does not know
 
 
+def test_the_picture_comes_back_after_the_graphics_card_forgot_it(studio, window):
+    page = shown(studio, window)
+    page.page.locator("#overlay").select_option(label="curl")
+    page.waits_for("studio.stage.view.renderer.layer.width > 1")
+    page.waits_for(REST)
+    before = page.relief()
+    page.js("""() => new Promise((done) => {
+      const { canvas, renderer } = studio.stage.view;
+      const extension = renderer.gl.getExtension("WEBGL_lose_context");
+      canvas.addEventListener("webglcontextlost", () => setTimeout(() => extension.restoreContext(), 50));
+      canvas.addEventListener("webglcontextrestored", done);
+      extension.loseContext();
+    })""")
+    page.expected.append("CONTEXT_LOST|context lost")
+    page.waits_for("studio.stage.view.renderer.layer.width > 1")
+    eventually(page.relief, lambda now: abs(now - before).mean() < 0.005)
+
+
 def test_nothing_is_drawn_while_nothing_changes(studio, window):
     page = shown(studio, window)
     drawn = page.js("studio.stage.view.drawn")

@@ -24,7 +24,7 @@ const REST_MS = 200;
  * is called (see Pointer); and the layers above the picture that tools draw on, `svg` and `paint`.
  */
 export function setUpStage(studio) {
-  const view = new View($("view"));
+  const view = started(studio);
   Object.assign(view, settings.read());
   const pointer = new Pointer(view);
   const maps = new MapLayers(studio, view);
@@ -56,6 +56,16 @@ export function setUpStage(studio) {
     onView: (listener) => view.onView(listener),
     claim: (tool) => pointer.claim(tool),
   };
+}
+
+/** The view; if this browser cannot show it, the page says why. */
+function started(studio) {
+  try {
+    return new View($("view"));
+  } catch (error) {
+    studio.say(error.message);
+    throw error;
+  }
 }
 
 /** Computes the heights for the view: while a value moves, on the smaller grid of the same solve. */
