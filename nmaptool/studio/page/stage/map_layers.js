@@ -19,6 +19,10 @@ export class MapLayers {
     this.view = view;
     this.shown = "";
     studio.on("heights", () => this.refresh());
+    view.canvas.addEventListener("webglcontextrestored", () => {
+      this.shown = "";
+      this.refresh();
+    });
   }
 
   /** Fetch what the view shows, if it is of other maps. */

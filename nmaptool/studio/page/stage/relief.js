@@ -9,6 +9,9 @@ const SIZES = {
   processor: { moving: { shadow: 192, occlusion: 96 }, resting: { shadow: 1024, occlusion: 512 } },
 };
 
+// while heights move, the occlusion is computed again after this time
+const OCCLUSION_MS = 120;
+
 /**
  * Give vertices off the surface a height: that of the surface beside them, so that its edge is not bent down between
  * vertices, and the lowest farther away, so that they cast no shadow.
@@ -58,6 +61,7 @@ export class Relief {
     this.mask = null;
     this.grid = [1, 1];
     this.done = { occlusion: null, shadow: null };
+    this.occludedAt = -Infinity;
   }
 
   /** Take heights in px of the grid, a mask, and the lowest and highest height. */
@@ -82,22 +86,26 @@ export class Relief {
     return { heights: this.heights.texture, surface: this.surface.texture, grid: this.grid };
   }
 
-  /** Compute what is out of date; returns whether a finer result is to follow when nothing moves. */
+  /** Compute what is out of date: coarsely while something moves, finely when it rests. */
   prepare({ light, moving, shadows }) {
-    const sizes = this.passes.sizes[moving ? "moving" : "resting"];
-    const fine = this.passes.sizes.resting;
+    const { resting } = this.passes.sizes;
+    const now = moving ? this.passes.sizes.moving : resting;
     const wanted = (most) => Math.min(most, Math.max(...this.grid));
-    const isFine = { occlusion: this.done.occlusion === wanted(fine.occlusion) };
-    if (!isFine.occlusion && this.done.occlusion !== wanted(sizes.occlusion)) this.occlude(wanted(sizes.occlusion));
-    if (shadows) {
-      const key = (size) => [...light, size].join();
-      const isDone = [fine, sizes].some(({ shadow }) => this.done.shadow === key(wanted(shadow)));
-      if (!isDone || (!moving && this.done.shadow !== key(wanted(fine.shadow)))) {
-        this.cast(light, wanted(sizes.shadow));
-        this.done.shadow = key(wanted(sizes.shadow));
-      }
-    }
-    return moving;
+    this.prepareOcclusion(wanted(now.occlusion), wanted(resting.occlusion), moving);
+    if (!shadows) return;
+    const key = (size) => [...light, size].join();
+    const isFine = this.done.shadow === key(wanted(resting.shadow));
+    if (isFine || this.done.shadow === key(wanted(now.shadow))) return;
+    this.cast(light, wanted(now.shadow));
+    this.done.shadow = key(wanted(now.shadow));
+  }
+
+  /** While heights move, the occlusion may be a little older than they are: it changes less than they do. */
+  prepareOcclusion(size, fine, moving) {
+    const isYoung = moving && this.occlusion.texture && performance.now() - this.occludedAt < OCCLUSION_MS;
+    if (isYoung || this.done.occlusion === fine || this.done.occlusion === size) return;
+    this.occlude(size);
+    this.occludedAt = performance.now();
   }
 
   scaled(longest) {

@@ -14,6 +14,9 @@ import { View } from "./view.js";
 
 // thickness of a plate whose back is not set, as a share of its width
 const THIN = 0.02;
+// options that the view needs, and after what time without a change it shows the full grid again
+const USED = ["delta", "height", "width", "fit", "base"];
+const REST_MS = 200;
 
 /**
  * Set up the picture. Returns, for tools on the canvas: `view` with `toGrid(event)` and `toScreen(x, y)`; `onView`, which
@@ -21,7 +24,7 @@ const THIN = 0.02;
  * is called (see Pointer); and the layers above the picture that tools draw on, `svg` and `paint`.
  */
 export function setUpStage(studio) {
-  const view = new View($("view"));
+  const view = started(studio);
   Object.assign(view, settings.read());
   const pointer = new Pointer(view);
   const maps = new MapLayers(studio, view);
@@ -42,8 +45,7 @@ export function setUpStage(studio) {
     if (!pointer.tool) toolbar.key(event);
   });
   new ResizeObserver(() => view.look(() => {})).observe($("picture"));
-  studio.on("render", () => {
-    render(studio, view);
+  new Rendering(studio, view, () => {
     toolbar.legend();
     section.draw();
   });
@@ -56,14 +58,49 @@ export function setUpStage(studio) {
   };
 }
 
-function render(studio, view) {
-  const { frame, values } = studio;
-  const { z, span, low, high, pitch } = combined(frame, values);
-  const { cols, rows, surface, full } = frame;
-  const width = (cols - 1) * pitch;
-  const base = millimetres(values.base);
-  view.show({ z, surface, cols, rows, low, high, pitch, full, base: Number.isFinite(base) ? base : THIN * width });
-  $("facts").textContent = `${width.toFixed(1)} x ${((rows - 1) * pitch).toFixed(1)} mm, ${span.toFixed(3)} mm high`;
+/** The view; if this browser cannot show it, the page says why. */
+function started(studio) {
+  try {
+    return new View($("view"));
+  } catch (error) {
+    studio.say(error.message);
+    throw error;
+  }
+}
+
+/** Computes the heights for the view: while a value moves, on the smaller grid of the same solve. */
+class Rendering {
+  constructor(studio, view, shown) {
+    Object.assign(this, { studio, view, shown, key: "", preview: null, isNew: false, later: null });
+    studio.on("heights", (frame) => {
+      if (!frame.is_full) this.preview = frame;
+      this.isNew = true;
+    });
+    studio.on("render", () => this.render());
+  }
+
+  render() {
+    const { frame, values } = this.studio;
+    const key = JSON.stringify(USED.map((name) => values[name]));
+    if (key === this.key && !this.isNew) return;
+    const isSmall = !this.isNew && frame.is_full && this.preview?.request === frame.request;
+    Object.assign(this, { key, isNew: false });
+    clearTimeout(this.later);
+    this.show(isSmall ? this.preview : frame);
+    if (isSmall) this.later = setTimeout(() => this.show(this.studio.frame), REST_MS);
+  }
+
+  show(frame) {
+    const { values } = this.studio;
+    const { z, span, low, high, pitch } = combined(frame, values);
+    const { cols, rows, surface, full } = frame;
+    const width = (cols - 1) * pitch;
+    const base = millimetres(values.base);
+    const thick = Number.isFinite(base) ? base : THIN * width;
+    this.view.show({ z, surface, cols, rows, low, high, pitch, full, base: thick });
+    $("facts").textContent = `${width.toFixed(1)} x ${((rows - 1) * pitch).toFixed(1)} mm, ${span.toFixed(3)} mm high`;
+    this.shown();
+  }
 }
 
 /** The layers that tools draw on have the size of the picture; the 2D canvas has its device pixels. */

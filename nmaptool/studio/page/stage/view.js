@@ -27,6 +27,18 @@ export class View {
     this.drawn = 0;
     this.moves = false;
     this.resting = null;
+    canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+    canvas.addEventListener("webglcontextrestored", () => this.restore());
+  }
+
+  /** The graphics card has lost everything, as after sleep or a new driver: give it all again. */
+  restore() {
+    this.renderer = new Renderer(this.canvas);
+    for (const one of [this, this.before].filter((each) => each?.relief)) {
+      one.shown = this.renderer.relief();
+      upload(one.shown, one.relief);
+    }
+    this.draw();
   }
 
   /**
@@ -177,7 +189,7 @@ export class View {
   }
 
   paint() {
-    if (!this.relief) return;
+    if (!this.relief || this.renderer.gl.isContextLost()) return;
     this.resize();
     const now = { relief: this.shown, bottomPx: bottomOf(this.relief) };
     const compares = this.before && this.split !== null;
