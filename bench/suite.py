@@ -7,6 +7,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "solver": ("--sizes", "1024", "4096", "8192", "--limit", "45", "--spend", "1"),
     "crossover": ("--sizes", "64", "256", "1024", "--limit", "15"),
     "session": (),
+    "studio": (),
     "relief": (),
     "bake": (),
     "learned": (),

@@ -93,29 +93,20 @@ def parse_recipe(
     <Recipe recipe: 2 layers, 2 files, canvas of the lowest layer's size>
     """
     top = Place(name, line_of)
-    known = _known(values, ("canvas", "layer", "relief"), top)
+    known = known_keys(values, ("canvas", "layer", "relief"), top)
     canvas = CanvasOptions()
     if "canvas" in known:
         place = top.to("canvas", title="canvas")
-        table = _known(_table(known["canvas"], place, "[canvas]"), _CANVAS_KEYS, place)
+        table = known_keys(_table(known["canvas"], place, "[canvas]"), _CANVAS_KEYS, place)
         canvas = _options(CanvasOptions, _typed(CanvasOptions, table, place), place)
     layers = _entries(known["layer"], top, "", 1) if "layer" in known else ()
-    relief = _relief(known["relief"], top.to("relief", title="relief")) if "relief" in known else None
+    relief = relief_of(known["relief"], top.to("relief", title="relief")) if "relief" in known else None
     return Recipe(layers, canvas, name, folder, relief=relief)
 
 
-def parse_relief(values: Mapping[str, Any], *, name: str = "preset", line_of: LineOf | None = None) -> RecipeRelief:
-    """Make the relief of a recipe that has a table ``[relief]`` and nothing else, such as a preset.
-
-    Parameters and errors are those of `parse_recipe`.
-    """
-    top = Place(name, line_of)
-    known = _known(values, ("relief",), top)
-    return _relief(known.get("relief", {}), top.to("relief", title="relief"))
-
-
-def _relief(found: Any, place: Place) -> RecipeRelief:
-    known = _known(_table(found, place, "[relief]"), (*_FILE_KEYS, *RELIEF_KEYS, *_SOLID_KEYS), place)
+def relief_of(found: Any, place: Place) -> RecipeRelief:
+    """Return the relief of a table ``[relief]``."""
+    known = known_keys(_table(found, place, "[relief]"), (*_FILE_KEYS, *RELIEF_KEYS, *_SOLID_KEYS), place)
     parts: list[dict[str, Any]] = []
     for kind, keys in ((ReliefFiles, _FILE_KEYS), (ReliefOptions, RELIEF_KEYS), (SolidOptions, _SOLID_KEYS)):
         given = _typed(kind, {key: value for key, value in known.items() if key in keys}, place)
@@ -149,7 +140,7 @@ def _entry(found: Any, place: Place, number: str, depth: int) -> Entry:
     """Return a layer, a group or a link, depending on which keys the table has."""
     table = _table(found, place, "[[layer]]")
     place = place.to(title=place.title + _called(table))
-    known = _known(table, _ALL_KEYS, place)
+    known = known_keys(table, _ALL_KEYS, place)
     holds = [key for key in _CONTENTS if key in known]
     if len(holds) != 1 or (holds == ["layer"] and not known["layer"]):
         what = " and ".join(holds) if len(holds) > 1 else "neither file, recipe nor layers"
@@ -179,7 +170,7 @@ def _entry(found: Any, place: Place, number: str, depth: int) -> Entry:
 
 
 def _read(found: Any, place: Place) -> dict[str, Any]:
-    given = _typed(ReadOptions, _known(_table(found, place, "[layer.read]"), READ_KEYS, place), place)
+    given = _typed(ReadOptions, known_keys(_table(found, place, "[layer.read]"), READ_KEYS, place), place)
     _options(ReadOptions, given, place)
     return given
 
@@ -200,7 +191,7 @@ def _table(found: Any, place: Place, example: str) -> Mapping[str, Any]:
     return found
 
 
-def _known(table: Mapping[str, Any], accepted: Iterable[str], place: Place) -> dict[str, Any]:
+def known_keys(table: Mapping[str, Any], accepted: Iterable[str], place: Place) -> dict[str, Any]:
     """Return the table with _ in its keys; unknown keys are refused."""
     names = {written_name(name): name for name in accepted}
     known: dict[str, Any] = {}

@@ -110,7 +110,8 @@ class Worker:
 
     def _solve(self, engine: Engine, number: int, document: Document, *, is_preview: bool) -> None:
         def watch(stage: str, share: float) -> None:
-            if self._number != number:
+            # a preview is finished: if each event of a drag ended it, no picture would be seen before the hand rests
+            if self._ends or (self._number != number and not is_preview):
                 raise _SupersededError
             if not is_preview:
                 self._send({"kind": "progress", "stage": stage, "share": share})
@@ -125,5 +126,5 @@ class Worker:
             "is_full": engine.is_small or not is_preview,
             "seconds": round(time.perf_counter() - started, 4),
         }
-        if self._number == number:
+        if self._number == number or is_preview:
             self._send(frame_of(parts, facts))

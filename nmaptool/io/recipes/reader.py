@@ -8,8 +8,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath
 from typing import Any
 
-from nmaptool.composition.recipe_parsing import parse_recipe, parse_relief
+from nmaptool.composition.recipe_parsing import parse_recipe
 from nmaptool.composition.recipe_places import LineOf
+from nmaptool.composition.relief_parsing import parse_relief
 from nmaptool.core.errors import InputError, LimitError
 from nmaptool.io.opening import read_head
 from nmaptool.io.pictures.formats import is_picture
