@@ -106,10 +106,10 @@ class Window:
         z, surface = (field.reshape(found["rows"], -1) for field in (z * np.float64(found["pitch"]), surface > 0))
         return SimpleNamespace(z=z, surface=surface, full=found["full"])
 
-    def picture(self) -> np.ndarray:
-        """Brightness, 0 to 1, of the canvas as it is on the screen."""
+    def picture(self, canvas: str = "#view") -> np.ndarray:
+        """Brightness, 0 to 1, of a canvas as it is on the screen."""
         self.js(QUIET)
-        shot = self.page.locator("#view").screenshot()
+        shot = self.page.locator(canvas).screenshot()
         grey = cv2.imdecode(np.frombuffer(shot, np.uint8), cv2.IMREAD_GRAYSCALE)
         assert grey is not None
         return grey.astype(np.float64) / 255

@@ -1,4 +1,4 @@
-"""The view in a browser: lights, orbit, overlays, section, snapshot, and what it keeps for the next time."""
+"""The view of the relief in the browser: light, shadows, materials, overlays, zoom, orbit, section and comparison."""
 
 import numpy as np
 import pytest
@@ -8,222 +8,139 @@ from relief_cases import dome
 import nmaptool as nm
 
 SIDE = 120
-REST = "!studio.stage.view.moves && !studio.stage.view.due"
 
 
 @pytest.fixture
-def studio(serve, tmp_path):
-    """A studio that shows a smooth dome of 60 mm."""
-    _, smooth, _ = dome(SIDE, 1, base=2.5)
-    nm.write_normal_map(smooth, tmp_path / "dome.exr")
-    text = '[[layer]]\nfile = "dome.exr"\n[relief]\nwidth = "60mm"\n'
+def show(tmp_path, serve, window):
+    """What opens a window on a dome on a plate."""
+    nm.write_normal_map(dome(SIDE, base=2.5)[0], tmp_path / "dome.exr")
+    text = '[[layer]]\nfile = "dome.exr"\n[relief]\nwidth = "60mm"\nbeta = 0.0003\n'
     (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
-    return serve(tmp_path / "scene.toml")
+    studio = serve(tmp_path / "scene.toml")
+    return lambda **more: window(studio, **more).ready()
 
 
-def shown(studio, window):
-    """A window that shows the relief and rests."""
-    page = window(studio).ready()
-    page.waits_for(REST)
-    return page
+def sides(picture):
+    """Mean brightness of the left and right, upper and lower part of the dome, without its rim and the middle."""
+    rows, cols = picture.shape
+    across, down = slice(cols // 3, -cols // 3), slice(rows // 3, -rows // 3)
+    left, right = picture[down, cols // 6 : cols // 3], picture[down, -cols // 3 : -cols // 6]
+    upper, lower = picture[rows // 6 : rows // 3, across], picture[-rows // 3 : -rows // 6, across]
+    return left.mean(), right.mean(), upper.mean(), lower.mean()
 
 
-def halves(picture):
-    """Mean brightness of the left and the right half, and of the upper and the lower."""
-    rows, cols = (size // 2 for size in picture.shape)
-    return picture[:, :cols].mean() - picture[:, cols:].mean(), picture[:rows].mean() - picture[rows:].mean()
+def move_light(page, u, v):
+    """Drag the knob of the first light to a place on the canvas, right and up from its middle, in half sides."""
+    knob = page.page.locator("#light-1").bounding_box()
+    box = page.page.locator("#view").bounding_box()
+    x, y, half = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, min(box["width"], box["height"]) / 2
+    page.drag((knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2), (x + u * half, y - v * half))
 
 
-def middle_of(page, selector):
-    box = page.page.locator(selector).bounding_box()
-    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+def test_the_side_towards_the_light_is_brighter(show):
+    shown = show()
+    for name, u, v in (("left", -0.7, 0), ("right", 0.7, 0), ("above", 0, 0.7), ("below", 0, -0.7)):
+        move_light(shown, u, v)
+        left, right, upper, lower = sides(shown.relief())
+        across, down = (left - right) * -np.sign(u), (upper - lower) * np.sign(v)
+        assert across + down > 0.1, name
+        shown.shot(name)
+    assert shown.js("studio.document.undo") == 0  # the light is no change of the document
 
 
-def test_a_dragged_light_brightens_the_side_that_it_shines_on(studio, window):
-    page = shown(studio, window)
-    left, top = page.place(0.02, 0.5, "window")
-    page.drag(middle_of(page, "#light-1"), (left, top))
-    page.waits_for(REST)
-    across, down = halves(page.relief(pad=0.25))
-    assert across > 0.02
-    assert abs(down) < 0.3 * across
-    page.page.locator("#light-1").focus()
-    for _ in range(60):
-        page.page.keyboard.press("ArrowRight")  # half a turn
-    page.waits_for(REST)
-    assert halves(page.relief(pad=0.25))[0] < -0.02
-    page.page.locator("#add-light").click()
-    page.page.locator("#add-light").click()
-    assert page.page.locator("#add-light").is_disabled()
-    assert page.page.locator(".light").count() == 3
-    page.waits_for(REST)
-    page.shot("lights")
-    page.page.locator("#light-2").focus()
-    page.page.keyboard.press("Delete")
-    assert page.page.locator(".light").count() == 2
+def test_a_low_light_casts_a_shadow_and_a_second_light_brightens_it(show):
+    shown = show()
+    shown.type("height", "15mm")
+    move_light(shown, -0.8, 0)
+
+    def behind():
+        """Brightness of the plate on the far side of the dome."""
+        picture = shown.relief(pad=0.02)
+        rows, cols = picture.shape
+        return picture[rows * 2 // 5 : rows * 3 // 5, cols * 9 // 10 :].mean()
+
+    dark = behind()
+    shown.shot("shadow")
+    shown.page.locator("#shadows").uncheck()
+    assert behind() > dark + 0.1
+    shown.page.locator("#shadows").check()
+    assert abs(behind() - dark) < 0.01
+    shown.page.locator("#add-light").click()
+    assert behind() > dark + 0.03
+    shown.shot("second")
+    shown.page.locator("#remove-light").click()
+    assert abs(behind() - dark) < 0.01
 
 
-def test_the_plate_turns_in_the_orbit_view_and_comes_back(studio, window):
-    page = shown(studio, window)
-    flat, middle = page.picture(), page.relief(pad=0.3)
-    page.page.locator("#orbit").click()
-    page.waits_for(REST)
-    turned = page.picture()
-    page.shot("orbit")
-    assert abs(turned - flat).mean() > 0.02
-    x, y = middle_of(page, "#view")
-    before = page.js("studio.stage.view.camera.turn")
-    page.drag((x, y), (x + 120, y + 40))
-    after = page.js("studio.stage.view.camera.turn")
-    assert after["yaw"] > before["yaw"] + 20
-    assert after["tilt"] < before["tilt"]
-    top = page.js("studio.stage.view.toScreen(60, 60)")
-    found = page.js("({ x, y }) => studio.stage.view.placeAt(x, y)", top)
-    assert [found["x"], found["y"]] == pytest.approx([60, 60], abs=0.3)
-    page.page.locator("#view").focus()
-    page.page.keyboard.press("Home")
-    page.page.keyboard.press("o")
-    page.waits_for(REST)
-    assert abs(page.relief(pad=0.3) - middle).mean() < 0.005
+def test_materials_and_overlays_change_the_picture_and_have_a_legend(show):
+    shown = show(sharp=True)
+    pictures = {}
+    for name in ("clay", "plaster", "bronze", "silver", "walnut", "marble"):
+        shown.page.locator("#material").select_option(name)
+        pictures[name] = shown.relief()
+        shown.shot(name)
+    names = list(pictures)
+    for i, one in enumerate(names):
+        for other in names[i + 1 :]:
+            assert np.abs(pictures[one] - pictures[other]).mean() > 0.01, (one, other)
+    plain = pictures["marble"]
+    labels = shown.page.locator("#overlay option").all_inner_texts()
+    assert len(labels) >= 5
+    for label in labels[1:]:
+        shown.page.locator("#overlay").select_option(label=label)
+        if label == "draft angle":
+            shown.page.locator("#draft").fill("70")  # nearly all of the dome is too steep
+        eventually(shown.relief, lambda now: np.abs(now - plain).mean() > 0.01, label)
+        shown.page.locator("#legend").wait_for()
+        shown.shot(label)
 
 
-def test_two_fingers_zoom_about_the_place_between_them(studio, window):
-    page = shown(studio, window)
-    seen = page.js("""() => {
-      const { canvas, camera } = studio.stage.view;
-      canvas.setPointerCapture = () => {}; // there are no fingers
-      const box = canvas.getBoundingClientRect();
-      const touch = (kind, pointerId, x, y) => canvas.dispatchEvent(new PointerEvent(kind, {
-        pointerId, pointerType: "touch", clientX: box.left + x, clientY: box.top + y, button: 0, bubbles: true }));
-      const [zoom, middle] = [camera.zoom, camera.onPlane(300, 300)];
-      touch("pointerdown", 11, 250, 300);
-      touch("pointerdown", 12, 350, 300);
-      for (let i = 1; i <= 50; i++) { touch("pointermove", 11, 250 - i, 300); touch("pointermove", 12, 350 + i, 300); }
-      touch("pointerup", 11, 200, 300);
-      touch("pointerup", 12, 400, 300);
-      return { factor: camera.zoom / zoom, middle, now: camera.onPlane(300, 300) };
-    }""")
-    assert seen["factor"] == pytest.approx(2, rel=0.02)
-    assert [seen["now"]["x"], seen["now"]["y"]] == pytest.approx([seen["middle"]["x"], seen["middle"]["y"]], abs=1)
+def test_zoom_fit_one_to_one_and_pan(show):
+    shown = show()
+    zoom = "studio.stage.view.camera.zoom"
+    fitted = shown.js(zoom)
+    whole = shown.picture()
+    point = shown.place(0.25, 0.25, "window")
+    shown.page.mouse.move(*point)
+    shown.page.mouse.wheel(0, -600)
+    eventually(lambda: shown.js(zoom), lambda found: found > 1.5 * fitted)
+    assert np.allclose(shown.place(0.25, 0.25, "window"), point, atol=1)  # what is under the pointer stays
+    shown.drag((300, 300), (360, 340))
+    assert np.allclose(shown.place(0.25, 0.25, "window"), np.add(point, (60, 40)), atol=1)
+    shown.page.locator("#one-to-one").click()
+    assert shown.js(zoom) * shown.js("devicePixelRatio") == pytest.approx(1)
+    shown.page.locator("#fit-view").click()
+    assert shown.js(zoom) == pytest.approx(fitted)
+    assert np.abs(shown.picture() - whole).mean() < 0.005
 
 
-@pytest.mark.parametrize(
-    ("overlay", "said"),
-    [
-        ("heights and contours", "Height in mm"),
-        ("slope", "Slope in degrees"),
-        ("draft angle", "of the surface has less than 80 degrees"),
-        ("background and coverage", "Coverage"),
-        ("curl", "Curl"),
-    ],
-)
-def test_overlays_change_the_picture_and_have_a_legend(overlay, said, studio, window):
-    page = shown(studio, window)
-    page.js("studio.stage.view.draft = 80; document.getElementById('draft').value = 80")  # the dome is flat
-    before = page.relief()
-    page.page.locator("#overlay").select_option(label=overlay)
-    eventually(page.relief, lambda now: abs(now - before).mean() > 0.002, overlay)
-    assert said in page.text("legend")
-    page.shot(overlay.replace(" ", "-"))
-
-
-def test_the_section_and_the_pointer_tell_the_heights_in_mm(studio, window):
-    page = shown(studio, window)
-    page.page.locator("#section-on").click()
-    page.waits_for(REST)
-    title = page.text("section")
-    assert "Section A to B: 48.0 mm long" in title
-    assert "times as large as lengths" in title
-    path = page.page.locator("#section path.now")
-    before = path.get_attribute("d")
-    page.page.locator("#section-b").focus()
+def test_the_orbit_view_turns_the_relief(show):
+    shown = show()
+    flat = shown.picture()
+    shown.page.locator("#orbit").click()
+    turned = shown.picture()
+    assert np.abs(turned - flat).mean() > 0.03
+    shown.shot("orbit")
+    shown.page.locator("#view").focus()
     for _ in range(5):
-        page.page.keyboard.press("Shift+ArrowUp")
-    assert path.get_attribute("d") != before
-    page.shot("section")
-    heights = page.heights()
-    x, y = page.place(0.5, 0.25, "window")
-    page.page.mouse.move(x, y)
-    told = page.text("read-out")
-    assert told.startswith("30.0, 15.0 mm: ")
-    rows, cols = heights.z.shape
-    assert float(told.split(": ")[1].split()[0]) == pytest.approx(heights.z[rows // 4, cols // 2], abs=0.03)
+        shown.page.keyboard.press("ArrowLeft")
+    assert np.abs(shown.picture() - turned).mean() > 0.01
+    shown.page.locator("#orbit").click()
+    assert np.abs(shown.picture() - flat).mean() < 0.01
 
 
-def test_a_snapshot_stays_on_its_side_of_the_bar(studio, window):
-    page = shown(studio, window)
-    page.page.locator("#snapshot").click()
-    before = page.relief(pad=0.2)
-    page.type("height", "12mm")
-    page.waits_for("studio.stage.view.relief.high > 8")
-    page.waits_for(REST)
-    after = page.relief(pad=0.2)
-    page.shot("compare")
-    half = before.shape[1] // 2
-    left, right = slice(0, half - 16), slice(half + 16, None)
-    assert abs(after - before)[:, left].mean() < 0.005
-    assert abs(after - before)[:, right].mean() > 0.02
-    page.page.locator("#split-bar").focus()
-    page.page.keyboard.press("Home")  # all of it as it is now
-    page.waits_for(REST)
-    assert abs(page.relief(pad=0.2) - before)[:, left].mean() > 0.02
-
-
-def test_the_browser_keeps_lights_and_material(studio, window):
-    page = shown(studio, window)
-    page.page.locator("#material").select_option("bronze")
-    page.page.locator("#add-light").click()
-    page.page.reload()
-    page.ready()
-    assert page.page.locator("#material").input_value() == "bronze"
-    assert page.page.locator(".light").count() == 2
-    assert page.js("studio.document.undo") == 0  # the document does not know
-
-
-def test_the_picture_comes_back_after_the_graphics_card_forgot_it(studio, window):
-    page = shown(studio, window)
-    page.page.locator("#overlay").select_option(label="curl")
-    page.waits_for("studio.stage.view.renderer.layer.width > 1")
-    page.waits_for(REST)
-    before = page.relief()
-    page.js("""() => new Promise((done) => {
-      const { canvas, renderer } = studio.stage.view;
-      const extension = renderer.gl.getExtension("WEBGL_lose_context");
-      canvas.addEventListener("webglcontextlost", () => setTimeout(() => extension.restoreContext(), 50));
-      canvas.addEventListener("webglcontextrestored", done);
-      extension.loseContext();
-    })""")
-    page.expected.append("CONTEXT_LOST|context lost")
-    page.waits_for("studio.stage.view.renderer.layer.width > 1")
-    eventually(page.relief, lambda now: abs(now - before).mean() < 0.005)
-
-
-def test_nothing_is_drawn_while_nothing_changes(studio, window):
-    page = shown(studio, window)
-    drawn = page.js("studio.stage.view.drawn")
-    page.page.wait_for_timeout(600)
-    assert page.js("studio.stage.view.drawn") == drawn
-    page.page.locator("#material").select_option("clay")
-    eventually(lambda: page.js("studio.stage.view.drawn"), lambda now: now > drawn)
-
-
-def test_a_tool_gets_the_pointer_and_space_moves_the_view(studio, window):
-    page = shown(studio, window)
-    page.js("""() => { window.got = [];
-      const note = (kind) => (event, place) => got.push([kind, place.x, place.y]);
-      window.ends = studio.stage.claim({ down: note("down"), move: note("move"), up: note("up") }); }""")
-    start, end = page.place(0.25, 0.25, "window"), page.place(0.75, 0.5, "window")
-    origin = page.place(0, 0)
-    page.drag(start, end)
-    got = page.js("got.filter(([kind]) => kind !== 'move')")
-    assert [kind for kind, *_ in got] == ["down", "up"]
-    assert np.ravel([place for _, *place in got]) == pytest.approx([30, 30, 90, 60], abs=0.3)
-    assert page.place(0, 0) == pytest.approx(origin)
-    page.page.locator("#view").focus()
-    page.page.keyboard.down("Space")
-    page.drag(start, end)
-    page.page.keyboard.up("Space")
-    assert page.place(0, 0) == pytest.approx([origin[0] + end[0] - start[0], origin[1] + end[1] - start[1]], abs=1)
-    page.js("() => ends()")
-    page.drag(start, end)
-    assert len(page.js("got.filter(([kind]) => kind === 'down')")) == 1
+def test_a_snapshot_is_compared_with_the_relief(show):
+    shown = show(sharp=True)
+    before = shown.relief()
+    shown.page.locator("#snapshot").click()
+    shown.slide("beta", 0.95)
+    right = slice(before.shape[1] * 55 // 100, before.shape[1] * 80 // 100)
+    middle = slice(before.shape[0] // 3, -before.shape[0] // 3)
+    steep = np.std(before[middle, right])
+    eventually(lambda: np.std(shown.relief()[middle, right]), lambda found: found < 0.5 * steep)
+    after = shown.relief()
+    left = slice(0, before.shape[1] * 4 // 10)
+    assert np.abs(after[:, left] - before[:, left]).mean() < 0.02  # the snapshot
+    shown.shot("compared")
+    shown.page.locator("#compare").click()
+    assert np.abs(shown.relief()[:, left] - before[:, left]).mean() > 0.03

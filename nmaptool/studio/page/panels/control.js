@@ -153,7 +153,7 @@ export class Control {
   show(value) {
     clearTimeout(this.later);
     this.value = value;
-    if (performance.now() - this.used < HELD_MS) this.later = setTimeout(() => this.place(value), HELD_MS);
+    if (performance.now() - this.used < HELD_MS) this.later = setTimeout(() => this.show(this.value), HELD_MS);
     else this.place(value);
   }
 
