@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from nmaptool.types.shown import counted
-
 if TYPE_CHECKING:
     from nmaptool import LayerReport, LayerSet, Mesh, MeshFindings
     from nmaptool_cli.run import Run
@@ -25,17 +23,7 @@ def describe_layers(run: Run, source: Mesh, layer_sets: Sequence[LayerSet]) -> N
 
 def describe_findings(mesh: Mesh, found: MeshFindings) -> str:
     """A mesh as it was read and cleaned, in one line."""
-    changes = (
-        (found.welded_vertices, "vertex", " welded"),
-        (found.degenerate_faces, "face", " without area"),
-        (found.nonfinite_faces, "face", " with NaN"),
-        (found.repeated_faces, "duplicate face", ""),
-        (found.turned_faces, "face", " flipped to match neighbouring faces"),
-        (found.unreferenced_vertices, "vertex", " unused"),
-    )
-    dropped = ", ".join(f"{counted(count, what)}{more}" for count, what, more in changes if count)
-    size = f"{counted(found.vertices, 'vertex')}, {counted(found.faces, 'face')}"
-    return f"{mesh.name}: {size}{f'; {dropped}' if dropped else ''}"
+    return f"{mesh.name}: {found.summary()}"
 
 
 def describe_split(report: LayerReport) -> Iterator[str]:

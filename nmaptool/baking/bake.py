@@ -255,7 +255,15 @@ def _share(split: Decomposition, mesh: Mesh) -> float:
 
 
 def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:
-    f, options, mesh = drawn.prepared.findings, drawn.options, drawn.prepared.mesh
+    found = mesh_warnings(drawn.prepared, drawn.options, drawn.view)
+    if float((coverage > 0).mean()) < 0.001:
+        found.append("the mesh covers less than 0.1% of the picture")
+    return tuple(found)
+
+
+def mesh_warnings(prepared: PreparedMesh, options: BakeOptions, view: str) -> list[str]:
+    """Return what can be doubted about a mesh, its units and a view of it before it is drawn."""
+    f, mesh = prepared.findings, prepared.mesh
     dropped = ((f.degenerate_faces, "without area"), (f.nonfinite_faces, "with a NaN or infinite vertex"))
     found = [f"dropped {counted(count, 'face')} {why}" for count, why in dropped if count]
     longest = float(np.ptp(mesh.vertices, axis=0).max())
@@ -263,11 +271,8 @@ def _warnings(drawn: _Drawn, coverage: Float32) -> tuple[str, ...]:
     if options.pitch is None:
         found += _size_doubts(mesh.unit_from, size_mm)
     if options.azimuth is None and options.elevation is None:
-        found += lying(mesh, options.up, [drawn.view])
-    found += drawn.prepared.warnings
-    if float((coverage > 0).mean()) < 0.001:
-        found.append("the mesh covers less than 0.1% of the picture")
-    return tuple(found)
+        found += lying(mesh, options.up, [view])
+    return found + prepared.warnings
 
 
 def _size_doubts(unit_from: str, size_mm: float) -> list[str]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from nmaptool.types.shown import counted
+
 
 @dataclass(frozen=True)
 class MeshFindings:
@@ -36,3 +38,21 @@ class MeshFindings:
     degenerate_faces: int = 0
     repeated_faces: int = 0
     turned_faces: int = 0
+
+    def summary(self) -> str:
+        """What was read and what was changed, in one line.
+
+        >>> MeshFindings(vertices=4, faces=2, welded_vertices=1, degenerate_faces=1).summary()
+        '4 vertices, 2 faces; 1 vertex welded, 1 face without area'
+        """
+        changes = (
+            (self.welded_vertices, "vertex", " welded"),
+            (self.degenerate_faces, "face", " without area"),
+            (self.nonfinite_faces, "face", " with NaN"),
+            (self.repeated_faces, "duplicate face", ""),
+            (self.turned_faces, "face", " flipped to match neighbouring faces"),
+            (self.unreferenced_vertices, "vertex", " unused"),
+        )
+        dropped = ", ".join(f"{counted(count, what)}{more}" for count, what, more in changes if count)
+        size = f"{counted(self.vertices, 'vertex')}, {counted(self.faces, 'face')}"
+        return f"{size}; {dropped}" if dropped else size

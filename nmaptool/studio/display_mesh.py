@@ -1,0 +1,138 @@
+"""Meshes as bytes for the page, thinned if they are too large to be displayed."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import struct
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float64
+from nmaptool.types.mesh import Faces, Mesh
+
+# triangles that the page draws at most
+MOST_TRIANGLES = 500_000
+_TRIES = 8
+# thickness of a plane, as a share of its size
+_FLAT = 1e-9
+
+
+def display_mesh(mesh: Mesh, facts: Mapping[str, Any], most: int = MOST_TRIANGLES) -> bytes:
+    """Return the bytes of a mesh for the page.
+
+    The first four are the length of the header, little-endian; it is padded so that what follows begins at a multiple
+    of eight: float64 corners of the mesh's convex hull, float32 positions from ``origin``, uint32 triangles.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Cleaned.
+    facts : mapping
+        More entries of the header.
+    most : int
+        Triangles; larger meshes are thinned.
+    """
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    origin = (low + high) / 2
+    vertices, faces = thinned(mesh.vertices, mesh.faces, most)
+    corners = hull(mesh.vertices)
+    header = {
+        "corners": len(corners),
+        "vertices": len(vertices),
+        "triangles": len(faces),
+        "all_triangles": len(mesh.faces),
+        "origin": origin.tolist(),
+        "low": low.tolist(),
+        "high": high.tolist(),
+        **facts,
+    }
+    text = json.dumps(header).encode()
+    text += b" " * (-(4 + len(text)) % 8)
+    return b"".join(
+        [
+            struct.pack("<I", len(text)),
+            text,
+            corners.astype("<f8").tobytes(),
+            (vertices - origin).astype("<f4").tobytes(),
+            faces.astype("<u4").tobytes(),
+        ]
+    )
+
+
+def hull(points: Float64) -> Float64:
+    """Return the corners of the convex hull: every view of the points is framed by them alone.
+
+    Points in a plane have no hull in space; the hull of their projection onto the plane is returned. What Qhull cannot
+    handle is returned as it is.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    for shown in (points, _in_plane(points)):
+        if shown is not None:
+            with contextlib.suppress(QhullError):
+                return np.asarray(points[np.sort(ConvexHull(shown).vertices)])
+    return points
+
+
+def _in_plane(points: Float64) -> Float64 | None:
+    """Return coordinates in the plane of the points; None if they do not lie in one."""
+    centred = points - points.mean(axis=0)
+    axes = np.linalg.eigh(centred.T @ centred)[1]
+    turned = centred @ axes
+    return turned[:, 1:] if np.ptp(turned[:, 0]) < _FLAT * np.ptp(turned[:, 2]) else None
+
+
+def thinned(vertices: Float64, faces: Faces, most: int) -> tuple[Float64, Faces]:
+    """Return at most so many triangles: vertices in the same cell of a grid become their mean.
+
+    Faces between fewer than three cells vanish, and so do repeated ones.
+    """
+    if len(faces) <= most:
+        return vertices, faces
+    low = vertices.min(axis=0)
+    longest = float(np.ptp(vertices, axis=0).max())
+    cells = math.sqrt(most / 2)
+    best: tuple[NDArray[np.int64], Faces] | None = None
+    for _ in range(_TRIES):
+        cell = _cells(vertices - low, longest / cells)
+        found = _between(cell, faces)
+        if len(found) <= most and (best is None or len(found) > len(best[1])):
+            best = cell, found
+        if 0.85 * most <= len(found) <= most:
+            break
+        cells *= math.sqrt(0.93 * most / max(len(found), 1))
+    while best is None:
+        cells *= 0.7
+        cell = _cells(vertices - low, longest / cells)
+        found = _between(cell, faces)
+        best = (cell, found) if len(found) <= most else None
+    cell, found = best
+    count = np.bincount(cell)
+    means = np.column_stack([np.bincount(cell, column) for column in vertices.T]) / count[:, None]
+    return means, found
+
+
+def _cells(positions: Float64, side: float) -> NDArray[np.int64]:
+    """Return the number of each position's cell, from 0; cells without positions have none."""
+    at = (positions / side).astype(np.int64)
+    x, y, _ = (at.max(axis=0) + 1).tolist()
+    return np.asarray(np.unique(at[:, 0] + x * (at[:, 1] + y * at[:, 2]), return_inverse=True)[1]).ravel()
+
+
+def _between(cell: NDArray[np.int64], faces: Faces) -> Faces:
+    """Return the faces between three different cells, each once."""
+    a, b, c = cell.take(faces).T
+    apart = (a != b) & (b != c) & (c != a)
+    a, b, c = a[apart], b[apart], c[apart]
+    # the lowest number first, so that repeated faces are alike
+    first = np.where((a < b) & (a < c), 0, np.where(b < c, 1, 2))
+    three = np.stack([a, b, c], axis=1)
+    turned = np.take_along_axis(three, (first[:, None] + np.arange(3)) % 3, axis=1).astype(np.int32)
+    order = np.lexsort(turned.T)
+    turned = turned[order]
+    return turned[np.r_[True, (turned[1:] != turned[:-1]).any(axis=1)]] if len(turned) else turned
