@@ -5,9 +5,10 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import webbrowser
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
-from nmaptool.core.errors import UsageError
+from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options.fields import Options, option
 from nmaptool.options.kinds import Count, Switch
 from nmaptool_cli.command import command
@@ -45,7 +46,7 @@ def studio(run: Run, /, *files: str) -> None:
     Parameters
     ----------
     files:
-        A recipe (.toml), or one or more normal maps as layers: {pictures}.
+        A recipe (.toml), or one or more normal maps as layers: {pictures}. Meshes open the camera: {meshes}.
     """
     lacking = [name for name in _PACKAGES if importlib.util.find_spec(name) is None]
     if lacking:
@@ -54,10 +55,18 @@ def studio(run: Run, /, *files: str) -> None:
         )
     refuse_stream("the studio opens files", *files)
     from nmaptool.studio.document import opened
+    from nmaptool.studio.drops import is_mesh
     from nmaptool.studio.server import Studio
 
     given = run[StudioOptions]
-    served = Studio(opened(files), given.port or 0)
+    meshes = [Path(name).absolute() for name in files if is_mesh(name)]
+    document = opened([name for name in files if not is_mesh(name)])
+    for mesh in meshes:
+        if not mesh.is_file():
+            raise InputError(f"{mesh.name}: no such file")
+    if meshes and not document.layers:
+        document = replace(document, folder=meshes[0].parent)
+    served = Studio(document, given.port or 0, meshes=meshes)
     run.say(f"nmap studio: {served.address}", "  Ctrl-C ends it")
     run.speak()
     if not given.no_browser:

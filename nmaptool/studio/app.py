@@ -22,6 +22,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.studio.guard import Guard
+from nmaptool.studio.mesh_routes import mesh_routes
 from nmaptool.studio.overlays import overlay
 from nmaptool.studio.painting import picture_of
 from nmaptool.studio.requests import answer
@@ -83,6 +84,7 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
         Route("/painted/{role}", painted),
         Route("/overlay/{name}", overlaid),
         Route("/export/{name}", exported),
+        *mesh_routes(room),
         WebSocketRoute("/live", socket),
         Mount("/page", StaticFiles(directory=PAGE)),
     ]

@@ -7,13 +7,27 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from nmaptool.options import DepthOptions, LayerOptions, ReadOptions, ReliefFiles
+from nmaptool.options import (
+    BakeOptions,
+    DepthOptions,
+    FilterOptions,
+    LayerOptions,
+    MeshReadOptions,
+    ReadOptions,
+    ReliefFiles,
+    SplitOptions,
+)
+from nmaptool.options.bake import VIEWS
 from nmaptool.options.fields import Options, descriptions, kind_of
 from nmaptool.options.kinds import Choice, Count, Numeric, Switch
 from nmaptool.studio.controls import plain
 from nmaptool.types.recipe import READ_KEYS
 
 _DEPTH = ("from_", "values", "depth_scale", "unit", "invert", "fov", "fill", "jump", "smooth", "background", "width")
+
+# the view is chosen by buttons and by turning
+_NOT_SHOWN = ("view", "max_megapixels", "detail_encoding")
+_CAMERA = [f.name for f in dataclasses.fields(BakeOptions) if f.name not in _NOT_SHOWN]
 
 
 def forms() -> dict[str, Any]:
@@ -24,6 +38,11 @@ def forms() -> dict[str, Any]:
         "layer": described(LayerOptions, layer),
         "read": described(ReadOptions, [name for name in READ_KEYS if name != "layer"]),
         "depth": described(DepthOptions, _DEPTH),
+        "camera": described(BakeOptions, _CAMERA),
+        "reading": described(MeshReadOptions, ["unit"]),
+        "filter": described(FilterOptions, [f.name for f in dataclasses.fields(FilterOptions)]),
+        "split": described(SplitOptions, ["filter", "sigma_s", "sigma_r", "iterations"]),
+        "views": VIEWS,
         "files": described(ReliefFiles, [f.name for f in dataclasses.fields(ReliefFiles)]),
     }
 

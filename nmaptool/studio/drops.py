@@ -39,7 +39,7 @@ def kind_of(path: Path) -> Kind:
     """
     if is_recipe(path.name):
         return "recipe"
-    if path.suffix.lower()[1:] in _MESHES:
+    if is_mesh(path.name):
         return "mesh"
     if path.suffix.lower() in _PARTS:
         return "part"
@@ -54,6 +54,11 @@ def kind_of(path: Path) -> Kind:
     top = np.iinfo(pixels.dtype).max if pixels.dtype.kind == "u" else max(float(np.nanmax(np.abs(colours))), 1e-9)
     apart = np.abs(colours - colours[..., :1]).max(axis=-1)
     return "grey" if float(np.nanpercentile(apart, 99)) <= _GREY * top else "map"
+
+
+def is_mesh(name: str) -> bool:
+    """Whether a file name is that of a mesh."""
+    return Path(name).suffix.lower()[1:] in _MESHES
 
 
 def converted(source: Path, options: DepthOptions, target: Path, progress: Progress | None = None) -> DepthResult:

@@ -67,7 +67,8 @@ class Jobs:
             If another one runs.
         """
         if self._running is not None:
-            raise UsageError(f"{what}: `{self._running['what']}` is still under way; wait until it is done, or cancel it")
+            running = self._running["what"]
+            raise UsageError(f"{what}: the studio is still at work ({running}); wait until it is done, or cancel it")
         self._number += 1
         self._cancelled = False
         self._running = {"kind": kind, "job": self._number, "what": what, "state": "running", "stage": "", "share": 0.0}
@@ -110,15 +111,17 @@ class Jobs:
 
     def _finish(self, then: Callable[[_T], str], result: _T) -> None:
         """In the server's thread."""
-        try:
-            self._end({"state": "done", "text": then(result)})
-        except NmaptoolError as error:
-            self._end(failure(error))
+        self._end({"state": "done", "share": 1.0}, lambda: then(result))
 
-    def _end(self, said: dict[str, Any]) -> None:
+    def _end(self, said: dict[str, Any], line: Callable[[], str] | None = None) -> None:
         assert self._running is not None
         message = {**self._running, **said}
-        self._running = None
+        self._running = None  # before the document changes, which shows what runs
+        try:
+            if line is not None:
+                message["text"] = line()
+        except NmaptoolError as error:
+            message |= failure(error)
         self._tell(message)
 
 

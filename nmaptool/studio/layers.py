@@ -159,12 +159,14 @@ def doubled(document: Document, place: Place) -> Document:
     return dataclasses.replace(document, layers=with_layers(document.layers, place, [entry, entry]))
 
 
-def maps_of(layers: Sequence[Entry], above: Place = ()) -> Iterator[tuple[Place, RecipeLayer]]:
-    """Yield the layers with a map that are shown, those in groups, too, with their places."""
+def maps_of(
+    layers: Sequence[Entry], above: Place = (), *, with_hidden: bool = False
+) -> Iterator[tuple[Place, RecipeLayer]]:
+    """Yield the layers with a map, those in groups, too, with their places; hidden ones only ``with_hidden``."""
     for number, entry in enumerate(layers):
-        if entry.hidden:
+        if entry.hidden and not with_hidden:
             continue
         if isinstance(entry, RecipeLayer):
             yield (*above, number), entry
         elif isinstance(entry, RecipeGroup):
-            yield from maps_of(entry.layers, (*above, number))
+            yield from maps_of(entry.layers, (*above, number), with_hidden=with_hidden)

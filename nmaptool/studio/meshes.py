@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,9 +22,6 @@ from nmaptool.studio.given import in_words, options_from
 from nmaptool.studio.jobs import failure
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.mesh_arrays import MM_PER_UNIT
-
-if TYPE_CHECKING:
-    from nmaptool.studio.room import Room
 
 # meshes in memory
 _MOST = 16
@@ -61,15 +58,23 @@ class BakeOrder:
         return order
 
 
+@dataclass(frozen=True)
+class Origin:
+    """What the map of a layer was baked from: a mesh, by its id, and the options of the page."""
+
+    mesh: str
+    values: Mapping[str, Any]
+
+
 @dataclass
 class OpenMesh:
     """A mesh file, and what has been made of it so far.
 
     Attributes
     ----------
-    mesh : Mesh
+    mesh : Mesh or None
         As it was read.
-    clean : PreparedMesh
+    clean : PreparedMesh or None
     corners : Mesh
         The corners of the clean mesh's convex hull, which frame it, without faces.
     bytes : bytes
@@ -206,11 +211,6 @@ def _facts(clean: PreparedMesh) -> dict[str, Any]:
         "mean_edge": mesh.mean_edge,
         "findings": f"{mesh.name}: {clean.findings.summary()}",
     }
-
-
-def opened(room: Room, path: Path) -> str:
-    """Begin to read a mesh file, and return its id: the page then opens the camera panel."""
-    return room.meshes.add(path).id
 
 
 def with_unit(mesh: Mesh, unit: str | None) -> Mesh:

@@ -14,6 +14,8 @@ from nmaptool.composition.recipe_toml import to_toml
 from nmaptool.core.errors import InputError, NmaptoolError
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
+from nmaptool.options.formats import is_recipe
+from nmaptool.studio.details import carried
 from nmaptool.studio.document import Document, relative
 from nmaptool.studio.store import Store
 
@@ -115,7 +117,11 @@ def recovered(unsaved: Unsaved, store: Store) -> Document:
             if not file.is_file():
                 raise InputError(f"{unsaved.name}: {file.name} is gone")
             moved[file] = store.place(file.name)
-            shutil.copyfile(file, moved[file])
+            if is_recipe(file.name):
+                text = carried(file, lambda own: str(read.folder / new(own)))
+                moved[file].write_text(text, encoding="utf-8")
+            else:
+                shutil.copyfile(file, moved[file])
         return relative(moved[file], read.folder) + ("" if layer is None else f":{layer}")
 
     document = read.renamed(new)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from nmaptool.core.errors import NmaptoolError
-from nmaptool.studio import adding, editing, exporting, painting, presetting, saving
+from nmaptool.studio import adding, bakes, editing, exporting, painting, presetting, saving, splits
 from nmaptool.studio.room import Room, error_message
 from nmaptool.studio.windows import Message, Window
 
@@ -32,6 +32,12 @@ REQUESTS: dict[str, Request] = {
     "apply-preset": presetting.apply_preset,
     "save-preset": presetting.save_preset,
     "delete-preset": presetting.delete_preset,
+    "open-mesh": bakes.open_mesh,
+    "close-mesh": bakes.close_mesh,
+    "bake": bakes.bake,
+    "cancel-bake": bakes.cancel_bake,
+    "split-detail": splits.split_detail,
+    "follow-details": splits.follow_details,
     "save": saving.save,
     "recipes": saving.list_recipes,
     "open": saving.open_file,

@@ -16,6 +16,7 @@ from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.progress import Progress
 from nmaptool.options import DepthOptions, SolidOptions
 from nmaptool.studio import recovery
+from nmaptool.studio.bench import Bench
 from nmaptool.studio.controls import controls, plain, plain_options
 from nmaptool.studio.descriptions import forms
 from nmaptool.studio.document import Document, History
@@ -65,6 +66,7 @@ class Room:
         self._start = document
         self._saved = document if document.path is not None else Document(folder=document.folder)
         self.windows = Windows()
+        self.bench = Bench(store, self.windows, lambda: self.now)
         self._latest: bytes | Message | None = None  # heights, or why there are none
         self._placements: Message | None = None
         self._joining: object = None
@@ -111,6 +113,8 @@ class Room:
             for message in (self.unsaved(), self._placements, self._latest, self._inspector.message(self.now)):
                 if message is not None:
                     window.put(message)
+        for greeting in self.bench.greetings(self.now):
+            window.put(greeting)
 
     def leave(self, window: Window) -> None:
         """A window was closed."""
@@ -123,6 +127,7 @@ class Room:
             self._keeping.cancel()
         self._keep()
         self._ends = True
+        self.bench.stop()
         self.exports.close()
         self._jobs.shutdown(wait=True, cancel_futures=True)
         self._inspector.stop()
@@ -164,6 +169,7 @@ class Room:
         if document == self.now:
             self._joining = joining
             return
+        document = self.bench.followed(self.now, document)
         self.history.do(document, joined=joining is not None and joining == self._joining)
         self._joining = joining
         self.show()
@@ -187,6 +193,7 @@ class Room:
                 self.depths[str(target)] = self.depths[str(source)]
             if str(source) in self.painted:
                 self.painted[str(target)] = self.painted[str(source)]
+        self.bench.moved(copies)
         self._joining = None
         self.show()
 
@@ -204,6 +211,7 @@ class Room:
         """Show the document in every window, solve it if the page cannot compute it from the parts, and keep it."""
         self._solve()
         self.windows.tell(self.state())
+        self.windows.tell(self.bench.message(self.now))
         self._inspector.look(self.now)
         self._keep_soon()
 

@@ -14,7 +14,7 @@ from nmaptool.io.output.writing import write_together
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.options.formats import RECIPE_ENDING, is_recipe
-from nmaptool.studio import recovery
+from nmaptool.studio import details, recovery
 from nmaptool.studio.document import Document, relative
 from nmaptool.studio.painting import ROLES
 from nmaptool.studio.room import Room
@@ -35,10 +35,10 @@ def save(room: Room, message: Mapping[str, Any]) -> Message | None:
     replaces = path == room.now.path or message.get("overwrite") is True
     if path.exists() and not replaces:
         raise InputError(f"{path.name}: exists already; choose another name, or replace it")
-    document, copies = _beside(room, path)
-    text = to_toml(document.recipe)
-    jobs = [(target, _copy(source)) for source, target in copies.items()]
-    write_together([*jobs, (path, lambda file: file.write_text(text, encoding="utf-8"))], True)
+    document, copies, texts = _beside(room, path)
+    texts[path] = to_toml(document.recipe)
+    jobs = [(target, _copy(source)) for source, target in copies.items() if target not in texts]
+    write_together([*jobs, *((target, _text(text)) for target, text in texts.items())], True)
     room.saved(document, path, copies)
     return {"kind": "saved", "path": str(path), "files": [target.name for target in copies.values()]}
 
@@ -47,23 +47,37 @@ def _copy(source: Path) -> Callable[[Path], object]:
     return lambda file: shutil.copyfile(source, file)
 
 
-def _beside(room: Room, path: Path) -> tuple[Document, dict[Path, Path]]:
-    """Return the document with dropped, baked and painted files beside its recipe, and which file goes where."""
+def _text(text: str) -> Callable[[Path], object]:
+    return lambda file: file.write_text(text, encoding="utf-8")
+
+
+def _beside(room: Room, path: Path) -> tuple[Document, dict[Path, Path], dict[Path, str]]:
+    """Return the document with dropped, baked and painted files beside its recipe, and which file goes where.
+
+    The texts are those of the recipes among the files, which name other files then.
+    """
     now = room.now
     roles = {name: role for role in ROLES if (name := getattr(now.relief.files, role)) is not None}
     own = {now.folder / split_layer(name)[0] for name in room.saved_files} if path == room.now.path else set()
     targets: dict[Path, Path] = {}
+    texts: dict[Path, str] = {}
 
     def new(name: str) -> str:
         file, layer = split_layer(str(now.folder / name))
         if not room.store.holds(file):
             return name
-        if file not in targets:
+        if file not in targets and is_recipe(file.name):
+            text = details.carried(file, new)
+            targets[file] = _free(
+                path.with_name(f"{path.stem}-detail{RECIPE_ENDING}"), file, own, set(targets.values())
+            )
+            texts[targets[file]] = text
+        elif file not in targets:
             wanted = f"{path.stem}-{roles[name].replace('_', '-')}.png" if name in roles else file.name
             targets[file] = _free(path.parent / wanted, file, own if name in roles else set(), set(targets.values()))
         return relative(targets[file], now.folder) + ("" if layer is None else f":{layer}")
 
-    return now.renamed(new), targets
+    return now.renamed(new), targets, texts
 
 
 def _free(wanted: Path, source: Path, replaceable: set[Path], taken: set[Path]) -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import secrets
 import socket
 import threading
+from collections.abc import Sequence
 from pathlib import Path
 
 import uvicorn
@@ -32,6 +33,8 @@ class Studio:
     root : Path, optional
         Folder for what is dropped and painted, and for the user's presets. Default: one in the user's folder for the
         state of programs, and another in that for settings.
+    meshes : sequence of Path
+        Mesh files to open; the first page to come shows their camera panel.
 
     Raises
     ------
@@ -39,7 +42,9 @@ class Studio:
         If the port is taken.
     """
 
-    def __init__(self, document: Document, port: int = 0, *, root: Path | None = None) -> None:
+    def __init__(
+        self, document: Document, port: int = 0, *, root: Path | None = None, meshes: Sequence[Path] = ()
+    ) -> None:
         self._socket = socket.socket()
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -57,6 +62,8 @@ class Studio:
         token = secrets.token_urlsafe(24)
         hosts = (f"{_LOOPBACK}:{self.port}", f"localhost:{self.port}")
         self.address = f"http://{_LOOPBACK}:{self.port}/?token={token}"
+        for mesh in meshes:
+            self._room.bench.welcome(mesh)
         config = uvicorn.Config(
             application(self._room, token, hosts),
             log_level="warning",

@@ -9,6 +9,7 @@ import { setUpLayers } from "./panels/layers.js";
 import { setUpPresets } from "./panels/presets.js";
 import { setUpBrush } from "./stage/brush.js";
 import { setUpHandles } from "./stage/handles.js";
+import { setUpMeshes } from "./panels/meshes.js";
 import { setUpStage } from "./stage/stage.js";
 import { $, Studio } from "./studio.js";
 
@@ -19,6 +20,7 @@ setUpControls(studio);
 const layers = setUpLayers(studio);
 const handles = setUpHandles(studio, stage, layers);
 setUpBrush(studio, stage, handles);
+const meshes = setUpMeshes(studio, layers);
 setUpFiles(studio);
 setUpDrop(studio);
 setUpSaving(studio);
@@ -39,4 +41,4 @@ studio.on("connected", (open) => {
 studio.connect();
 
 // for tests in a browser
-window.studio = Object.assign(studio, { stage, layers });
+window.studio = Object.assign(studio, { stage, layers, meshes });

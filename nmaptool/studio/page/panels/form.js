@@ -69,6 +69,7 @@ export class Form {
 
 function choice(field) {
   const select = document.createElement("select");
+  if (field.default === null) select.add(new Option("as it is", ""));
   for (const name of field.choices) select.add(new Option(name, name));
   return select;
 }
