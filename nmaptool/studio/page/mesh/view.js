@@ -15,13 +15,17 @@ void main() {
 const FRAGMENT = `#version 300 es
 precision highp float;
 in highp vec3 eye;
-uniform bool as_map;  /* colours of a normal map instead of light and shade */
+uniform bool as_map;   /* colours of a normal map instead of light and shade */
+uniform vec2 canvas;   /* its size in px */
+uniform vec2 slant;    /* x and y of the line of sight at the right and upper edge, for z = 1; 0 if orthographic */
 out vec4 colour;
 void main() {
   vec3 n = cross(dFdx(eye), dFdy(eye));
   float size = length(n);
   n = size > 0.0 ? n / size : vec3(0.0, 0.0, 1.0);
   if (as_map) {
+    /* the map of a bake refers to the line of sight, like a height field seen in perspective */
+    n = normalize(vec3(n.xy, dot(n, vec3((1.0 - 2.0 * gl_FragCoord.xy / canvas) * slant, 1.0))));
     colour = vec4(0.5 + 0.5 * n, 1.0);
     return;
   }
@@ -108,6 +112,9 @@ export class MeshView {
     gl.uniformMatrix4fv(place("clip"), false, clipMatrix(camera, mesh.header.origin));
     gl.uniformMatrix3fv(place("turned"), true, new Float32Array(camera.rotation));
     gl.uniform1i(place("as_map"), this.asMap ? 1 : 0);
+    const half = camera.distance === null ? 0 : camera.unitPerPx / camera.distance / 2;
+    gl.uniform2f(place("slant"), half * camera.cols, half * camera.rows);
+    gl.uniform2f(place("canvas"), this.canvas.width, this.canvas.height);
     gl.drawElements(gl.TRIANGLES, mesh.triangles.length, gl.UNSIGNED_INT, 0);
   }
 }
