@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from bake_cases import write_plate
 from mesh_cases import sphere
-from test_studio_server import Client, ask, until
+from studio_cases import Client, ask, until
 
 import nmaptool as nm
 from nmaptool.core.errors import RendererError

@@ -7,7 +7,7 @@ import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 
@@ -115,10 +115,10 @@ class Details:
         """Take a detail map that was opened with the document, if it belongs to its layers one by one."""
         shown = [entry for entry in document.layers if not entry.hidden]
         if not is_recipe(path.name):
-            if len(shown) != 1 or not _is_plain(document, shown[0]):
-                return False
-            self._loose[str(document.folder / shown[0].file)] = path
-            return True
+            alone = _alone(document, shown)
+            if alone is not None:
+                self._loose[str(document.folder / alone.file)] = path
+            return alone is not None
         try:
             recipe = read_recipe(path)
         except NmaptoolError:  # said when the scene is read
@@ -140,9 +140,9 @@ class Details:
         shown = [entry for entry in document.layers if not entry.hidden]
         if not any(self._detail(document, layer) for _, layer in maps_of(shown)):
             return None
-        if len(shown) == 1 and _is_plain(document, shown[0]):
-            detail = self._detail(document, shown[0])
-            assert detail is not None
+        alone = _alone(document, shown)
+        detail = None if alone is None else self._detail(document, alone)
+        if detail is not None:
             return relative(detail, document.folder)
         layers = tuple(self._entry(document, entry) for entry in shown)
         text = to_toml(Recipe(layers, document.canvas, "details", str(self._folder)))
@@ -167,10 +167,8 @@ class Details:
         source = document.folder / layer.file
         own = self._loose.get(str(source))
         key = repr((str(source), sorted(layer.read.items()), own))
-        path = (
-            self._folder
-            / f"{split_layer(str(source))[0].stem}-{'flat' if own is None else 'detail'}-{_digest(key)}.exr"
-        )
+        kind = "flat" if own is None else "detail"
+        path = self._folder / f"{split_layer(str(source))[0].stem}-{kind}-{_digest(key)}.exr"
         if not path.exists():
             read = read_normal_map(source, ReadOptions(**layer.read))
             normals = np.zeros_like(read.normals)
@@ -186,11 +184,14 @@ def _digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
-def _is_plain(document: Document, entry: Entry) -> TypeGuard[RecipeLayer]:
-    """Whether the composed map is that of this layer alone, unchanged."""
-    if not isinstance(entry, RecipeLayer) or document.canvas.size is not None or entry.mask is not None:
-        return False
-    return entry.options == LayerOptions(name=entry.options.name)
+def _alone(document: Document, shown: Sequence[Entry]) -> RecipeLayer | None:
+    """Return the only layer, if the composed map is its map, unchanged."""
+    if len(shown) != 1 or document.canvas.size is not None:
+        return None
+    (entry,) = shown
+    if not isinstance(entry, RecipeLayer) or entry.mask is not None:
+        return None
+    return entry if entry.options == LayerOptions(name=entry.options.name) else None
 
 
 def _pairs(layers: Sequence[Entry], details: Sequence[Entry]) -> Iterator[tuple[Entry, Entry, bool]]:

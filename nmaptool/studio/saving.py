@@ -68,9 +68,8 @@ def _beside(room: Room, path: Path) -> tuple[Document, dict[Path, Path], dict[Pa
             return name
         if file not in targets and is_recipe(file.name):
             text = details.carried(file, new)
-            targets[file] = _free(
-                path.with_name(f"{path.stem}-detail{RECIPE_ENDING}"), file, own, set(targets.values())
-            )
+            wanted = f"{path.stem}-detail{RECIPE_ENDING}"
+            targets[file] = _free(path.with_name(wanted), file, own, set(targets.values()))
             texts[targets[file]] = text
         elif file not in targets:
             wanted = f"{path.stem}-{roles[name].replace('_', '-')}.png" if name in roles else file.name
