@@ -57,7 +57,7 @@ class Details:
         self._known: dict[str, Path] = {}
         self._loose: dict[str, Path] = {}
         self._made: set[Path] = set()
-        self._strange: set[object] = set()
+        self._strange: set[Path] = set()
 
     def add(self, original: Path, detail: Path) -> None:
         """Remember the detail map of a map; it covers the same pixels."""
@@ -80,10 +80,9 @@ class Details:
         path = document.folder / detail
         if path in self._made or path in self._known.values() or path in self._loose.values():
             return True
-        key = path, content_of(document)
-        if key not in self._strange and self._adopted(document, path):
+        if path not in self._strange and self._adopted(document, path):
             return True
-        self._strange.add(key)
+        self._strange.add(path)
         return False
 
     def are_offered(self, document: Document) -> bool:

@@ -54,8 +54,8 @@ def _typed(name: str, value: Any, kind: Kind | None, default: Any) -> Any:
     elif isinstance(kind, Choice) and isinstance(default, int):
         text = str(value)
         return int(text) if text in kind.names else text
-    elif not isinstance(value, str):
-        return value if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
+    else:
+        return str(value)
     return value
 
 
