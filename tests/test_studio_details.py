@@ -1,7 +1,6 @@
 """Detail maps in the studio: they follow the layers they belong to, or are split off."""
 
 import dataclasses
-import json
 
 import numpy as np
 import pytest
@@ -14,10 +13,10 @@ from test_studio_meshes import QUICK, ended, ready, studio, undated
 import nmaptool as nm
 from nmaptool.io.recipes.scenes import read_scene
 from nmaptool.studio.details import Details, content_of
-from nmaptool.studio.document import Document, opened
+from nmaptool.studio.document import opened
 from nmaptool.studio.layers import edited
 from nmaptool.studio.store import Store
-from nmaptool.types.recipe import RecipeGroup, RecipeLayer
+from nmaptool.types.recipe import RecipeGroup
 
 
 @pytest.fixture

@@ -100,9 +100,8 @@ def test_a_mesh_of_the_command_opens_the_camera_of_the_first_window(tmp_path, pl
     with studio(tmp_path, plate) as client:
         with client.live() as live:
             assert until(live, "mesh") == {"kind": "mesh", "id": "1", "name": "plate.obj"}
-            assert ready(live)["text"] == "625 vertices, 1152 faces"
         with client.live() as live:
-            assert ready(live)["state"] == "ready"
+            assert ready(live) == {"id": "1", "name": "plate.obj", "state": "ready", "text": "625 vertices, 1152 faces"}
         header, corners, positions, triangles = shown(client.get("/mesh/1").body)
         mesh = nm.read_mesh(plate)
         assert np.array_equal(triangles, mesh.faces)
