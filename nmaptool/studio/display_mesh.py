@@ -90,7 +90,7 @@ def _in_plane(points: Float64) -> Float64 | None:
 def thinned(vertices: Float64, faces: Faces, most: int) -> tuple[Float64, Faces]:
     """Return at most so many triangles: vertices in the same cell of a grid become their mean.
 
-    Faces between fewer than three cells vanish, and so do repeated ones.
+    Faces between fewer than three cells vanish, and so do repeated ones. The page does not need their winding.
     """
     if len(faces) <= most:
         return vertices, faces
@@ -125,14 +125,13 @@ def _cells(positions: Float64, side: float) -> NDArray[np.int64]:
 
 
 def _between(cell: NDArray[np.int64], faces: Faces) -> Faces:
-    """Return the faces between three different cells, each once."""
-    a, b, c = cell.take(faces).T
-    apart = (a != b) & (b != c) & (c != a)
-    a, b, c = a[apart], b[apart], c[apart]
-    # the lowest number first, so that repeated faces are alike
-    first = np.where((a < b) & (a < c), 0, np.where(b < c, 1, 2))
-    three = np.stack([a, b, c], axis=1)
-    turned = np.take_along_axis(three, (first[:, None] + np.arange(3)) % 3, axis=1).astype(np.int32)
-    order = np.lexsort(turned.T)
-    turned = turned[order]
-    return turned[np.r_[True, (turned[1:] != turned[:-1]).any(axis=1)]] if len(turned) else turned
+    """Return the faces between three different cells, each once, in no particular winding."""
+    a, b, c = np.sort(cell.take(faces), axis=1).T
+    apart = (a != b) & (b != c)
+    first, last = a[apart] << 32 | b[apart], c[apart]
+    order = np.lexsort((last, first))
+    first, last = first[order], last[order]
+    once = np.ones(len(order), bool)
+    once[1:] = (first[1:] != first[:-1]) | (last[1:] != last[:-1])
+    first, last = first[once], last[once]
+    return np.column_stack([first >> 32, first & 0xFFFFFFFF, last]).astype(np.int32)
