@@ -12,7 +12,8 @@ from mesh_cases import sheet, sphere
 import nmaptool as nm
 from nmaptool.options.bake import VIEWS
 from nmaptool.render.camera import frame_camera, view_rotation
-from nmaptool.studio.display_mesh import display_mesh, hull, thinned
+from nmaptool.studio.display_mesh import display_mesh, thinned
+from nmaptool.studio.hull import hull
 
 PAGE = Path(nm.__file__).parent / "studio" / "page"
 needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
@@ -61,7 +62,7 @@ def test_the_page_frames_a_mesh_like_a_bake(tmp_path):
     vertices = ball.vertices * (1.0, 1.6, 0.7) + (900.0, -20.0, 3.0) + 0.1 * np.sin(5 * ball.vertices[:, ::-1])
     mesh = nm.Mesh(vertices, ball.faces, mm_per_unit=2.0)
     cases = [{**case, "target": "900.5,-20.2,3.1"} if "target" in case else case for case in CASES]
-    (tmp_path / "mesh.bin").write_bytes(display_mesh(mesh, {}))
+    (tmp_path / "mesh.bin").write_bytes(display_mesh(mesh, {}, hull(vertices)))
     (tmp_path / "cases.json").write_text(json.dumps([(page_options(case), 2.0) for case in cases]), encoding="utf-8")
     shutil.copytree(PAGE / "mesh", tmp_path / "mesh")
     (tmp_path / "package.json").write_text('{"type": "module"}', encoding="utf-8")
@@ -109,6 +110,21 @@ def test_the_hull_frames_a_mesh_from_everywhere():
             for side in ("min", "max"):
                 exact = getattr(given @ rotation.T, side)(axis=0)
                 assert np.allclose(getattr(corners @ rotation.T, side)(axis=0), exact, atol=1e-9)
+
+
+def test_the_hull_of_a_large_mesh_frames_it_nearly(monkeypatch):
+    ball = sphere(60).vertices
+    spiky = ball.copy()
+    spiky[::50] *= 1.3
+    monkeypatch.setattr("nmaptool.studio.hull._MANY", 10_000)
+    monkeypatch.setattr("nmaptool.studio.hull._DIRECTIONS", 32)
+    for points, error in ((ball, 1e-3), (spiky, 1e-12), (ball * (3, 1, 1), 3e-3), (ball * (1, 1, 0), 1e-12)):
+        corners = hull(points)
+        assert len(corners) < 7000
+        for azimuth in range(0, 360, 25):
+            rotation = view_rotation(azimuth, azimuth / 3 - 60, 10, "y")
+            exact = (points @ rotation.T).max(axis=0)
+            assert np.abs((corners @ rotation.T).max(axis=0) - exact).max() <= error
 
 
 def test_large_meshes_are_thinned_for_the_page():

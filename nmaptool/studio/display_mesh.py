@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import math
 import struct
@@ -18,11 +17,9 @@ from nmaptool.types.mesh import Faces, Mesh
 # triangles that the page draws at most
 MOST_TRIANGLES = 500_000
 _TRIES = 8
-# thickness of a plane, as a share of its size
-_FLAT = 1e-9
 
 
-def display_mesh(mesh: Mesh, facts: Mapping[str, Any], most: int = MOST_TRIANGLES) -> bytes:
+def display_mesh(mesh: Mesh, facts: Mapping[str, Any], corners: Float64, most: int = MOST_TRIANGLES) -> bytes:
     """Return the bytes of a mesh for the page.
 
     The first four are the length of the header, little-endian; it is padded so that what follows begins at a multiple
@@ -34,13 +31,14 @@ def display_mesh(mesh: Mesh, facts: Mapping[str, Any], most: int = MOST_TRIANGLE
         Cleaned.
     facts : mapping
         More entries of the header.
+    corners : (N, 3) float64
+        Of the convex hull.
     most : int
         Triangles; larger meshes are thinned.
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     origin = (low + high) / 2
     vertices, faces = thinned(mesh.vertices, mesh.faces, most)
-    corners = hull(mesh.vertices)
     header = {
         "corners": len(corners),
         "vertices": len(vertices),
@@ -62,29 +60,6 @@ def display_mesh(mesh: Mesh, facts: Mapping[str, Any], most: int = MOST_TRIANGLE
             faces.astype("<u4").tobytes(),
         ]
     )
-
-
-def hull(points: Float64) -> Float64:
-    """Return the corners of the convex hull: every view of the points is framed by them alone.
-
-    Points in a plane have no hull in space; the hull of their projection onto the plane is returned. What Qhull cannot
-    handle is returned as it is.
-    """
-    from scipy.spatial import ConvexHull, QhullError
-
-    for shown in (points, _in_plane(points)):
-        if shown is not None:
-            with contextlib.suppress(QhullError):
-                return np.asarray(points[np.sort(ConvexHull(shown).vertices)])
-    return points
-
-
-def _in_plane(points: Float64) -> Float64 | None:
-    """Return coordinates in the plane of the points; None if they do not lie in one."""
-    centred = points - points.mean(axis=0)
-    axes = np.linalg.eigh(centred.T @ centred)[1]
-    turned = centred @ axes
-    return turned[:, 1:] if np.ptp(turned[:, 0]) < _FLAT * np.ptp(turned[:, 2]) else None
 
 
 def thinned(vertices: Float64, faces: Faces, most: int) -> tuple[Float64, Faces]:

@@ -17,8 +17,9 @@ from nmaptool.filters.prepared import PreparedMesh, prepare_mesh
 from nmaptool.io.meshes.reader import read_mesh
 from nmaptool.options import BakeOptions, FilterOptions, MeshReadOptions
 from nmaptool.render.camera import frame_camera
-from nmaptool.studio.display_mesh import display_mesh, hull
+from nmaptool.studio.display_mesh import display_mesh
 from nmaptool.studio.given import in_words, options_from
+from nmaptool.studio.hull import hull
 from nmaptool.studio.jobs import failure
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.mesh_arrays import MM_PER_UNIT
@@ -188,7 +189,7 @@ class Meshes:
                     one.clean.mesh, vertices=hull(one.clean.mesh.vertices), faces=_NO_FACES
                 )
                 self._say(one, "preparing the view")
-                one.bytes = display_mesh(one.clean.mesh, _facts(one.clean))
+                one.bytes = display_mesh(one.clean.mesh, _facts(one.clean), one.corners.vertices)
             except Exception as error:  # noqa: BLE001 - the page must hear of it
                 one.mesh = one.clean = one.corners = None
                 said = failure(error)["text"].replace(str(one.path), one.name)
