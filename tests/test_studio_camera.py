@@ -118,7 +118,7 @@ def test_the_hull_of_a_large_mesh_frames_it_nearly(monkeypatch):
     spiky[::50] *= 1.3
     monkeypatch.setattr("nmaptool.studio.hull._MANY", 10_000)
     monkeypatch.setattr("nmaptool.studio.hull._DIRECTIONS", 32)
-    for points, error in ((ball, 1e-3), (spiky, 1e-12), (ball * (3, 1, 1), 3e-3), (ball * (1, 1, 0), 1e-12)):
+    for points, error in ((ball, 4e-3), (spiky, 1e-12), (ball * (3, 1, 1), 0.012), (ball * (1, 1, 0), 1e-12)):
         corners = hull(points)
         assert len(corners) < 7000
         for azimuth in range(0, 360, 25):

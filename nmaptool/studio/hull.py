@@ -20,7 +20,7 @@ _DIRECTIONS = 64
 def hull(points: Float64) -> Float64:
     """Return the corners of the convex hull of (N, 3) points.
 
-    Seen from any side, they are as large as all points; for round meshes of very many vertices, at most 0.05% smaller.
+    Seen from any side, they are as large as all points; for round meshes of very many vertices, at most 0.1% smaller.
     What Qhull cannot handle is returned as it is.
     """
     if len(points) > _MANY:

@@ -119,7 +119,8 @@ def recovered(unsaved: Unsaved, store: Store) -> Document:
                 raise InputError(f"{unsaved.name}: {file.name} is gone")
             moved[file] = store.place(file.name)
             if is_recipe(file.name):
-                moved[file].write_text(carried(file, new), encoding="utf-8")
+                text = carried(file, lambda own: str(read.folder / new(own)))
+                moved[file].write_text(text, encoding="utf-8")
             else:
                 shutil.copyfile(file, moved[file])
         return relative(moved[file], read.folder) + ("" if layer is None else f":{layer}")
