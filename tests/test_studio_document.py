@@ -159,7 +159,7 @@ def test_the_heights_of_walls_come_whole(folder):
 
 
 def test_the_width_is_left_to_the_page_unless_lengths_depend_on_it(folder):
-    engine = Engine(opened([str(folder / "bunny.exr")])[0])
+    engine = Engine(opened([str(folder / "bunny.exr")]))
     wide = nm.ReliefOptions(width=nm.length("90mm"))
     assert engine.parts(wide, is_preview=False).pitch_mm == 0.5  # the map's own
     rounded = nm.ReliefOptions(width=nm.length("90mm"), background="cut", outline_round=nm.length("5mm"))
