@@ -153,6 +153,10 @@ class Window:
         mouse.move(*end, steps=steps)
         mouse.up()
 
+    def tab(self, name: str) -> None:
+        """Show the panel relief, layers or brushes."""
+        self.page.locator(f"#tab-{name}").click()
+
     def slide(self, name: str, share: float) -> None:
         """Drag the slider of an option from where it is to a share of its length."""
         slider = self.page.locator(f"#slide-{name}")

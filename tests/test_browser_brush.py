@@ -22,6 +22,7 @@ def scene(tmp_path):
 
 def use(page, role, tool):
     """Take a brush for a role into the hand."""
+    page.tab("brushes")
     page.page.locator("#brush-role").select_option(role)
     page.page.locator(f"input[name=brush-tool][value={tool}]").check()
     page.page.locator("#brush-size").fill("30")

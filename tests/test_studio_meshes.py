@@ -191,8 +191,10 @@ def test_baking_again_replaces_the_map_of_the_layer_alone(tmp_path, plate, png):
         ready(live)
         ask(live, do="bake", id="1", values=QUICK)
         before = ended(live)["state"]["layers"][0]
-        placed = {"name": "left", "rotate": 20.0, "scale": "0.5", "at": "30%,50%", "mask": "mask.png"}
+        placed = {"name": "left", "rotate": 20.0, "scale": "0.5", "at": "30%,50%"}
         ask(live, do="set-layer", place=[0], values=placed)
+        client.drop(tmp_path / "mask.png")
+        ask(live, do="set-layer-mask", place=[0], file="mask.png")
         again = {"camera": {**QUICK["camera"], "azimuth": 30.0}, "filter": {}}
         while until(live, "meshes")["layers"][0]["label"] != "left":
             pass
@@ -202,7 +204,7 @@ def test_baking_again_replaces_the_map_of_the_layer_alone(tmp_path, plate, png):
         seen = ended(live)
         (after,) = seen["state"]["layers"]
         assert after["file"] != before["file"]
-        assert (after["options"]["name"], after["options"]["rotate"], after["mask"]) == ("left", 20.0, "mask.png")
+        assert (after["options"]["name"], after["options"]["rotate"], Path(after["mask"]).name) == ("left", 20.0, "mask.png")
         assert seen["meshes"]["layers"][0]["values"] == again
         original = nm.read_normal_map(tmp_path / after["file"])
         made = nm.BakeOptions(size="60x50", margin=nm.length("2px"), renderer="numpy", azimuth=30.0)
