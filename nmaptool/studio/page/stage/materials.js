@@ -4,7 +4,7 @@
 export const MATERIALS = {
   clay: { albedo: [0.5, 0.245, 0.15], hollow: [0.24, 0.1, 0.06], finish: [0.02, 0.75, 0.15], kind: 0 },
   plaster: { albedo: [0.78, 0.765, 0.73], hollow: [0.5, 0.46, 0.4], finish: [0, 0.85, 0.35], kind: 0 },
-  bronze: { albedo: [0.6, 0.33, 0.145], hollow: [0.035, 0.04, 0.028], finish: [0.9, 0.52, 0], kind: 0 },
+  bronze: { albedo: [0.54, 0.275, 0.11], hollow: [0.035, 0.04, 0.028], finish: [0.9, 0.52, 0], kind: 0 },
   silver: { albedo: [0.86, 0.85, 0.82], hollow: [0.05, 0.05, 0.055], finish: [0.95, 0.4, 0], kind: 0 },
   walnut: { albedo: [0.26, 0.135, 0.065], hollow: [0.07, 0.032, 0.014], finish: [0.05, 0.55, 0], kind: 1 },
   marble: { albedo: [0.82, 0.81, 0.79], hollow: [0.55, 0.54, 0.52], finish: [0.04, 0.4, 0.9], kind: 2 },

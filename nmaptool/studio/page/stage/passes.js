@@ -29,7 +29,7 @@ float at(vec2 p) {
 `;
 
 /* Red, green: slopes dz/dx and dz/dy (y down), 0 off the surface; blue: whether it is on the surface. The weights of Scharr's filter
-   also smooth the steps that 16 bits leave. At the edge of the surface the slope goes to one side. */
+   also smooth the steps that 16 bits leave; QUICK leaves that out. At the edge of the surface the slope goes to one side. */
 export const SLOPES = `
 out vec4 found;
 float on(ivec2 i) {
@@ -46,9 +46,15 @@ float z(ivec2 i, float own) {
 void main() {
   ivec2 i = ivec2(gl_FragCoord.xy);
   float own = texelFetch(heights, i, 0).r;
-  float nw = z(i + ivec2(-1, -1), own), n = z(i + ivec2(0, -1), own), ne = z(i + ivec2(1, -1), own);
-  float w = z(i + ivec2(-1, 0), own), e = z(i + ivec2(1, 0), own);
-  float sw = z(i + ivec2(-1, 1), own), s = z(i + ivec2(0, 1), own), se = z(i + ivec2(1, 1), own);
+  float n = z(i + ivec2(0, -1), own), w = z(i + ivec2(-1, 0), own);
+  float e = z(i + ivec2(1, 0), own), s = z(i + ivec2(0, 1), own);
+#if QUICK
+  vec2 slope = 0.5 * vec2(e - w, s - n);
+#else
+  float nw = z(i + ivec2(-1, -1), own), ne = z(i + ivec2(1, -1), own);
+  float sw = z(i + ivec2(-1, 1), own), se = z(i + ivec2(1, 1), own);
+  vec2 slope = vec2(3.0 * (ne - nw + se - sw) + 10.0 * (e - w), 3.0 * (sw - nw + se - ne) + 10.0 * (s - n)) / 32.0;
+#endif
   /* at an edge the difference spans one px, not two */
   vec2 last = vec2(1.0) + vec2(equal(i, ivec2(0))) + vec2(equal(i, ivec2(grid) - 1));
   float is_on = 1.0;
@@ -57,7 +63,6 @@ void main() {
   last += 2.0 - vec2(on(i + ivec2(1, 0)) + on(i - ivec2(1, 0)), on(i + ivec2(0, 1)) + on(i - ivec2(0, 1)));
   last = min(last, 2.0);
 #endif
-  vec2 slope = vec2(3.0 * (ne - nw + se - sw) + 10.0 * (e - w), 3.0 * (sw - nw + se - ne) + 10.0 * (s - n)) / 32.0;
   found = vec4(clamp(slope * last, -200.0, 200.0) * is_on, is_on, 1.0);
 }`;
 

@@ -6,7 +6,7 @@ import { HEIGHTS, OCCLUSION, SHADOW, SLOPES, WHOLE } from "./passes.js";
 /** Longest side of what is computed while something moves, and when it rests; on a card or on the processor. */
 const SIZES = {
   card: { moving: { shadow: 1024, occlusion: 512 }, resting: { shadow: 2048, occlusion: 1024 } },
-  processor: { moving: { shadow: 192, occlusion: 96 }, resting: { shadow: 1024, occlusion: 512 } },
+  processor: { moving: { shadow: 160, occlusion: 96 }, resting: { shadow: 1024, occlusion: 512 } },
 };
 
 // while heights move, the occlusion is computed again after this time
@@ -42,8 +42,9 @@ export class Passes {
     this.isLinear = isLinear;
     this.sizes = SIZES[isSoftware ? "processor" : "card"];
     const made = (text) => new Program(gl, WHOLE, HEIGHTS(isLinear) + text);
-    this.slopes = made(`#define HOLES 0\n${SLOPES}`);
-    this.slopesAtHoles = made(`#define HOLES 1\n${SLOPES}`);
+    const slopes = (quick, holes) => made(`#define QUICK ${quick}\n#define HOLES ${holes}\n${SLOPES}`);
+    this.slopes = [0, 1].map((quick) => [0, 1].map((holes) => slopes(quick, holes)));
+    this.quick = isSoftware;
     this.occlusion = made(OCCLUSION);
     this.shadow = made(SHADOW);
   }
@@ -60,7 +61,7 @@ export class Relief {
     this.shadows = [0, 1].map(() => new Texture(gl, "RG16F"));
     this.mask = null;
     this.grid = [1, 1];
-    this.done = { occlusion: null, shadow: null };
+    this.done = { slopes: null, occlusion: null, shadow: null };
     this.occludedAt = -Infinity;
   }
 
@@ -76,10 +77,7 @@ export class Relief {
     if (this.hasHoles && this.closed?.length !== z.length) this.closed = new Float32Array(z.length);
     if (this.hasHoles) close({ z, surface, cols, rows, lowPx }, this.closed);
     this.heights.fill(this.hasHoles ? this.closed : z, cols, rows);
-    this.slopes.resize(cols, rows);
-    this.slopes.draw(this.hasHoles ? this.passes.slopesAtHoles : this.passes.slopes, this.inputs);
-    this.slopes.reduce();
-    this.done = { occlusion: null, shadow: null };
+    this.done = { slopes: null, occlusion: null, shadow: null };
   }
 
   get inputs() {
@@ -91,6 +89,8 @@ export class Relief {
     const { resting } = this.passes.sizes;
     const now = moving ? this.passes.sizes.moving : resting;
     const wanted = (most) => Math.min(most, Math.max(...this.grid));
+    const quick = Number(moving && this.passes.quick);
+    if (this.done.slopes === null || this.done.slopes > quick) this.slope(quick);
     this.prepareOcclusion(wanted(now.occlusion), wanted(resting.occlusion), moving);
     if (!shadows) return;
     const key = (size) => [...light, size].join();
@@ -106,6 +106,13 @@ export class Relief {
     if (isYoung || this.done.occlusion === fine || this.done.occlusion === size) return;
     this.occlude(size);
     this.occludedAt = performance.now();
+  }
+
+  slope(quick) {
+    this.slopes.resize(...this.grid);
+    this.slopes.draw(this.passes.slopes[quick][Number(this.hasHoles)], this.inputs);
+    this.slopes.reduce();
+    this.done.slopes = quick;
   }
 
   scaled(longest) {

@@ -9,7 +9,7 @@ import { BACKDROP, FLAT, LIFTED, SIDE, SIDES, TURNED } from "./shaders.js";
 import { CHOICES, SHADING } from "./shading.js";
 
 // vertices along the longer side of the mesh in the orbit view
-const MESH = { card: { moving: 513, resting: 1025 }, processor: { moving: 65, resting: 321 } };
+const MESH = { card: { moving: 513, resting: 1025 }, processor: { moving: 65, resting: 257 } };
 const SAMPLES = 4;
 
 export class Renderer {

@@ -122,7 +122,7 @@ vec3 shade(vec2 p, float z, vec3 n, vec3 view, float open, float lit) {
   float edge = pow(1.0 - facing, 5.0);
   vec3 colour_of = mix(base, vec3(1.0), 0.6 * edge);
   tone = mix(diffuse * 0.45, colour_of * (seen * 1.05 + 0.45 * key), mirror) + colour_of * shine * worn;
-  tone *= 1.3 / (1.0 + 0.5 * tone);
+  tone *= 1.2 / (1.0 + 0.55 * tone);
 #endif
   return tint(tone, p, z, length(n.xy) / max(n.z, 1e-3), key);
 }
