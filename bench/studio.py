@@ -35,7 +35,7 @@ SOLVED = {"mu": (0.1, 1.03), "beta": (0.001, 1.02), "slope_cap": (3.0, 0.985)}
 DRAWN = ("delta", "height", "light")
 MOST_MEDIAN_MS, MOST_P90_MS, LEAST_FRAMES, MOST_FIRST_S = 60.0, 100.0, 30.0, 2.5
 
-# moves a control once for each picture of the screen; the time of an event is that until a frame holds it or a newer one
+# moves a control once for each picture of the screen, and times each event until a frame holds it or a newer one
 _DRAG = """async ([name, values]) => {
   const { studio } = window;
   const sent = [];
@@ -58,7 +58,8 @@ _DRAG = """async ([name, values]) => {
     await new Promise(requestAnimationFrame);
   }
   const end = performance.now() + 10000;
-  while (!(seen.at(-1)?.request >= sent.length) && performance.now() < end) await new Promise((go) => setTimeout(go, 5));
+  const isShown = () => seen.at(-1)?.request >= sent.length;
+  while (!isShown() && performance.now() < end) await new Promise((go) => setTimeout(go, 5));
   delete studio.ask;
   delete studio.see;
   studio.change(name, values.at(-1), false);
@@ -191,9 +192,9 @@ def measured(report: Report, path: str, side: int, events: int) -> None:
         lines.append(line(f"{what}, requests", float(asked), 0.0, ""))
     preface = (
         f"A drag of {events} events, one for each picture of the screen, in headless Chromium with WebGL on the\n"
-        "processor: milliseconds from an event to the first frame that holds it or a newer one. Of the frames: the time\n"
-        "of the solver, and that of the page, which decodes it and computes the heights. The rest is the wait for a solve\n"
-        "under way, the encoding and the way between the two."
+        "processor: milliseconds from an event to the first frame that holds it or a newer one. Of the frames: the\n"
+        "time of the solver, and that of the page, which computes the heights. The rest is the wait for a solve under\n"
+        "way, the encoding and the way between the two."
     )
     header = ("option", "median", "90 %", "frames", "engine", "page")
     report.end(preface, table(header, rows), "\n".join(lines))

@@ -14,7 +14,8 @@ export class Studio {
     this.values = null; // its options; while a control moves, ahead of the server
     this.frame = null; // the last heights
     this.listeners = new Map();
-    this.asked = null;
+    this.asked = null; // a change that waits to be sent
+    this.isPaced = false;
   }
 
   /**
@@ -75,10 +76,19 @@ export class Studio {
       if (this.frame && value !== null) this.emit("render");
       if (moving) return;
     }
-    const waits = this.asked !== null;
-    if (waits && !(name in this.asked.values)) this.send();
+    if (this.asked && !(name in this.asked.values)) this.send();
     this.asked = { do: "set", values: { [name]: value }, moving };
-    if (!waits) requestAnimationFrame(() => this.send());
+    if (!this.isPaced) this.pace();
+  }
+
+  /** Send what was asked, at once; what is asked before the next frame of the screen waits for that. */
+  pace() {
+    this.send();
+    this.isPaced = true;
+    requestAnimationFrame(() => {
+      this.isPaced = false;
+      if (this.asked) this.pace();
+    });
   }
 
   send() {
