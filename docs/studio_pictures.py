@@ -73,12 +73,13 @@ def shape(walk: Walk) -> None:
 
 def paint(walk: Walk) -> None:
     window, page = walk.window, walk.window.page
+    window.tab("brushes")
     page.locator("#brush-role").select_option("delta_map")
     page.locator("#brush-on").click()
     page.locator("#brush-size").fill("110")
     walk.solved(lambda: window.drag(*(window.place(*place, "window") for place in EAR), steps=10))
     walk.picture("painted")
-    page.locator("#brush-on").click()
+    window.tab("relief")
 
 
 def export(walk: Walk, folder: Path) -> None:

@@ -185,16 +185,17 @@ def test_one_job_runs_at_a_time_and_can_be_cancelled(tmp_path, plate, monkeypatc
         assert ended(live)["bake"]["state"] == "done"
 
 
-def test_baking_again_replaces_the_map_of_the_layer_alone(tmp_path, plate, png):
-    png(tmp_path / "mask.png", np.full((50, 60), 255, np.uint8))
+def test_baking_again_replaces_the_map_of_the_layer_alone(tmp_path, plate):
     with studio(tmp_path, plate) as client, client.live() as live:
         ready(live)
         ask(live, do="bake", id="1", values=QUICK)
         before = ended(live)["state"]["layers"][0]
         placed = {"name": "left", "rotate": 20.0, "scale": "0.5", "at": "30%,50%"}
+        brush = {"tool": "paint", "size": 16, "value": 0, "hardness": 1, "opacity": 1}
+        until(live, "frame")
+        ask(live, do="paint", role="layer-mask", place=[0], brush=brush, points=[[15, 20, 1]])
+        mask = until(live, "state", lambda found: found["layers"][0]["mask"])["layers"][0]["mask"]
         ask(live, do="set-layer", place=[0], values=placed)
-        client.drop(tmp_path / "mask.png")
-        ask(live, do="set-layer-mask", place=[0], file="mask.png")
         again = {"camera": {**QUICK["camera"], "azimuth": 30.0}, "filter": {}}
         while until(live, "meshes")["layers"][0]["label"] != "left":
             pass
@@ -204,7 +205,7 @@ def test_baking_again_replaces_the_map_of_the_layer_alone(tmp_path, plate, png):
         seen = ended(live)
         (after,) = seen["state"]["layers"]
         assert after["file"] != before["file"]
-        assert (after["options"]["name"], after["options"]["rotate"], Path(after["mask"]).name) == ("left", 20.0, "mask.png")
+        assert (after["options"]["name"], after["options"]["rotate"], after["mask"]) == ("left", 20.0, mask)
         assert seen["meshes"]["layers"][0]["values"] == again
         original = nm.read_normal_map(tmp_path / after["file"])
         made = nm.BakeOptions(size="60x50", margin=nm.length("2px"), renderer="numpy", azimuth=30.0)

@@ -54,6 +54,7 @@ export class MeshPanel {
     this.forms = [];
     for (const [id, names] of Object.entries(FIELDS))
       add("camera", id, names.map((name) => camera.find((field) => field.name === name)));
+    this.direction = this.forms[0].form;
     this.more = this.forms.at(-1).form;
     add("reading", "mesh-unit", reading);
     this.filter = add("filter", "mesh-filter", filter);
@@ -165,6 +166,10 @@ export class MeshPanel {
   show() {
     for (const { table, form } of this.forms) form.show(this.values[table]);
     const { view = "front", azimuth, elevation } = this.values.camera;
+    for (const [name, value] of Object.entries({ azimuth: this.views?.[view]?.[0], elevation: this.views?.[view]?.[1] })) {
+      const input = this.direction?.inputs.get(name)?.input;
+      if (input) input.placeholder = `${Math.round(10 * (value ?? 0)) / 10}: ${view}`;
+    }
     const isView = typeof azimuth !== "number" && typeof elevation !== "number";
     for (const button of $("mesh-views").children)
       button.setAttribute("aria-pressed", String(isView && button.textContent === view));
