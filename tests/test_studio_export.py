@@ -151,6 +151,7 @@ def test_one_export_at_a_time(document, tmp_path, slow):
     exports.begin("other", document, Wanted("stl"), "relief")
     assert not job.path.exists()
     exports.close()
+    assert list((tmp_path / "state").rglob("*.stl")) == []
 
 
 def test_cancelling_ends_an_export_and_leaves_no_file(document, tmp_path, slow):

@@ -123,7 +123,7 @@ class Exports:
         threading.Thread(target=self._estimate, args=given, name="studio estimate", daemon=True).start()
 
     def close(self) -> None:
-        """End what is under way."""
+        """End what is under way, and delete the file of the last export."""
         self._number += 1
         with self._lock:
             if self._job is not None:
@@ -131,6 +131,8 @@ class Exports:
             thread = self._thread
         if thread is not None:
             thread.join(timeout=5)
+        if self._job is not None:
+            self._job.forget()
 
     def _run(self, job: Job, document: Document, wanted: Wanted) -> None:
         _stand_back()
