@@ -1,7 +1,6 @@
 """Meshes in the studio: read, shown, and baked to the maps of the command line."""
 
 import contextlib
-import http.client
 import json
 import re
 import threading
@@ -67,13 +66,8 @@ def ended(live, kind="bake"):
 
 def post(client, path, body):
     """Send bytes, or a value as JSON, as the page does."""
-    connection = http.client.HTTPConnection(client.host, timeout=20)
     headers = {**client.cookie, "Origin": f"http://{client.host}"}
-    connection.request("POST", path, body if isinstance(body, bytes) else json.dumps(body), headers)
-    answer = connection.getresponse()
-    answer.body = answer.read()
-    connection.close()
-    return answer
+    return client.get(path, headers, "POST", body if isinstance(body, bytes) else json.dumps(body))
 
 
 def shown(body):
