@@ -24,7 +24,7 @@ PICTURES = Path(__file__).parents[1] / "build" / "pictures"
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 # WebGL on the processor, as the picture must also work there
 FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-COARSE = 'Object.defineProperty(window, "devicePixelRatio", { get: () => 0.5 })'
+COARSE = 'Object.defineProperty(window, "devicePixelRatio", { get: () => 0.4 })'
 COMMAND = "import sys; from nmaptool_cli.start import run; sys.exit(run())"
 MISSING = "needs Chromium; on Debian and Ubuntu: sudo apt-get install -y --no-install-recommends chromium"
 
@@ -60,7 +60,7 @@ class Browser:
     def open(self, *, sharp: bool = False, **more: Any) -> Any:
         """Return a new context, which shares nothing with others.
 
-        Unless ``sharp``, it draws a quarter of the pixels of the relief.
+        Unless ``sharp``, it draws a sixth of the pixels of the relief.
         """
         if not self._chromium.is_connected():
             self._chromium = self.launch()

@@ -71,7 +71,7 @@ def test_texts_that_axe_does_not_measure_have_contrast(scheme, studio, window):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("size", SIZES)
 def test_axe_finds_nothing_serious(size, scheme, studio, window):
-    page = window(studio, viewport=SIZES[size], color_scheme=scheme, sharp=True).ready()
+    page = window(studio, viewport=SIZES[size], color_scheme=scheme).ready()
     page.shot("page")
     assert findings(page) == []
     page.page.get_by_text("bunny.exr").first.click()

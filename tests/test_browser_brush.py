@@ -36,7 +36,7 @@ def near(z):
 
 
 def test_strokes_flatten_where_they_are_drawn_and_are_undone(scene, serve, window):
-    page = window(serve(scene), sharp=True).ready()
+    page = window(serve(scene)).ready()
     before = page.heights().z
     page.shot("before")
     use(page, "delta_map", "paint")

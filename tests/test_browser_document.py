@@ -129,7 +129,7 @@ def test_unsaved_work_is_recovered_after_a_kill(folder, command, window):
     process.wait()
     eventually(lambda: page.text("status"), lambda found: found == "waiting for the studio")
     _, address = command(folder / "plate.exr")
-    again = window(address, sharp=True).ready()
+    again = window(address).ready()
     again.page.locator("#unsaved").get_by_text("was not saved when the studio ended").wait_for()
     again.shot("offered")
     again.page.get_by_role("button", name="Recover").click()

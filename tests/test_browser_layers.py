@@ -30,7 +30,7 @@ def ridge(tmp_path):
 
 
 def test_files_are_dropped_on_an_empty_studio(folder, serve, window):
-    page = window(serve(), sharp=True)
+    page = window(serve())
     page.waits_for("window.studio?.document")
     page.shot("empty")
     page.drop(folder / "plate.exr")
@@ -132,7 +132,7 @@ def slopes(z, across, down):
 
 
 def test_a_layer_is_moved_and_turned_on_the_canvas_and_its_vectors_turn(ridge, serve, window):
-    page = window(serve(ridge / "flat.exr", ridge / "ridge.exr"), sharp=True).ready()
+    page = window(serve(ridge / "flat.exr", ridge / "ridge.exr")).ready()
     page.type("beta", "0.0001")
     page.page.locator("#layers .name").first.click()
     page.page.locator("#handles .frame").wait_for()

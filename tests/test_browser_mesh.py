@@ -22,7 +22,7 @@ def seen(page):
 
 def test_a_sample_mesh_is_dropped_turned_and_baked(tmp_path, serve, window, monkeypatch):
     monkeypatch.chdir(tmp_path)  # the folder of a new document
-    page = window(serve(), sharp=True)
+    page = window(serve())
     page.waits_for("window.studio?.document")
     page.drop(SAMPLES / "gate.ply")
     page.page.locator("#mesh-bake:enabled").wait_for()
