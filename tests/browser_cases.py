@@ -22,8 +22,9 @@ from browser_windows import TIMEOUT_MS, Window
 
 PICTURES = Path(__file__).parents[1] / "build" / "pictures"
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
-# WebGL on the processor, as the picture must also work there
-FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+# WebGL on the processor, as the picture must also work there; the rest of the page is faster without WebGL's library
+WEBGL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+FLAGS = (*WEBGL, "--disable-gpu-rasterization", "--disable-gpu-compositing")
 COARSE = 'Object.defineProperty(window, "devicePixelRatio", { get: () => 0.4 })'
 COMMAND = "import sys; from nmaptool_cli.start import run; sys.exit(run())"
 MISSING = "needs Chromium; on Debian and Ubuntu: sudo apt-get install -y --no-install-recommends chromium"
