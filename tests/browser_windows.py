@@ -64,7 +64,10 @@ class Window:
         self.page.goto(studio.address)
 
     def _hear(self, message: Any) -> None:
-        if message.type in ("error", "warning"):  # violations of the Content-Security-Policy are among them
+        is_advice = "GL Driver Message" in message.text  # on the speed of reading pixels
+        if (
+            message.type in ("error", "warning") and not is_advice
+        ):  # violations of the Content-Security-Policy are among them
             self.faults.append(f"{message.type}: {message.text}")
 
     def _note(self, url: str) -> None:
@@ -155,10 +158,12 @@ class Window:
 
     def tab(self, name: str) -> None:
         """Show the panel relief, layers or brushes."""
-        self.page.locator(f"#tab-{name}").click()
+        if self.page.locator(f"#panel-{name}").is_hidden():
+            self.page.locator(f"#tab-{name}").click()
 
     def slide(self, name: str, share: float) -> None:
         """Drag the slider of an option from where it is to a share of its length."""
+        self.tab("relief")
         slider = self.page.locator(f"#slide-{name}")
         slider.scroll_into_view_if_needed()
         box = slider.bounding_box()
@@ -172,6 +177,7 @@ class Window:
 
     def type(self, name: str, text: str) -> None:
         """Type a value and press Enter."""
+        self.tab("relief")
         field = self.page.locator(f"#value-{name}")
         field.fill(text)
         field.press("Enter")

@@ -74,6 +74,7 @@ def test_axe_finds_nothing_serious(size, scheme, studio, window):
     page = window(studio, viewport=SIZES[size], color_scheme=scheme).ready()
     page.shot("page")
     assert findings(page) == []
+    page.tab("layers")
     page.page.get_by_text("bunny.exr").first.click()
     page.page.locator("#layer-details").wait_for()
     page.type("beta", "-3")  # an error is shown
@@ -105,6 +106,7 @@ def test_the_keyboard_reaches_every_control_and_focus_is_seen(scheme, studio, wi
     page = window(studio, color_scheme=scheme).ready()
     page.type("beta", "0.003")  # so that there is a step to undo
     page.waits_for("!document.getElementById('undo').disabled")
+    page.tab("layers")
     page.page.get_by_text("bunny.exr").first.click()
     page.page.locator("#layer-details").wait_for()
     page.js(NAME_OF)

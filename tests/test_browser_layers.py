@@ -96,6 +96,7 @@ def test_the_eye_the_order_the_mode_and_the_strength_change_the_relief(folder, s
     def is_first():
         return eventually(page.heights, lambda now: np.abs(now.z - first).max() < 1e-3 * np.ptp(first))
 
+    page.tab("layers")
     layers = page.page.locator("#layers")
     layers.get_by_label(re.compile(r"Hide bunny")).click()
     changed(first)
@@ -134,6 +135,7 @@ def slopes(z, across, down):
 def test_a_layer_is_moved_and_turned_on_the_canvas_and_its_vectors_turn(ridge, serve, window):
     page = window(serve(ridge / "flat.exr", ridge / "ridge.exr")).ready()
     page.type("beta", "0.0001")
+    page.tab("layers")
     page.page.locator("#layers .name").first.click()
     page.page.locator("#handles .frame").wait_for()
     eventually(lambda: page.js("studio.frame.request"), lambda found: found == 2)

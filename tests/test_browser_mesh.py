@@ -30,7 +30,7 @@ def test_a_sample_mesh_is_dropped_turned_and_baked(tmp_path, serve, window, monk
     assert np.std(front) > 0.05  # the mesh is seen
     page.shot("camera")
     page.page.locator("#mesh-views").get_by_role("button", name="left", exact=True).click()
-    assert np.abs(seen(page) - front).mean() > 0.02
+    assert np.abs(seen(page)[:600, :700] - front[:600, :700]).mean() > 0.02
     page.page.locator("#mesh-views").get_by_role("button", name="front", exact=True).click()
     field(page, "camera", "azimuth").fill("20")
     field(page, "camera", "azimuth").press("Enter")
