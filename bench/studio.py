@@ -104,7 +104,7 @@ class Dragged:
 
 @contextlib.contextmanager
 def served(file: Path, home: Path) -> Iterator[str]:
-    """The address of a studio in a process of its own."""
+    """The address of a studio in its own process."""
     env = {**os.environ, **dict.fromkeys(("HOME", "XDG_STATE_HOME", "XDG_CONFIG_HOME"), str(home))}
     code = "import sys; from nmaptool_cli.start import run; sys.exit(run())"
     command = [sys.executable, "-c", code, "studio", str(file), "--no-browser"]

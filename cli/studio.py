@@ -55,7 +55,7 @@ def studio(run: Run, /, *files: str) -> None:
         )
     refuse_stream("the studio opens files", *files)
     from nmaptool.studio.document import opened
-    from nmaptool.studio.drops import is_mesh
+    from nmaptool.studio.files.drops import is_mesh
     from nmaptool.studio.server import Studio
 
     given = run[StudioOptions]

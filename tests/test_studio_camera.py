@@ -12,8 +12,8 @@ from mesh_cases import sheet, sphere
 import nmaptool as nm
 from nmaptool.options.bake import VIEWS
 from nmaptool.render.camera import frame_camera, view_rotation
-from nmaptool.studio.display_mesh import display_mesh, thinned
-from nmaptool.studio.hull import hull
+from nmaptool.studio.meshes.display_mesh import display_mesh, thinned
+from nmaptool.studio.meshes.hull import hull
 
 PAGE = Path(nm.__file__).parent / "studio" / "page"
 needs_node = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
@@ -116,8 +116,8 @@ def test_the_hull_of_a_large_mesh_frames_it_nearly(monkeypatch):
     ball = sphere(60).vertices
     spiky = ball.copy()
     spiky[::50] *= 1.3
-    monkeypatch.setattr("nmaptool.studio.hull._MANY", 10_000)
-    monkeypatch.setattr("nmaptool.studio.hull._DIRECTIONS", 32)
+    monkeypatch.setattr("nmaptool.studio.meshes.hull._MANY", 10_000)
+    monkeypatch.setattr("nmaptool.studio.meshes.hull._DIRECTIONS", 32)
     for points, error in ((ball, 4e-3), (spiky, 1e-12), (ball * (3, 1, 1), 0.012), (ball * (1, 1, 0), 1e-12)):
         corners = hull(points)
         assert len(corners) < 7000

@@ -13,11 +13,11 @@ from test_studio_page import PAGE, needs_node
 
 import nmaptool as nm
 from nmaptool.options.fields import descriptions
-from nmaptool.studio.controls import controls
 from nmaptool.studio.document import opened
 from nmaptool.studio.engine import Engine
+from nmaptool.studio.forms.controls import controls
+from nmaptool.studio.forms.reasons import reasons
 from nmaptool.studio.frames import frame_of
-from nmaptool.studio.reasons import reasons
 from nmaptool.types.recipe import RELIEF_KEYS
 
 

@@ -12,10 +12,10 @@ from test_studio_meshes import QUICK, ended, ready, studio, undated
 
 import nmaptool as nm
 from nmaptool.io.recipes.scenes import read_scene
-from nmaptool.studio.details import Details, content_of
 from nmaptool.studio.document import opened
+from nmaptool.studio.files.store import Store
 from nmaptool.studio.layers import edited
-from nmaptool.studio.store import Store
+from nmaptool.studio.meshes.details import Details, content_of
 from nmaptool.types.recipe import RecipeGroup
 
 

@@ -9,9 +9,9 @@ from studio_cases import decoded
 
 import nmaptool as nm
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.studio.controls import GROUPS, controls
 from nmaptool.studio.document import MOST_STEPS, Document, History, opened
 from nmaptool.studio.engine import PREVIEW_PX, Engine
+from nmaptool.studio.forms.controls import GROUPS, controls
 from nmaptool.studio.frames import frame_of
 
 

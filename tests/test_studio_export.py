@@ -10,13 +10,13 @@ from studio_cases import ask, exported, served, until
 
 import nmaptool as nm
 from nmaptool.options.formats import HEIGHT_FORMATS, MESH_FORMATS
-from nmaptool.studio import export as exporting
 from nmaptool.studio.document import opened
 from nmaptool.studio.engine import Engine
-from nmaptool.studio.estimates import estimate
-from nmaptool.studio.export import Wanted, export, formats
-from nmaptool.studio.exports import Exports
-from nmaptool.studio.store import Store
+from nmaptool.studio.files import export as exporting
+from nmaptool.studio.files.estimates import estimate
+from nmaptool.studio.files.export import Wanted, export, formats
+from nmaptool.studio.files.exports import Exports
+from nmaptool.studio.files.store import Store
 
 MESHES = [ending[1:] for ending in MESH_FORMATS]
 
@@ -108,7 +108,7 @@ class Slow:
 
     def __init__(self, monkeypatch):
         self.started, self.go_on = threading.Event(), threading.Event()
-        monkeypatch.setattr("nmaptool.studio.exports.export", self)
+        monkeypatch.setattr("nmaptool.studio.files.exports.export", self)
 
     def __call__(self, document, path, wanted, progress):
         path.write_bytes(b"half")

@@ -13,8 +13,8 @@ import nmaptool as nm
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.studio import layers
 from nmaptool.studio.document import Document, opened
-from nmaptool.studio.drops import kind_of, opened_recipe
-from nmaptool.studio.store import Store, plain_name
+from nmaptool.studio.files.drops import kind_of, opened_recipe
+from nmaptool.studio.files.store import Store, plain_name
 
 
 @pytest.fixture

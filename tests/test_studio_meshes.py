@@ -154,7 +154,7 @@ def test_one_job_runs_at_a_time_and_can_be_cancelled(tmp_path, plate, monkeypatc
         goes_on.wait(20)
         return nm.bake(mesh, options, filter, progress=progress)
 
-    monkeypatch.setattr("nmaptool.studio.bakes.baked", slow)
+    monkeypatch.setattr("nmaptool.studio.meshes.bakes.baked", slow)
     with studio(tmp_path, plate) as client, client.live() as live:
         ready(live)
         ask(live, do="bake", id="1", values=QUICK)

@@ -8,7 +8,7 @@ from studio_cases import ask, served, until
 
 import nmaptool as nm
 from nmaptool.core.errors import UsageError
-from nmaptool.studio.strokes import MOST_POINTS, Brush, reach_of, stroke
+from nmaptool.studio.painting.strokes import MOST_POINTS, Brush, reach_of, stroke
 
 WHITE = np.ones((40, 60), np.float32)
 

@@ -10,7 +10,7 @@ from studio_cases import ask, served, until
 import nmaptool as nm
 from nmaptool.options.relief_presets import COVERED, RELIEF_PRESETS
 from nmaptool.studio.document import opened
-from nmaptool.studio.presets import Presets
+from nmaptool.studio.forms.presets import Presets
 
 NAMES = ["coin", "medal", "plaque", "wood-panel", "cameo", "lithograph-stone", "game-prop"]
 

@@ -14,9 +14,9 @@ from stack_cases import write_maps
 from studio_cases import Client, ask, exported, served, until
 
 import nmaptool as nm
-from nmaptool.studio import recovery
 from nmaptool.studio.document import Document, History, opened
-from nmaptool.studio.store import Store
+from nmaptool.studio.files import recovery
+from nmaptool.studio.files.store import Store
 
 BRUSH = {"tool": "paint", "size": 12, "value": 0, "hardness": 1, "opacity": 1}
 

@@ -21,13 +21,13 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
+from nmaptool.studio.files.uploads import receive
 from nmaptool.studio.guard import Guard
-from nmaptool.studio.mesh_routes import mesh_routes
+from nmaptool.studio.meshes.routes import mesh_routes
 from nmaptool.studio.overlays import overlay
-from nmaptool.studio.painting import picture_of
+from nmaptool.studio.painting.painting import picture_of
 from nmaptool.studio.requests import answer
 from nmaptool.studio.room import Room
-from nmaptool.studio.uploads import receive
 from nmaptool.studio.windows import Window
 
 PAGE = Path(__file__).with_name("page")

@@ -7,7 +7,8 @@ from typing import Any
 
 from nmaptool.core.errors import NmaptoolError, UsageError
 from nmaptool.studio import layers
-from nmaptool.studio.room import Room, error_message
+from nmaptool.studio.background import error_message
+from nmaptool.studio.room import Room
 from nmaptool.studio.windows import Message
 
 

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from nmaptool.core.errors import NmaptoolError, RendererError, UsageError
 from nmaptool.core.progress import Progress
-from nmaptool.studio.given import in_words
+from nmaptool.studio.forms.given import in_words
 
 _T = TypeVar("_T")
 # seconds between two messages about progress

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 from nmaptool.core.errors import UsageError
-from nmaptool.studio.controls import plain
 from nmaptool.studio.document import Document
+from nmaptool.studio.forms.controls import plain
 from nmaptool.types.recipe import READ_KEYS, Entry, RecipeGroup, RecipeLayer
 
 # numbers from the outermost list of layers to a layer inside groups; 0 is the lowest

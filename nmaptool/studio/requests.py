@@ -6,8 +6,13 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from nmaptool.core.errors import NmaptoolError
-from nmaptool.studio import adding, bakes, editing, exporting, painting, presetting, saving, splits
-from nmaptool.studio.room import Room, error_message
+from nmaptool.studio import editing
+from nmaptool.studio.background import error_message
+from nmaptool.studio.files import adding, exporting, saving
+from nmaptool.studio.forms import presetting
+from nmaptool.studio.meshes import bakes, splits
+from nmaptool.studio.painting import painting
+from nmaptool.studio.room import Room
 from nmaptool.studio.windows import Message, Window
 
 Request: TypeAlias = Callable[[Room, Mapping[str, Any]], Message | None]

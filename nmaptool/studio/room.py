@@ -5,41 +5,33 @@ from __future__ import annotations
 import asyncio
 import dataclasses
 import threading
-from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TypeVar
 
-from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import NmaptoolError
-from nmaptool.core.progress import Progress
 from nmaptool.options import DepthOptions, SolidOptions
-from nmaptool.studio import recovery
-from nmaptool.studio.bench import Bench
-from nmaptool.studio.controls import controls, plain, plain_options
-from nmaptool.studio.descriptions import forms
+from nmaptool.studio.background import Background
 from nmaptool.studio.document import Document, History
 from nmaptool.studio.engine import has_parts, uses_width
-from nmaptool.studio.export import formats
-from nmaptool.studio.exports import Exports
+from nmaptool.studio.files import recovery
+from nmaptool.studio.files.export import formats
+from nmaptool.studio.files.exports import Exports
+from nmaptool.studio.files.store import Store
+from nmaptool.studio.forms.controls import controls, plain, plain_options
+from nmaptool.studio.forms.descriptions import forms
+from nmaptool.studio.forms.presets import Presets
+from nmaptool.studio.forms.reasons import reasons
 from nmaptool.studio.inspector import Inspector
 from nmaptool.studio.layers import described
-from nmaptool.studio.presets import Presets
-from nmaptool.studio.reasons import reasons
-from nmaptool.studio.store import Store
+from nmaptool.studio.meshes.sources import Sources
 from nmaptool.studio.windows import Message, Window, Windows
 from nmaptool.studio.worker import Worker
 
-_T = TypeVar("_T")
 # options that the page applies to the parts of the heights, or that only an export uses
 _LOCAL = ("delta", "fit", "height", "width", *(f.name for f in dataclasses.fields(SolidOptions)))
 # seconds from a change until the document is kept for recovery
 _KEEP_S = 1.0
-
-
-class _EndedError(Exception):
-    """Ends work in the background: the studio closes."""
 
 
 class Room:
@@ -66,7 +58,7 @@ class Room:
         self._start = document
         self._saved = document if document.path is not None else Document(folder=document.folder)
         self.windows = Windows()
-        self.bench = Bench(store, self.windows, lambda: self.now)
+        self.sources = Sources(store, self.windows, lambda: self.now)
         self._latest: bytes | Message | None = None  # heights, or why there are none
         self._placements: Message | None = None
         self._joining: object = None
@@ -74,10 +66,9 @@ class Room:
         self._lock = threading.Lock()
         self.worker = Worker(self._from_worker)
         self._inspector = Inspector(self._from_worker)
-        self._jobs = ThreadPoolExecutor(1, "studio job")
+        self.background = Background(self.windows)
         self.exports = Exports(store, self.windows.put_later)
         self._solved: Document | None = None
-        self._ends = False
         self._solve()
         self._inspector.look(document)
 
@@ -118,7 +109,7 @@ class Room:
             for message in (self.unsaved(), self._placements, self._latest, self._inspector.message(self.now)):
                 if message is not None:
                     window.put(message)
-        for greeting in self.bench.greetings(self.now):
+        for greeting in self.sources.greetings(self.now):
             window.put(greeting)
 
     def leave(self, window: Window) -> None:
@@ -131,10 +122,9 @@ class Room:
         if self._keeping is not None:
             self._keeping.cancel()
         self._keep()
-        self._ends = True
-        self.bench.stop()
+        self.sources.stop()
         self.exports.close()
-        self._jobs.shutdown(wait=True, cancel_futures=True)
+        self.background.stop()
         self._inspector.stop()
         self.worker.stop()
 
@@ -174,7 +164,7 @@ class Room:
         if document == self.now:
             self._joining = joining
             return
-        document = self.bench.followed(self.now, document)
+        document = self.sources.followed(self.now, document)
         self.history.do(document, joined=joining is not None and joining == self._joining)
         self._joining = joining
         self.show()
@@ -198,7 +188,7 @@ class Room:
                 self.depths[str(target)] = self.depths[str(source)]
             if str(source) in self.painted:
                 self.painted[str(target)] = self.painted[str(source)]
-        self.bench.moved(copies)
+        self.sources.moved(copies)
         self._joining = None
         self.show()
 
@@ -216,7 +206,7 @@ class Room:
         """Show the document in every window, solve it if the page cannot compute it from the parts, and keep it."""
         self._solve()
         self.windows.tell(self.state())
-        self.windows.tell(self.bench.message(self.now))
+        self.windows.tell(self.sources.message(self.now))
         self._inspector.look(self.now)
         self._keep_soon()
 
@@ -231,35 +221,6 @@ class Room:
             recovery.forget(self.store)
         else:
             recovery.keep(self.store, self.now)
-
-    def start(self, work: Callable[[Progress], _T], then: Callable[[_T], None]) -> None:
-        """Do work in the background, one after the other, and call ``then`` with its result in the server's thread.
-
-        ``work`` gets a function to report its progress to; errors of both are shown in every window.
-        """
-
-        def watch(stage: str, share: float) -> None:
-            if self._ends:
-                raise _EndedError
-            self.windows.tell_later({"kind": "progress", "stage": stage, "share": share})
-
-        def run() -> None:
-            try:
-                result = work(watch)
-            except _EndedError:
-                return
-            except NmaptoolError as error:
-                self.windows.tell_later(error_message(error))
-            else:
-                self.windows.later(finish, result)
-
-        def finish(result: _T) -> None:
-            try:
-                then(result)
-            except NmaptoolError as error:
-                self.windows.tell(error_message(error))
-
-        self._jobs.submit(run)
 
     def _solve(self) -> None:
         needs = _needs(self.now)
@@ -277,11 +238,6 @@ class Room:
             elif message["kind"] == "placements":
                 self._placements = message
         self.windows.tell_later(message)
-
-
-def error_message(error: NmaptoolError) -> Message:
-    """Return the message that shows an error, with options named as in recipes."""
-    return {"kind": "error", "text": with_recipe_keys(str(error))}
 
 
 def _needs(document: Document) -> Document:

@@ -15,9 +15,9 @@ from nmaptool.core.errors import OutputError, reason_of
 from nmaptool.studio.app import application
 from nmaptool.studio.document import Document
 from nmaptool.studio.engine import Engine
-from nmaptool.studio.presets import Presets
+from nmaptool.studio.files.store import Store
+from nmaptool.studio.forms.presets import Presets
 from nmaptool.studio.room import Room
-from nmaptool.studio.store import Store
 
 _LOOPBACK = "127.0.0.1"
 
@@ -63,7 +63,7 @@ class Studio:
         hosts = (f"{_LOOPBACK}:{self.port}", f"localhost:{self.port}")
         self.address = f"http://{_LOOPBACK}:{self.port}/?token={token}"
         for mesh in meshes:
-            self._room.bench.welcome(mesh)
+            self._room.sources.welcome(mesh)
         config = uvicorn.Config(
             application(self._room, token, hosts),
             log_level="warning",

@@ -12,7 +12,7 @@ from nmaptool.options import SolidOptions
 from nmaptool.solids.solid import solid
 from nmaptool.studio.document import Document
 from nmaptool.studio.engine import PREVIEW_TOLERANCE, Engine
-from nmaptool.studio.export import Wanted
+from nmaptool.studio.files.export import Wanted
 from nmaptool.types.relief import Relief
 
 # bytes per sample of pictures, measured on reliefs of one to four megapixels; their compression decides

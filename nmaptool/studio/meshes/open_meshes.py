@@ -17,10 +17,10 @@ from nmaptool.filters.prepared import PreparedMesh, prepare_mesh
 from nmaptool.io.meshes.reader import read_mesh
 from nmaptool.options import BakeOptions, FilterOptions, MeshReadOptions
 from nmaptool.render.camera import frame_camera
-from nmaptool.studio.display_mesh import display_mesh
-from nmaptool.studio.given import in_words, options_from
-from nmaptool.studio.hull import hull
+from nmaptool.studio.forms.given import in_words, options_from
 from nmaptool.studio.jobs import failure
+from nmaptool.studio.meshes.display_mesh import display_mesh
+from nmaptool.studio.meshes.hull import hull
 from nmaptool.types.mesh import Mesh
 from nmaptool.types.mesh_arrays import MM_PER_UNIT
 

@@ -14,11 +14,13 @@ from nmaptool.io.output.writing import write_together
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.options.formats import RECIPE_ENDING, is_recipe
-from nmaptool.studio import details, layers, recovery
+from nmaptool.studio import layers
 from nmaptool.studio.document import Document, relative
-from nmaptool.studio.painting import LAYER_MASK, ROLES
+from nmaptool.studio.files import recovery
+from nmaptool.studio.files.store import plain_name
+from nmaptool.studio.meshes import details
+from nmaptool.studio.painting.painting import LAYER_MASK, ROLES
 from nmaptool.studio.room import Room
-from nmaptool.studio.store import plain_name
 from nmaptool.studio.windows import Message
 
 

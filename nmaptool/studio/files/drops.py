@@ -18,7 +18,7 @@ from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.options import DepthOptions
 from nmaptool.options.formats import is_recipe
 from nmaptool.studio.document import Document, relative
-from nmaptool.studio.store import Store
+from nmaptool.studio.files.store import Store
 from nmaptool.types.depth import DepthResult
 
 Kind: TypeAlias = Literal["recipe", "mesh", "map", "grey", "part"]

@@ -13,10 +13,10 @@ from nmaptool.io.pictures.layer_pictures import layer_picture
 from nmaptool.io.pictures.writer import write_pictures
 from nmaptool.io.recipes.stacks import read_stack
 from nmaptool.options import SplitOptions
-from nmaptool.studio.adding import with_file
-from nmaptool.studio.details import Split, content_of
 from nmaptool.studio.document import relative
-from nmaptool.studio.given import options_from
+from nmaptool.studio.files.adding import with_file
+from nmaptool.studio.forms.given import options_from
+from nmaptool.studio.meshes.details import Split, content_of
 from nmaptool.studio.room import Room
 from nmaptool.studio.windows import Message
 
@@ -38,15 +38,15 @@ def split_detail(room: Room, message: Mapping[str, Any]) -> Message | None:
 
     def then(result: tuple[Path, float]) -> str:
         path, share = result
-        room.bench.splits[str(path)] = Split(content_of(document), values)
+        room.sources.splits[str(path)] = Split(content_of(document), values)
         room.do(with_file(room.now, "detail", relative(path, room.now.folder)))
         return f"{path.name}: {share:.0%} of the picture is detail; mu sets how much of it is kept"
 
-    room.bench.background.start("detail", "split off the detail", work, then)
+    room.sources.background.start("detail", "split off the detail", work, then)
     return None
 
 
 def follow_details(room: Room, _: Mapping[str, Any]) -> Message | None:
     """Use the detail maps of the layers that were baked, placed like the layers."""
-    room.do(room.bench.details.followed(room.now))
+    room.do(room.sources.details.followed(room.now))
     return None

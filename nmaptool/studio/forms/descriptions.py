@@ -20,7 +20,7 @@ from nmaptool.options import (
 from nmaptool.options.bake import VIEWS
 from nmaptool.options.fields import Options, descriptions, kind_of
 from nmaptool.options.kinds import Choice, Count, Numeric, Switch
-from nmaptool.studio.controls import plain
+from nmaptool.studio.forms.controls import plain
 from nmaptool.types.recipe import READ_KEYS
 
 _DEPTH = ("from_", "values", "depth_scale", "unit", "invert", "fov", "fill", "jump", "smooth", "background", "width")

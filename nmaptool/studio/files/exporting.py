@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.errors import UsageError
-from nmaptool.studio.export import Wanted
+from nmaptool.studio.files.export import Wanted
 from nmaptool.studio.room import Room
 from nmaptool.studio.windows import Message, Window
 

@@ -12,13 +12,14 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.progress import Progress, part
 from nmaptool.io.pictures.layer_pictures import NORMAL_LAYERS, layer_picture
 from nmaptool.io.pictures.writer import write_pictures
-from nmaptool.studio import layers, meshes
-from nmaptool.studio.adding import dropped, with_layer
+from nmaptool.studio import layers
 from nmaptool.studio.document import relative
-from nmaptool.studio.given import in_words
-from nmaptool.studio.meshes import BakeOrder, OpenMesh, Origin
+from nmaptool.studio.files.adding import dropped, with_layer
+from nmaptool.studio.files.store import Store
+from nmaptool.studio.forms.given import in_words
+from nmaptool.studio.meshes import open_meshes as meshes
+from nmaptool.studio.meshes.open_meshes import BakeOrder, OpenMesh, Origin
 from nmaptool.studio.room import Room
-from nmaptool.studio.store import Store
 from nmaptool.studio.windows import Message
 from nmaptool.types.layer_set import LayerSet
 from nmaptool.types.recipe import Entry, RecipeLayer
@@ -34,18 +35,18 @@ class Target:
 
 def open_mesh(room: Room, message: Mapping[str, Any]) -> Message | None:
     """Open the mesh ``file``, which was dropped; the page that asked then shows the camera panel."""
-    return room.bench.open(dropped(room, message.get("file")))
+    return room.sources.open(dropped(room, message.get("file")))
 
 
 def close_mesh(room: Room, message: Mapping[str, Any]) -> Message | None:
     """Forget the mesh ``id``; the layers that were baked from it stay."""
-    room.bench.meshes.close(message.get("id"))
+    room.sources.meshes.close(message.get("id"))
     return None
 
 
 def bake(room: Room, message: Mapping[str, Any]) -> Message | None:
     """Bake the mesh ``id`` with ``values``; ``place`` names a layer that gets the map, otherwise it becomes a layer."""
-    one = room.bench.meshes.ready(message.get("id"))
+    one = room.sources.meshes.ready(message.get("id"))
     values = message.get("values")
     order = BakeOrder.of(values)
     target = None if message.get("place") is None else _target(room, message, order)
@@ -59,17 +60,17 @@ def bake(room: Room, message: Mapping[str, Any]) -> Message | None:
 
     def then(result: tuple[LayerSet, dict[str, Path]]) -> str:
         made, files = result
-        room.bench.origins[str(files["original"])] = Origin(one.id, dict(values or {}))
-        room.bench.details.add(files["original"], files["detail"])
+        room.sources.origins[str(files["original"])] = Origin(one.id, dict(values or {}))
+        room.sources.details.add(files["original"], files["detail"])
         return _taken(room, one, made, files["original"], target)
 
-    room.bench.background.start("bake", f"bake {one.name}", work, then)
+    room.sources.background.start("bake", f"bake {one.name}", work, then)
     return None
 
 
 def cancel_bake(room: Room, _: Mapping[str, Any]) -> Message | None:
     """Cancel what runs in the background."""
-    room.bench.background.cancel()
+    room.sources.background.cancel()
     return None
 
 
@@ -86,7 +87,7 @@ def _target(room: Room, message: Mapping[str, Any], order: BakeOrder) -> Target:
     place = layers.place_of(message["place"])
     entry = layers.entry_at(room.now.layers, place)
     file = str(room.now.folder / entry.file) if isinstance(entry, RecipeLayer) else ""
-    origin = room.bench.origins.get(file)
+    origin = room.sources.origins.get(file)
     if origin is None:
         raise UsageError("this layer was not baked since the studio was started; drop its mesh, and bake a new layer")
     before = BakeOrder.of(origin.values).camera
@@ -107,8 +108,8 @@ def _taken(room: Room, one: OpenMesh, made: LayerSet, original: Path, target: Ta
         changed = with_layer(document, original, one.path.stem)
     else:
         changed = layers.edited(document, place, {"file": name})
-    follows = room.bench.details.can_follow(document)
-    room.do(room.bench.details.followed(changed) if follows else changed)
+    follows = room.sources.details.can_follow(document)
+    room.do(room.sources.details.followed(changed) if follows else changed)
     report = made.report
     said = [f"{one.name}: {report.detail_share:.0%} of the surface is detail, rendered by {report.renderer}"]
     if target is not None and place is None:

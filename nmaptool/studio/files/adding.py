@@ -9,8 +9,9 @@ from typing import Any
 
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options import DepthOptions, LayerOptions, ReliefFiles
-from nmaptool.studio import drops, layers
+from nmaptool.studio import layers
 from nmaptool.studio.document import Document, relative
+from nmaptool.studio.files import drops
 from nmaptool.studio.room import Room
 from nmaptool.studio.windows import Message
 from nmaptool.types.recipe import RecipeLayer, RecipeRelief
@@ -42,7 +43,7 @@ def add_depth(room: Room, message: Mapping[str, Any]) -> Message | None:
         room.depths[str(target)] = source, options
         room.do(with_layer(room.now, target, source.stem))
 
-    room.start(lambda progress: drops.converted(source, options, target, progress), then)
+    room.background.start(lambda progress: drops.converted(source, options, target, progress), then)
     return None
 
 
@@ -64,7 +65,7 @@ def set_depth(room: Room, message: Mapping[str, Any]) -> Message | None:
             raise InputError(f"{source.name}: its layer has moved or is gone; set its depth options again")
         room.do(layers.edited(room.now, place, {"file": relative(target, room.now.folder)}))
 
-    room.start(lambda progress: drops.converted(source, options, target, progress), then)
+    room.background.start(lambda progress: drops.converted(source, options, target, progress), then)
     return None
 
 

@@ -11,9 +11,9 @@ from nmaptool.io.recipes.reader import read_relief
 from nmaptool.io.recipes.writer import write_relief_table
 from nmaptool.options.formats import RECIPE_ENDING
 from nmaptool.options.relief_presets import COVERED, RELIEF_PRESETS, ReliefPreset
-from nmaptool.studio.controls import plain
 from nmaptool.studio.document import Document
-from nmaptool.studio.store import plain_name
+from nmaptool.studio.files.store import plain_name
+from nmaptool.studio.forms.controls import plain
 from nmaptool.types.recipe import RecipeRelief
 
 # an own preset also keeps the size

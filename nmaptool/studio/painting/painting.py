@@ -18,10 +18,10 @@ from nmaptool.io.output.map_pictures import mask_picture
 from nmaptool.io.pictures.normal_maps import read_grey
 from nmaptool.io.pictures.writer import write_pictures
 from nmaptool.studio import layers
-from nmaptool.studio.adding import with_file
 from nmaptool.studio.document import Document, relative
+from nmaptool.studio.files.adding import with_file
+from nmaptool.studio.painting.strokes import Brush, stroke
 from nmaptool.studio.room import Room
-from nmaptool.studio.strokes import Brush, stroke
 from nmaptool.studio.windows import Message
 
 ROLES = ("mask", "mu_map", "beta_map", "delta_map")

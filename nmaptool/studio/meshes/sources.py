@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TypeVar
 
-from nmaptool.studio.details import Details, Split, content_of
 from nmaptool.studio.document import Document
+from nmaptool.studio.files.store import Store
 from nmaptool.studio.jobs import Jobs
 from nmaptool.studio.layers import maps_of
-from nmaptool.studio.meshes import Meshes, OpenMesh, Origin
-from nmaptool.studio.store import Store
+from nmaptool.studio.meshes.details import Details, Split, content_of
+from nmaptool.studio.meshes.open_meshes import Meshes, OpenMesh, Origin
 from nmaptool.studio.windows import Message, Windows
 
 _T = TypeVar("_T")
 
 
-class Bench:
+class Sources:
     """What a room knows about meshes.
 
     Attributes

@@ -10,7 +10,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route
 
 from nmaptool.core.errors import LimitError, NmaptoolError
-from nmaptool.studio.meshes import checked
+from nmaptool.studio.meshes.open_meshes import checked
 from nmaptool.studio.room import Room
 
 _LONGEST = 100_000
@@ -21,14 +21,14 @@ def mesh_routes(room: Room) -> list[BaseRoute]:
 
     async def shown(request: Request) -> Response:
         try:
-            one = room.bench.meshes.ready(request.path_params["id"])
+            one = room.sources.meshes.ready(request.path_params["id"])
             return Response(one.bytes, media_type="application/octet-stream")
         except NmaptoolError as error:
             return JSONResponse({"text": str(error)}, 400)
 
     async def check(request: Request) -> Response:
         try:
-            one = room.bench.meshes.ready(request.path_params["id"])
+            one = room.sources.meshes.ready(request.path_params["id"])
             text = b""
             async for piece in request.stream():
                 text += piece

@@ -20,8 +20,8 @@ from nmaptool.maps.masks import motif_coverage
 from nmaptool.options import LayerOptions, ReadOptions
 from nmaptool.options.formats import is_recipe
 from nmaptool.studio.document import Document, relative
+from nmaptool.studio.files.store import Store
 from nmaptool.studio.layers import maps_of
-from nmaptool.studio.store import Store
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.recipe import Entry, Recipe, RecipeGroup, RecipeLayer, RecipeRelief
 

@@ -17,9 +17,9 @@ from nmaptool.core.errors import NmaptoolError, UsageError
 from nmaptool.core.parallel import one_by_one
 from nmaptool.studio.document import Document
 from nmaptool.studio.engine import Engine
-from nmaptool.studio.estimates import estimate
-from nmaptool.studio.export import Wanted, export
-from nmaptool.studio.store import Store, plain_name
+from nmaptool.studio.files.estimates import estimate
+from nmaptool.studio.files.export import Wanted, export
+from nmaptool.studio.files.store import Store, plain_name
 
 # seconds between two messages about the same stage
 _BETWEEN_S = 0.1

@@ -8,7 +8,7 @@ from starlette.responses import JSONResponse, Response
 
 from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import LimitError, NmaptoolError, OutputError, reason_of
-from nmaptool.studio import drops
+from nmaptool.studio.files import drops
 from nmaptool.studio.room import Room
 
 _LARGEST_BYTES = 4_000_000_000

@@ -15,9 +15,9 @@ from nmaptool.core.errors import InputError, NmaptoolError
 from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.options.formats import is_recipe
-from nmaptool.studio.details import carried
 from nmaptool.studio.document import Document, relative
-from nmaptool.studio.store import Store
+from nmaptool.studio.files.store import Store
+from nmaptool.studio.meshes.details import carried
 
 _RECIPE, _FACTS = "autosave.toml", "autosave.json"
 _OLDEST_S = 30 * 24 * 3600.0

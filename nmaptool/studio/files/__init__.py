@@ -1,0 +1,1 @@
+"""Files of the document: dropped, added, saved, recovered and exported."""

@@ -1,0 +1,1 @@
+"""Controls and forms of the page, derived from the options classes; presets."""

@@ -1,0 +1,1 @@
+"""Meshes: opened, shown, baked to layers, and the detail maps of layers."""

@@ -1,0 +1,1 @@
+"""Brushes: strokes on masks and weights."""
