@@ -37,17 +37,6 @@ def move_light(page, u, v):
     page.drag((knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2), (x + u * half, y - v * half))
 
 
-def test_the_side_towards_the_light_is_brighter(show):
-    shown = show()
-    for name, u, v in (("left", -0.7, 0), ("right", 0.7, 0), ("above", 0, 0.7)):
-        move_light(shown, u, v)
-        left, right, upper, lower = sides(shown.relief())
-        across, down = (left - right) * -np.sign(u), (upper - lower) * np.sign(v)
-        assert across + down > 0.1, name
-        shown.shot(name)
-    assert shown.js("studio.document.undo") == 0  # the light is no change of the document
-
-
 def test_a_low_light_casts_a_shadow_and_a_second_light_brightens_it(show):
     shown = show()
     shown.type("height", "15mm")
@@ -112,35 +101,3 @@ def test_zoom_fit_one_to_one_and_pan(show):
     shown.page.locator("#fit-view").click()
     assert shown.js(zoom) == pytest.approx(fitted)
     assert np.abs(shown.picture() - whole).mean() < 0.01
-
-
-def test_the_orbit_view_turns_the_relief(show):
-    shown = show()
-    flat = shown.picture()
-    shown.page.locator("#orbit").click()
-    turned = shown.picture()
-    assert np.abs(turned - flat).mean() > 0.03
-    shown.shot("orbit")
-    shown.page.locator("#view").focus()
-    for _ in range(5):
-        shown.page.keyboard.press("ArrowLeft")
-    assert np.abs(shown.picture() - turned).mean() > 0.01
-    shown.page.locator("#orbit").click()
-    assert np.abs(shown.picture() - flat).mean() < 0.01
-
-
-def test_a_snapshot_is_compared_with_the_relief(show):
-    shown = show()
-    before = shown.relief()
-    shown.page.locator("#snapshot").click()
-    shown.slide("beta", 0.95)
-    right = slice(before.shape[1] * 55 // 100, before.shape[1] * 80 // 100)
-    middle = slice(before.shape[0] // 3, -before.shape[0] // 3)
-    steep = np.std(before[middle, right])
-    eventually(lambda: np.std(shown.relief()[middle, right]), lambda found: found < 0.5 * steep)
-    after = shown.relief()
-    left = slice(0, before.shape[1] * 4 // 10)
-    assert np.abs(after[:, left] - before[:, left]).mean() < 0.02  # the snapshot
-    shown.shot("compared")
-    shown.page.locator("#compare").click()
-    assert np.abs(shown.relief()[:, left] - before[:, left]).mean() > 0.03
