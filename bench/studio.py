@@ -28,7 +28,14 @@ from bench.session import maps_of
 from bench.table import table
 
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
-_FLAGS = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox")
+# as Chromium runs where there is no graphics card: WebGL and the page are drawn by the processor
+_FLAGS = (
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",
+    "--no-sandbox",
+)
 _TIMEOUT_MS = 60_000
 # from a value, and a factor at each event
 SOLVED = {"mu": (0.1, 1.03), "beta": (0.001, 1.02), "slope_cap": (3.0, 0.985)}
@@ -38,11 +45,12 @@ MOST_MEDIAN_MS, MOST_P90_MS, LEAST_FRAMES, MOST_FIRST_S = 60.0, 100.0, 30.0, 2.5
 # moves a control once for each picture of the screen, and times each event until a frame holds it or a newer one
 _DRAG = """async ([name, values]) => {
   const { studio } = window;
+  const events = [];
   const sent = [];
   const seen = [];
   const ask = studio.ask.bind(studio);
   studio.ask = (message) => {
-    if (message.do === "set") sent.push(performance.now());
+    if (message.do === "set") sent.push(events.length);
     return ask(message);
   };
   const first = studio.frame.request;
@@ -51,20 +59,23 @@ _DRAG = """async ([name, values]) => {
     const started = performance.now();
     see(frame);
     const now = performance.now();
-    seen.push({ request: frame.request - first, at: now, page: now - started, engine: 1000 * frame.seconds });
+    const held = sent[frame.request - first - 1] ?? 0;
+    seen.push({ held, at: now, page: now - started, engine: 1000 * frame.seconds, cols: frame.cols });
   };
   for (const value of values) {
+    events.push(performance.now());
     studio.change(name, value, true);
     await new Promise(requestAnimationFrame);
   }
-  const end = performance.now() + 10000;
-  const isShown = () => seen.at(-1)?.request >= sent.length;
-  while (!isShown() && performance.now() < end) await new Promise((go) => setTimeout(go, 5));
+  const moved = performance.now();
+  const isShown = () => seen.at(-1)?.held >= events.length;
+  while (!isShown() && performance.now() < moved + 10000) await new Promise((go) => setTimeout(go, 5));
   delete studio.ask;
   delete studio.see;
   studio.change(name, values.at(-1), false);
-  const waits = sent.map((at, i) => (seen.find((frame) => frame.request > i)?.at ?? Infinity) - at);
-  return { waits, sent: sent.length, page: seen.map((one) => one.page), engine: seen.map((one) => one.engine) };
+  const waits = events.map((at, i) => (seen.find((frame) => frame.held > i)?.at ?? Infinity) - at);
+  const [page, engine, cols] = ["page", "engine", "cols"].map((fact) => seen.map((one) => one[fact]));
+  return { waits, sent: sent.length, page, engine, cols, pace: (moved - events[0]) / values.length };
 }"""
 # changes what the page computes alone, once for each picture of the screen
 _DRAW = """async ([name, values]) => {

@@ -123,15 +123,14 @@ def test_values_that_need_each_other_are_set_together(document):
     assert both.changed(dict.fromkeys(("fit", "height"))) == document
 
 
-def test_beta_per_pixel_looks_the_same_on_the_small_grid(tmp_path, dome, monkeypatch):
-    monkeypatch.setattr("nmaptool.studio.engine.PREVIEW_PX", 60)
+def test_beta_per_pixel_looks_the_same_on_the_small_grid(tmp_path, dome):
     d = dome(120, 120)
     nm.write_normal_map(nm.NormalMap.from_array(d.normals, d.inside), tmp_path / "dome.exr")
     document = opened([str(tmp_path / "dome.exr")])
     engine = Engine(document)
-    assert not engine.is_small
+    assert not engine.is_whole(60)
     options = nm.ReliefOptions(per_pixel=True, beta=0.01, delta=5)
-    full, small = (engine.parts(options, is_preview=is_preview) for is_preview in (False, True))
+    full, small = (engine.parts(options, longest=longest) for longest in (None, 60))
     assert small.px_per_delta == pytest.approx(0.5)
     high = [float(parts.z_mm(options.delta).max()) for parts in (full, small)]
     assert high[1] == pytest.approx(high[0], rel=0.05)

@@ -104,7 +104,7 @@ def test_controls_describe_the_options():
 def test_a_frame_holds_the_parts_of_the_heights(folder):
     engine = Engine(opened([str(folder / "bunny.exr")]))
     options = nm.ReliefOptions(background="cut", beta=0.01)
-    parts = engine.parts(options, is_preview=True)
+    parts = engine.parts(options, longest=PREVIEW_PX)
     header, fields, surface = decoded(frame_of(parts, {"request": 7}))
     assert header["request"] == 7
     assert header["pitch_mm"] == 0.5
@@ -123,7 +123,7 @@ def test_large_maps_get_a_smaller_grid_while_a_control_moves(tmp_path, png):
     text = '[[layer]]\nfile = "wide.exr"\n[relief]\nmask = "mask.png"\n'
     (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
     engine = Engine(opened([str(tmp_path / "scene.toml")]))
-    small, full = (engine.parts(nm.ReliefOptions(), is_preview=preview) for preview in (True, False))
+    small, full = (engine.parts(nm.ReliefOptions(), longest=longest) for longest in (PREVIEW_PX, None))
     assert max(small.surface.shape) == PREVIEW_PX
     assert full.surface.shape == (400, 1000)
     # the same relief: mu, beta and delta refer to a picture of 1000 px
@@ -153,7 +153,7 @@ def test_walls_have_no_parts(dome):
 def test_the_heights_of_walls_come_whole(folder):
     engine = Engine(opened([str(folder / "bunny.exr")]))
     options = nm.ReliefOptions(edge="wall", height=nm.length("2mm"))
-    parts = engine.parts(options, is_preview=False)
+    parts = engine.parts(options)
     expected = nm.relief(nm.read_normal_map(folder / "bunny.exr"), options=options)
     assert np.allclose(parts.z_mm(77), expected.z_mm)
 
@@ -161,6 +161,6 @@ def test_the_heights_of_walls_come_whole(folder):
 def test_the_width_is_left_to_the_page_unless_lengths_depend_on_it(folder):
     engine = Engine(opened([str(folder / "bunny.exr")]))
     wide = nm.ReliefOptions(width=nm.length("90mm"))
-    assert engine.parts(wide, is_preview=False).pitch_mm == 0.5  # the map's own
+    assert engine.parts(wide).pitch_mm == 0.5  # the map's own
     rounded = nm.ReliefOptions(width=nm.length("90mm"), background="cut", outline_round=nm.length("5mm"))
-    assert engine.parts(rounded, is_preview=False).pitch_mm == 3.0
+    assert engine.parts(rounded).pitch_mm == 3.0

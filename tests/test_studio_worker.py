@@ -15,7 +15,7 @@ from nmaptool.studio.worker import Worker
 class FakeEngine:
     """Stands in for the engine: a solve on either grid lasts until the test lets it go on."""
 
-    size, is_small, scene = (4, 4), False, None
+    size, scene = (4, 4), None
     started, go_on = threading.Semaphore(0), threading.Semaphore(0)
 
     def __init__(self, *_):
@@ -24,7 +24,10 @@ class FakeEngine:
     def fits(self, _):
         return True
 
-    def parts(self, _, *, is_preview, progress):
+    def is_whole(self, longest):
+        return longest is None
+
+    def parts(self, _, *, longest, progress):
         self.started.release()
         assert self.go_on.acquire(timeout=20)
         progress("solving", 0.5)

@@ -20,8 +20,10 @@ from nmaptool.studio.document import Document
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.relief_parts import ReliefParts
 
-# longer side of the grid that is solved while a control moves, and the tolerance of its heights
+# longer sides of the grids that are solved at once, and while a control moves on a slow machine
 PREVIEW_PX = 512
+QUICK_PX = 256
+# tolerance of their heights
 PREVIEW_TOLERANCE = 2e-5
 
 
@@ -36,7 +38,7 @@ def uses_width(document: Document) -> bool:
 
 
 class Engine:
-    """The maps of a document and a session for each of the two grids.
+    """The maps of a document, and a session for each grid that was asked for.
 
     Parameters
     ----------
@@ -56,29 +58,42 @@ class Engine:
         self.files = _files(document)
         self._maps = _maps(document)
         self.scene: Scene
-        self._small: tuple[NormalMap, NormalMap | None] | None = None
+        self._smaller: dict[int, tuple[NormalMap, NormalMap | None]] = {}
         if before is not None and before._maps == self._maps:  # only masks or weights changed
             files = document.relief.files
             self.scene = dataclasses.replace(before.scene, greys=read_greys(files, document.folder))
-            self._small = before._small
+            self._smaller = before._smaller
         else:
             self.scene = read_scene(document.recipe, cache=cache)
         original = self.scene.composition.normal_map
         self.size = original.frame.cols, original.frame.rows
         self.full = self._session(original, self.scene.detail, self.scene.greys)
-        self.is_small = original.frame.longer_side <= PREVIEW_PX or self.scene.surface is not None
-        self.preview = self.full if self.is_small else self._reduced()
+        self._sessions: dict[int, ReliefSession] = {}
+
+    def is_whole(self, longest: int | None) -> bool:
+        """Whether a grid of this longer side is that of the document."""
+        return longest is None or max(self.size) <= longest or self.scene.surface is not None
 
     def fits(self, document: Document) -> bool:
         """Whether another document needs the same maps."""
         return _files(document) == self.files
 
-    def parts(self, options: ReliefOptions, *, is_preview: bool, progress: Progress | None = None) -> ReliefParts:
-        """Solve for the parts of the heights; if they have none, for the heights, as the first part."""
-        if is_preview and self.preview is not self.full and options.per_pixel:
-            return self._per_pixel(options, progress)
-        session = self.preview if is_preview else self.full
-        tolerance = PREVIEW_TOLERANCE if is_preview else None
+    def parts(
+        self, options: ReliefOptions, *, longest: int | None = None, progress: Progress | None = None
+    ) -> ReliefParts:
+        """Solve for the parts of the heights; if they have none, for the heights, as the first part.
+
+        Parameters
+        ----------
+        options : ReliefOptions
+        longest : int, optional
+            Longer side of the grid in px; its heights are less exact then. Default: that of the document.
+        progress : callable, optional
+        """
+        if not self.is_whole(longest) and options.per_pixel:
+            return self._per_pixel(options, longest, progress)
+        session = self.full if longest is None or self.is_whole(longest) else self._reduced(longest)
+        tolerance = None if longest is None else PREVIEW_TOLERANCE
         if has_parts(options):
             if self.scene.surface is None and options.outline_round is None:
                 options = dataclasses.replace(options, width=None)  # the page needs the map's own, if there is none
@@ -89,29 +104,32 @@ class Engine:
         z_px = height.z_mm / pitch_mm
         return ReliefParts(z_px, np.zeros_like(z_px), None, height.domain, height.frame, pitch_mm, per_delta)
 
-    def _per_pixel(self, options: ReliefOptions, progress: Progress | None) -> ReliefParts:
+    def _per_pixel(self, options: ReliefOptions, longest: int | None, progress: Progress | None) -> ReliefParts:
         """Solve on the small grid for beta and delta in pixels of the document, which are smaller than its own."""
         scale = max(self.size) / REFERENCE_SIDE_PX
         beta = max(options.beta * scale**2, SMALLEST_BETA) if options.beta else 0.0
         scaled = dataclasses.replace(options, per_pixel=False, beta=beta, delta=options.delta / scale)
-        parts = self.parts(scaled, is_preview=True, progress=progress)
+        parts = self.parts(scaled, longest=longest, progress=progress)
         return dataclasses.replace(parts, px_per_delta=parts.px_per_delta / scale)
 
     def _session(self, original: NormalMap, detail: NormalMap | None, greys: dict[str, Any]) -> ReliefSession:
         return ReliefSession(original, detail, surface=self.scene.surface, **greys)
 
-    def _reduced(self) -> ReliefSession:
-        cols, rows = self.size
-        share = PREVIEW_PX / max(cols, rows)
-        size = max(1, round(cols * share)), max(1, round(rows * share))
-        if self._small is None:
-            detail = None if self.scene.detail is None else _smaller(self.scene.detail, size)
-            self._small = _smaller(self.scene.composition.normal_map, size), detail
+    def _reduced(self, longest: int) -> ReliefSession:
+        """Return the session of a smaller grid."""
+        if longest in self._sessions:
+            return self._sessions[longest]
+        share = longest / max(self.size)
+        cols, rows = (max(1, round(side * share)) for side in self.size)
+        if longest not in self._smaller:
+            detail = None if self.scene.detail is None else _smaller(self.scene.detail, (cols, rows))
+            self._smaller[longest] = _smaller(self.scene.composition.normal_map, (cols, rows)), detail
         greys = {
-            role: np.asarray(cv2.resize(grey, size, interpolation=cv2.INTER_AREA), np.float32)
+            role: np.asarray(cv2.resize(grey, (cols, rows), interpolation=cv2.INTER_AREA), np.float32)
             for role, grey in self.scene.greys.items()
         }
-        return self._session(*self._small, greys)
+        self._sessions[longest] = self._session(*self._smaller[longest], greys)
+        return self._sessions[longest]
 
 
 def _smaller(normal_map: NormalMap, size: tuple[int, int]) -> NormalMap:

@@ -30,6 +30,8 @@ from nmaptool.studio.worker import Worker
 
 # options that the page applies to the parts of the heights, or that only an export uses
 _LOCAL = ("delta", "fit", "height", "width", *(f.name for f in dataclasses.fields(SolidOptions)))
+# seconds between two messages about the document while a control moves
+_TELL_S = 0.15
 # seconds from a change until the document is kept for recovery
 _KEEP_S = 1.0
 
@@ -63,6 +65,7 @@ class Room:
         self._placements: Message | None = None
         self._joining: object = None
         self._keeping: asyncio.TimerHandle | None = None
+        self._telling: asyncio.TimerHandle | None = None
         self._lock = threading.Lock()
         self.worker = Worker(self._from_worker)
         self._inspector = Inspector(self._from_worker)
@@ -119,8 +122,9 @@ class Room:
 
     def close(self) -> None:
         """End the threads; keep what is not saved."""
-        if self._keeping is not None:
-            self._keeping.cancel()
+        for timer in (self._keeping, self._telling):
+            if timer is not None:
+                timer.cancel()
         self._keep()
         self.sources.stop()
         self.exports.close()
@@ -172,6 +176,8 @@ class Room:
     def rest(self) -> None:
         """The hand rests: the next change is a step of its own."""
         self._joining = None
+        if self._telling is not None:
+            self._tell()
 
     def step(self, moved: bool) -> None:
         """Show the document after a step back or forward, if there was one."""
@@ -203,12 +209,26 @@ class Room:
         return self._saved.files
 
     def show(self) -> None:
-        """Show the document in every window, solve it if the page cannot compute it from the parts, and keep it."""
+        """Solve the document if the page cannot compute it from the parts, show it in every window, and keep it.
+
+        While a control moves, windows are told a few times a second.
+        """
         self._solve()
+        loop = self.windows.loop
+        if self._joining is None or loop is None:
+            self._tell()
+        elif self._telling is None:
+            self._telling = loop.call_later(_TELL_S, self._tell)
+        self._keep_soon()
+
+    def _tell(self) -> None:
+        """Tell every window what the document is."""
+        if self._telling is not None:
+            self._telling.cancel()
+            self._telling = None
         self.windows.tell(self.state())
         self.windows.tell(self.sources.message(self.now))
         self._inspector.look(self.now)
-        self._keep_soon()
 
     def _keep_soon(self) -> None:
         if self.windows.loop is not None and self._keeping is None:
@@ -228,7 +248,7 @@ class Room:
             return
         self._solved = needs
         if self.now.layers:
-            self.worker.want(self.now)
+            self.worker.want(self.now, is_moving=self._joining is not None)
 
     def _from_worker(self, message: bytes | Message) -> None:
         """Called in the solver's thread."""

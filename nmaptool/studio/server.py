@@ -71,6 +71,7 @@ class Studio:
             server_header=False,
             ws="websockets-sansio",
             ws_max_size=1 << 20,
+            ws_per_message_deflate=False,  # packing heights takes longer than sending them to this machine
             timeout_graceful_shutdown=1,
         )
         self._server = uvicorn.Server(config)

@@ -5,6 +5,10 @@ import { Link } from "./link.js";
 
 // the page computes these from the two parts of the heights; the server only stores them
 const LOCAL = new Set(["delta", "height", "width", "fit"]);
+// a change that needs no solve brings no heights
+const PATIENCE_MS = 250;
+// one is solved while the heights of the other are drawn; more would only queue up
+const MOST_OPEN = 1;
 
 export const $ = (id) => document.getElementById(id);
 
@@ -56,6 +60,7 @@ export class Studio {
   see(frame) {
     this.frame = frame;
     this.say("");
+    this.answered();
     this.emit("heights", frame);
     this.emit("render");
   }
@@ -68,7 +73,7 @@ export class Studio {
     return sent;
   }
 
-  /** Set an option; null is its default. While it moves, one message for each frame of the screen is sent at most. */
+  /** Set an option; null is its default. While it moves, requests wait until the heights of earlier ones are shown. */
   change(name, value, moving) {
     this.say("");
     this.values = { ...this.values, [name]: value };
@@ -78,23 +83,24 @@ export class Studio {
     }
     if (this.asked && !(name in this.asked.values)) this.send();
     this.asked = { do: "set", values: { [name]: value }, moving };
-    if (!this.isPaced) this.pace();
+    if (!moving || this.open < MOST_OPEN) this.send();
   }
 
-  /** Send what was asked, at once; what is asked before the next frame of the screen waits for that. */
-  pace() {
-    this.send();
-    this.isPaced = true;
-    requestAnimationFrame(() => {
-      this.isPaced = false;
-      if (this.asked) this.pace();
-    });
-  }
-
+  /** Send what was asked; while it moves, what is asked next waits for heights, but not for ever. */
   send() {
     const asked = this.asked;
     this.asked = null;
-    if (asked) this.ask(asked);
+    if (!asked) return;
+    clearTimeout(this.patience);
+    this.open = asked.moving ? this.open + 1 : 0;
+    if (asked.moving) this.patience = setTimeout(() => this.answered(MOST_OPEN), PATIENCE_MS);
+    this.ask(asked);
+  }
+
+  /** Heights have come: the next change may be sent. */
+  answered(count = 1) {
+    this.open = Math.max(0, this.open - count);
+    this.send();
   }
 
   /** Show an error, in the words of the command line; "" clears it. */
