@@ -24,7 +24,7 @@ from nmaptool.types.relief_parts import ReliefParts
 PREVIEW_PX = 512
 QUICK_PX = 256
 # tolerance of their heights
-PREVIEW_TOLERANCE = 2e-5
+PREVIEW_TOLERANCE, QUICK_TOLERANCE = 2e-5, 2e-4
 
 
 def has_parts(options: ReliefOptions) -> bool:
@@ -93,7 +93,7 @@ class Engine:
         if not self.is_whole(longest) and options.per_pixel:
             return self._per_pixel(options, longest, progress)
         session = self.full if longest is None or self.is_whole(longest) else self._reduced(longest)
-        tolerance = None if longest is None else PREVIEW_TOLERANCE
+        tolerance = {None: None, QUICK_PX: QUICK_TOLERANCE}.get(longest, PREVIEW_TOLERANCE)
         if has_parts(options):
             if self.scene.surface is None and options.outline_round is None:
                 options = dataclasses.replace(options, width=None)  # the page needs the map's own, if there is none

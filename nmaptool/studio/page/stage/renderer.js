@@ -19,7 +19,7 @@ export class Renderer {
     this.gl = gl;
     this.passes = new Passes(context);
     /** Share of the device pixels that are drawn while something moves. */
-    this.coarse = context.isSoftware ? 0.5 : 1;
+    this.coarse = context.isSoftware ? 0.4 : 1;
     this.meshes = MESH[context.isSoftware ? "processor" : "card"];
     this.head = HEIGHTS(isLinear);
     this.built = new Map(); // programs by what they draw and the choices
