@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import json
 from collections.abc import AsyncIterator
-from pathlib import Path
 from typing import Any
 
 from starlette.applications import Starlette
@@ -14,8 +13,7 @@ from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
-from starlette.routing import Mount, Route, WebSocketRoute
-from starlette.staticfiles import StaticFiles
+from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -25,12 +23,12 @@ from nmaptool.studio.files.uploads import receive
 from nmaptool.studio.guard import Guard
 from nmaptool.studio.meshes.routes import mesh_routes
 from nmaptool.studio.overlays import overlay
+from nmaptool.studio.page_files import page_routes
 from nmaptool.studio.painting.painting import picture_of
 from nmaptool.studio.requests import answer
 from nmaptool.studio.room import Room
 from nmaptool.studio.windows import Window
 
-PAGE = Path(__file__).with_name("page")
 # a message of the page is a few options
 _LONGEST_MESSAGE = 1_000_000
 
@@ -51,9 +49,6 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
         yield
         await run_in_threadpool(room.close)
-
-    async def page(_: Request) -> Response:
-        return FileResponse(PAGE / "index.html")
 
     async def socket(websocket: WebSocket) -> None:
         await _converse(room, websocket)
@@ -80,14 +75,13 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
         return Response(data, media_type="application/octet-stream")
 
     routes = [
-        Route("/", page),
+        *page_routes(),
         Route("/files/{name}", dropped, methods=["POST"]),
         Route("/painted/{role}", painted),
         Route("/overlay/{name}", overlaid),
         Route("/export/{name}", exported),
         *mesh_routes(room),
         WebSocketRoute("/live", socket),
-        Mount("/page", StaticFiles(directory=PAGE)),
     ]
     return Guard(Starlette(routes=routes, lifespan=lifespan), token, hosts)
 
