@@ -102,6 +102,7 @@ def test_steps_are_undone_in_every_window(client):
         for step in range(1, 6):
             ask(one, do="set", values={"mu": 0.1 * step}, moving=True)
         ask(one, do="set", values={"mu": 0.5}, moving=False)
+        until(other, "state", lambda found: found["values"]["mu"] == 0.5)
         ask(other, do="set", values={"beta": 0.02})
         for live in (one, other):
             while (state := until(live, "state"))["values"]["beta"] != 0.02:
