@@ -58,8 +58,10 @@ def decoded(data):
         numbers = np.frombuffer(data, "<u2", shape[0] * shape[1], at).reshape(shape)
         at += numbers.nbytes
         fields[field["name"]] = field["low"] + numbers * (field["high"] - field["low"]) / 65535
-    surface = np.frombuffer(data, np.uint8, shape[0] * shape[1], at).reshape(shape)
-    assert at + surface.nbytes == len(data)
+    count = shape[0] * shape[1]
+    surface = np.unpackbits(np.frombuffer(data, np.uint8, -1, at))
+    assert len(surface) == count + -count % 8
+    surface = surface[:count].reshape(shape)
     return header, fields, surface
 
 

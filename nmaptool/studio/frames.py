@@ -22,7 +22,7 @@ def frame_of(parts: ReliefParts, facts: Mapping[str, Any]) -> bytes:
 
     The first four are the length of the header, little-endian; it is padded so that the numbers begin at a multiple of
     four. It names the fields in their order, each (rows, cols) of little-endian uint16 from ``low`` to ``high``; a mask
-    of uint8 follows, 1 where the surface is.
+    follows, one bit for each vertex, the highest bit of a byte first: 1 where the surface is.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def frame_of(parts: ReliefParts, facts: Mapping[str, Any]) -> bytes:
     }
     text = json.dumps(header).encode()
     text += b" " * (-len(text) % 4)
-    return b"".join([struct.pack("<I", len(text)), text, *packed, surface.astype(np.uint8).tobytes()])
+    return b"".join([struct.pack("<I", len(text)), text, *packed, np.packbits(surface).tobytes()])
 
 
 def _packed(values: Float64, surface: NDArray[np.bool_]) -> tuple[float, float, NDArray[np.uint16]]:

@@ -15,7 +15,18 @@ export function decode(bytes) {
     fields[name] = values;
     at += 2 * count;
   }
-  return { ...header, ...fields, surface: new Uint8Array(bytes, at, count) };
+  return { ...header, ...fields, surface: bits(new Uint8Array(bytes, at), count) };
+}
+
+let last = { packed: new Uint8Array(0), mask: new Uint8Array(0) };
+
+/** A mask of 0 and 1 from bits, the highest of a byte first; the same array as long as the mask is the same. */
+function bits(packed, count) {
+  if (last.mask.length === count && packed.every((byte, i) => byte === last.packed[i])) return last.mask;
+  const mask = new Uint8Array(count);
+  for (let i = 0; i < count; i++) mask[i] = (packed[i >> 3] >> (7 - (i & 7))) & 1;
+  last = { packed, mask };
+  return mask;
 }
 
 /** Millimetres of a length such as "3mm", "2cm" or "0.1in"; NaN if it is relative or not a length. */
