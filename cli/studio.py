@@ -10,7 +10,7 @@ from pathlib import Path
 
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options.fields import Options, option
-from nmaptool.options.kinds import Count, Switch
+from nmaptool.options.kinds import Count, Switch, Text
 from nmaptool_cli.command import command
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import refuse_stream
@@ -26,11 +26,16 @@ class StudioOptions(Options, group="Studio"):
     ----------
     port:
         Port on this machine, such as 8000. Default: a free one.
+    host:
+        Address of this machine to serve on, such as 192.168.1.5, to open the studio on another machine. Whoever has the
+        printed address with its token can then use it, and the connection is not encrypted. Default: 127.0.0.1, which
+        only this machine reaches.
     no_browser:
         Only print the address; do not open it in the browser.
     """
 
     port: int | None = option(None, Count("8000", 1, 65535))
+    host: str | None = option(None, Text("192.168.1.5"))
     no_browser: bool = option(False, Switch())
 
 
@@ -38,8 +43,8 @@ class StudioOptions(Options, group="Studio"):
 def studio(run: Run, /, *files: str) -> None:
     """Shape a relief in the browser, under a light that you move.
 
-    The studio runs on your own machine and answers to nobody else. Its document is a recipe, which nmap relief turns
-    into the same relief. Ctrl-C ends it.
+    The studio runs on your own machine and answers to nobody else, unless --host says so. Its document is a recipe,
+    which nmap relief turns into the same relief. Ctrl-C ends it.
 
     Example: nmap studio samples/medal_original.png
 
@@ -56,7 +61,7 @@ def studio(run: Run, /, *files: str) -> None:
     refuse_stream("the studio opens files", *files)
     from nmaptool.studio.document import opened
     from nmaptool.studio.files.drops import is_mesh
-    from nmaptool.studio.server import Studio
+    from nmaptool.studio.server import LOOPBACK, Studio
 
     given = run[StudioOptions]
     meshes = [Path(name).absolute() for name in files if is_mesh(name)]
@@ -66,7 +71,7 @@ def studio(run: Run, /, *files: str) -> None:
             raise InputError(f"{mesh.name}: no such file")
     if meshes and not document.layers:
         document = replace(document, folder=meshes[0].parent)
-    served = Studio(document, given.port or 0, meshes=meshes)
+    served = Studio(document, given.port or 0, host=given.host or LOOPBACK, meshes=meshes)
     run.say(f"nmap studio: {served.address}", "  Ctrl-C ends it")
     run.speak()
     if not given.no_browser:

@@ -19,7 +19,7 @@ class Client:
 
     def __init__(self, studio):
         self.studio = studio
-        self.host = f"127.0.0.1:{studio.port}"
+        self.host = studio.address.partition("//")[2].partition("/")[0]
         self.token = studio.address.partition("token=")[2]
         self.cookie = {"Cookie": f"nmap-studio={self.token}"}
 
@@ -66,9 +66,9 @@ def decoded(data):
 
 
 @contextlib.contextmanager
-def served(*files, root=None):
+def served(*files, root=None, **more):
     """A client of a server that shows files, or nothing."""
-    studio = Studio(opened([str(file) for file in files]), root=root or files[0].parent / "state")
+    studio = Studio(opened([str(file) for file in files]), root=root or files[0].parent / "state", **more)
     thread = threading.Thread(target=studio.run)
     thread.start()
     try:

@@ -206,3 +206,20 @@ def test_a_taken_port_is_said(client, folder):
     port = int(client.host.rpartition(":")[2])
     with pytest.raises(nm.OutputError, match=rf"port {port} cannot be used \(.*\); choose another one with `port`"):
         Studio(opened([str(folder / "bunny.exr")]), port, root=folder / "state")
+
+
+def test_another_address_of_this_machine_is_served_if_it_is_given(folder):
+    for wrong in ("", "0.0.0.0", "::"):
+        with pytest.raises(nm.UsageError, match="stands for every address; give one, such as"):
+            Studio(opened([str(folder / "bunny.exr")]), host=wrong, root=folder / "state")
+    with pytest.raises(
+        nm.OutputError, match=r"192\.0\.2\.1, port 0, cannot be used \(.*\); choose another one with `host`"
+    ):
+        Studio(opened([str(folder / "bunny.exr")]), host="192.0.2.1", root=folder / "state")
+    if sys.platform != "linux":  # others have no second address that is always there
+        return
+    with served(folder / "bunny.exr", root=folder / "state", host="127.0.0.2") as client:
+        assert client.studio.address.startswith("http://127.0.0.2:")
+        assert client.get("/").status == 200
+        other = f"127.0.0.1:{client.studio.port}"
+        assert client.get("/", {**client.cookie, "Host": other}).status == 403

@@ -11,7 +11,7 @@ from pathlib import Path
 import uvicorn
 from platformdirs import user_config_path, user_state_path
 
-from nmaptool.core.errors import OutputError, reason_of
+from nmaptool.core.errors import OutputError, UsageError, reason_of
 from nmaptool.studio.app import application
 from nmaptool.studio.document import Document
 from nmaptool.studio.engine import Engine
@@ -19,17 +19,19 @@ from nmaptool.studio.files.store import Store
 from nmaptool.studio.forms.presets import Presets
 from nmaptool.studio.room import Room
 
-_LOOPBACK = "127.0.0.1"
+LOOPBACK = "127.0.0.1"
 
 
 class Studio:
-    """A server for one document, on a port of this machine alone.
+    """A server for one document, for this machine alone unless another address is given.
 
     Parameters
     ----------
     document : Document
     port : int
         0 chooses a free one.
+    host : str
+        The address to listen on.
     root : Path, optional
         Folder for what is dropped and painted, and for the user's presets. Default: one in the user's folder for the
         state of programs, and another in that for settings.
@@ -38,30 +40,45 @@ class Studio:
 
     Raises
     ------
+    UsageError
+        If ``host`` stands for every address of this machine: pages of other names could then reach it.
     OutputError
-        If the port is taken.
+        If the address or the port cannot be used.
     """
 
     def __init__(
-        self, document: Document, port: int = 0, *, root: Path | None = None, meshes: Sequence[Path] = ()
+        self,
+        document: Document,
+        port: int = 0,
+        *,
+        host: str = LOOPBACK,
+        root: Path | None = None,
+        meshes: Sequence[Path] = (),
     ) -> None:
+        if host in ("", "0.0.0.0", "::"):
+            raise UsageError(
+                f"`host={host!r}`: stands for every address; give one of this machine, such as 192.168.1.5"
+            )
         self._socket = socket.socket()
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            self._socket.bind((_LOOPBACK, port))
+            self._socket.bind((host, port))
             self._socket.listen()  # a browser may come before the server is up
         except OSError as error:
             self._socket.close()
-            raise OutputError(
-                f"port {port} cannot be used ({reason_of(error)}); choose another one with `port`"
-            ) from None
+            if host != LOOPBACK:
+                place, flags = f"{host}, port {port},", "`host` and `port`"
+            else:
+                place, flags = f"port {port}", "`port`"
+            raise OutputError(f"{place} cannot be used ({reason_of(error)}); choose another one with {flags}") from None
         self.port: int = self._socket.getsockname()[1]
         presets = user_config_path("nmaptool", appauthor=False) if root is None else root
         root = user_state_path("nmaptool", appauthor=False) / "studio" if root is None else root
-        self._room = Room(document, Store(root, self.port), Presets(presets / "presets"))
+        self._room = Room(document, Store(root, (host, self.port)), Presets(presets / "presets"))
         token = secrets.token_urlsafe(24)
-        hosts = (f"{_LOOPBACK}:{self.port}", f"localhost:{self.port}")
-        self.address = f"http://{_LOOPBACK}:{self.port}/?token={token}"
+        names = (host, "localhost") if host == LOOPBACK else (host,)
+        hosts = tuple(f"{name}:{self.port}" for name in names)
+        self.address = f"http://{host}:{self.port}/?token={token}"
         for mesh in meshes:
             self._room.sources.welcome(mesh)
         config = uvicorn.Config(

@@ -55,7 +55,7 @@ def keep(store: Store, document: Document) -> None:
         "time": time.time(),
         "home": str(document.folder),
         "path": None if document.path is None else str(document.path),
-        "port": store.port,
+        "address": store.address,
     }
     with contextlib.suppress(OSError, NmaptoolError):  # a full disk must not end the work
         for name, text in ((_RECIPE, to_toml(document.recipe)), (_FACTS, json.dumps(facts))):
@@ -90,10 +90,11 @@ def _facts(folder: Path) -> Unsaved | None:
         read = json.loads((folder / _FACTS).read_text(encoding="utf-8"))
         path = None if read["path"] is None else Path(read["path"])
         one = Unsaved(folder, str(read["name"]), float(read["time"]), Path(read["home"]), path)
-        port = int(read["port"])
+        host, port = read["address"]
+        address = str(host), int(port)
     except (OSError, ValueError, TypeError, KeyError):
         return None
-    with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 0.2):
+    with contextlib.suppress(OSError), socket.create_connection(address, 0.2):
         return None
     return one
 

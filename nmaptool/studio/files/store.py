@@ -21,8 +21,8 @@ class Store:
     ----------
     root : Path
         Made if it does not exist.
-    port : int
-        That of the studio; another studio asks there whether this one still runs.
+    address : (str, int)
+        Host and port of the studio; another studio asks there whether this one still runs.
 
     Raises
     ------
@@ -30,8 +30,8 @@ class Store:
         If the folder cannot be made.
     """
 
-    def __init__(self, root: Path, port: int = 0) -> None:
-        self.port = port
+    def __init__(self, root: Path, address: tuple[str, int] = ("127.0.0.1", 0)) -> None:
+        self.address = address
         self.folder = root / f"{time.strftime('%Y%m%d-%H%M%S')}-{secrets.token_hex(3)}"
         try:
             self.folder.mkdir(parents=True)

@@ -17,6 +17,7 @@ export class Studio {
     this.document = null; // the last message "state"
     this.values = null; // its options; while a control moves, ahead of the server
     this.frame = null; // the last heights
+    this.fault = null; // why there were no heights
     this.listeners = new Map();
     this.asked = null; // a change that waits to be sent
     this.isPaced = false;
@@ -52,14 +53,17 @@ export class Studio {
       this.emit("refused", message);
       if (this.frame) this.emit("render");
       return;
-    } else if (message.kind === "error") this.say(message.text);
+    } else if (message.kind === "error") {
+      this.fault = message.request === undefined ? null : message.text;
+      this.say(message.text);
+    }
     this.emit(message.kind, message);
     if (message.kind === "state" && this.frame) this.emit("render");
   }
 
   see(frame) {
     this.frame = frame;
-    this.say("");
+    if ($("error").textContent === this.fault) this.say(""); // heights say nothing of a file that was refused
     this.answered();
     this.emit("heights", frame);
     this.emit("render");
@@ -105,11 +109,16 @@ export class Studio {
 
   /** Show an error, in the words of the command line; "" clears it. */
   say(text) {
-    $("error").textContent = text;
+    write("error", text);
   }
 
   /** Show what is going on. */
   tell(text) {
-    $("status").textContent = text;
+    write("status", text);
   }
+}
+
+/** Show a text; the page is laid out again only if it is another one. */
+function write(id, text) {
+  if ($(id).textContent !== text) $(id).textContent = text;
 }

@@ -127,6 +127,11 @@ export function setUpControls(studio) {
   const panel = new Panel(studio, document.getElementById("controls"));
   studio.on("controls", (message) => panel.build(message.controls));
   studio.on("state", (message) => panel.show(message));
-  studio.on("heights", () => studio.document && panel.show(studio.document));
+  let pitch = null; // the reach of beta depends on it
+  studio.on("heights", (frame) => {
+    if (!studio.document || frame.pitch_mm === pitch) return;
+    pitch = frame.pitch_mm;
+    panel.show(studio.document);
+  });
   studio.on("refused", (message) => panel.refuse(message));
 }
