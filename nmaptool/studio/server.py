@@ -56,9 +56,7 @@ class Studio:
         meshes: Sequence[Path] = (),
     ) -> None:
         if host in ("", "0.0.0.0", "::"):
-            raise UsageError(
-                f"`host={host!r}`: stands for every address; give one of this machine, such as 192.168.1.5"
-            )
+            raise UsageError(f"`host={host!r}`: stands for every address; give one, such as 192.168.1.5")
         self._socket = socket.socket()
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
