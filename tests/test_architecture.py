@@ -15,6 +15,11 @@ PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 ROOMS = sorted(path.parent.name for path in (ROOT / "nmaptool").glob("*/__init__.py"))
 
 
+def section(title):
+    """The text below a title."""
+    return PAGE.split(f"## {title}\n")[1].split("\n## ")[0]
+
+
 def layers():
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"][
         "contracts"
@@ -47,12 +52,19 @@ def test_no_module_lies_outside_the_packages():
 
 
 def test_the_path_from_a_mesh_to_an_stl_names_existing_files_and_functions():
-    steps = re.findall(r"^ {6,}([\w/]+\.py) +([\w., ]+?)? +->|^ {6,}([\w/]+\.py) +([\w.]+)$", PAGE, re.MULTILINE)
+    path = section("From a mesh to an STL")
+    steps = re.findall(r"^ {6,}([\w/]+\.py) +([\w., ]+?)? +->|^ {6,}([\w/]+\.py) +([\w.]+)$", path, re.MULTILINE)
     assert len(steps) >= 12
     for file, names, other_file, other in steps:
         text = (ROOT / "nmaptool" / (file or other_file)).read_text(encoding="utf-8")
         for name in (names or other).replace("rolling guidance", "rolling_guidance").split(", "):
             assert re.search(rf"\b{name.split('.')[-1]}\b", text), (file or other_file, name)
+
+
+def test_the_path_through_the_studio_names_existing_files():
+    named = re.findall(r"\b([\w/]+(?:\.py|\.js|/))(?=[ ,`])", section("The studio"))
+    assert len(named) > 10
+    assert [name for name in named if not (ROOT / "nmaptool" / "studio" / name).exists()] == []
 
 
 KINDS = ("map format", "blend mode", "background kind", "solver", "relief format")
