@@ -78,3 +78,45 @@ def test_a_full_solve_that_is_no_longer_wanted_is_given_up(answers):
     FakeEngine.go_on.release()
     assert came.acquire(timeout=20)
     assert [(one["request"], one["is_full"]) for one in sent] == [(1, False), (2, False)]
+
+
+class GridEngine(FakeEngine):
+    """Stands in for an engine that tells which grids it solves."""
+
+    solved: list[int | None]
+
+    def __init__(self, *_):
+        super().__init__()
+        self.solved = []
+
+    def is_whole(self, longest):
+        return longest is None
+
+    def parts(self, _, *, longest, progress):
+        self.solved.append(longest)
+        return self.parts_
+
+
+@pytest.mark.parametrize(
+    ("preview_s", "is_moving", "grids"),
+    [
+        (0.001, True, [512, None]),
+        (0.1, True, [256, 512, None]),  # a slow machine
+        (0.1, False, [512, None]),
+    ],
+)
+def test_a_slow_machine_solves_a_quicker_grid_while_a_control_moves(monkeypatch, preview_s, is_moving, grids):
+    monkeypatch.setattr("nmaptool.studio.worker.Engine", GridEngine)
+    monkeypatch.setattr("nmaptool.studio.worker.placements", lambda _: {"kind": "placements"})
+    full = threading.Event()
+
+    def send(message):
+        if isinstance(message, bytes) and b'"is_full": true' in message:
+            full.set()
+
+    worker = Worker(send)
+    worker._preview_s = preview_s
+    worker.want(Document(), is_moving=is_moving)
+    assert full.wait(20)
+    assert worker._engine.solved == grids
+    worker.stop()
