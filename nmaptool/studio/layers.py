@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from nmaptool.core.errors import UsageError
 from nmaptool.studio.document import Document
-from nmaptool.studio.forms.controls import plain
+from nmaptool.studio.forms.descriptions import plain
 from nmaptool.types.recipe import READ_KEYS, Entry, RecipeGroup, RecipeLayer
 
 # numbers from the outermost list of layers to a layer inside groups; 0 is the lowest

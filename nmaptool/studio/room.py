@@ -18,8 +18,8 @@ from nmaptool.studio.files import recovery
 from nmaptool.studio.files.export import formats
 from nmaptool.studio.files.exports import Exports
 from nmaptool.studio.files.store import Store
-from nmaptool.studio.forms.controls import controls, plain, plain_options
-from nmaptool.studio.forms.descriptions import forms
+from nmaptool.studio.forms.controls import controls
+from nmaptool.studio.forms.descriptions import forms, plain, plain_options
 from nmaptool.studio.forms.presets import Presets
 from nmaptool.studio.forms.reasons import reasons
 from nmaptool.studio.inspector import Inspector

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import re
+import functools
 from dataclasses import dataclass
 from typing import Any
 
-from nmaptool.core.units import Length
 from nmaptool.options import ReliefOptions, SolidOptions
-from nmaptool.options.fields import Options, descriptions, kind_of
-from nmaptool.options.kinds import Choice, Count, Numeric, Switch
+from nmaptool.studio.forms.descriptions import described
 
 
 @dataclass(frozen=True)
@@ -46,48 +44,14 @@ SLIDERS = {
 }
 
 
+@functools.cache
 def controls() -> list[dict[str, Any]]:
-    """Return one mapping for each control: group, name, label, help, kind, default, choices and slider."""
-    return [{"group": group, **_control(name)} for group, names in GROUPS.items() for name in names]
+    """Return the description of each control, with its group and its slider."""
+    return [_control(group, name) for group, names in GROUPS.items() for name in names]
 
 
-def _control(name: str) -> dict[str, Any]:
-    options: type[Options] = ReliefOptions if name in _names(ReliefOptions) else SolidOptions
-    field = next(f for f in dataclasses.fields(options) if f.name == name)
-    kind, slider = kind_of(field), SLIDERS.get(name)
-    assert kind is not None
-    told = re.sub(r"--([a-z-]+)", lambda flag: flag[1].replace("-", " "), descriptions(options)[name])
-    return {
-        "name": name,
-        "label": name.replace("_", " "),
-        "help": told,
-        "kind": _kind(kind),
-        "default": plain(field.default),
-        "example": kind.such_as,
-        "choices": list(kind.names) if isinstance(kind, Choice) else [],
-        "slider": None if slider is None else dataclasses.asdict(slider),
-    }
-
-
-def _names(options: type[Options]) -> set[str]:
-    return {f.name for f in dataclasses.fields(options)}
-
-
-def _kind(kind: Any) -> str:
-    if isinstance(kind, Choice):
-        return "choice"
-    if isinstance(kind, Switch):
-        return "switch"
-    if isinstance(kind, Count | Numeric):
-        return "number"
-    return "length" if type(kind).__name__ == "LengthText" else "text"
-
-
-def plain(value: Any) -> Any:
-    """Return an option's value as JSON holds it: lengths as text."""
-    return str(value) if isinstance(value, Length) else value
-
-
-def plain_options(options: Options) -> dict[str, Any]:
-    """Return options as JSON holds them."""
-    return {name: plain(value) for name, value in vars(options).items()}
+def _control(group: str, name: str) -> dict[str, Any]:
+    is_relief = any(f.name == name for f in dataclasses.fields(ReliefOptions))
+    (told,) = described(ReliefOptions if is_relief else SolidOptions, [name])
+    slider = SLIDERS.get(name)
+    return {"group": group, **told, "slider": None if slider is None else dataclasses.asdict(slider)}

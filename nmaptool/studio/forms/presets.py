@@ -13,7 +13,7 @@ from nmaptool.options.formats import RECIPE_ENDING
 from nmaptool.options.relief_presets import COVERED, RELIEF_PRESETS, ReliefPreset
 from nmaptool.studio.document import Document
 from nmaptool.studio.files.store import plain_name
-from nmaptool.studio.forms.controls import plain
+from nmaptool.studio.forms.descriptions import plain
 from nmaptool.types.recipe import RecipeRelief
 
 # an own preset also keeps the size
