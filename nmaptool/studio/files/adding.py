@@ -12,6 +12,7 @@ from nmaptool.options import DepthOptions, LayerOptions, ReliefFiles
 from nmaptool.studio import layers
 from nmaptool.studio.document import Document, relative
 from nmaptool.studio.files import drops
+from nmaptool.studio.forms.given import options_from
 from nmaptool.studio.room import Room
 from nmaptool.studio.windows import Message
 from nmaptool.types.recipe import RecipeLayer, RecipeRelief
@@ -36,7 +37,7 @@ def with_layer(document: Document, path: Path, name: str) -> Document:
 def add_depth(room: Room, message: Mapping[str, Any]) -> Message | None:
     """Turn the depth picture ``file`` into normals, with ``values`` of the depth options, and put them on top."""
     source = dropped(room, message.get("file"))
-    options = _depth_options(message.get("values"))
+    options = options_from(DepthOptions, message.get("values") or {})
     target = room.store.place(f"{source.stem}-normals.exr")
 
     def then(_: object) -> None:
@@ -55,7 +56,7 @@ def set_depth(room: Room, message: Mapping[str, Any]) -> Message | None:
     if file not in room.depths:
         raise UsageError("this layer was not made from a depth picture since the studio was started; drop it again")
     source, _ = room.depths[file]
-    options = _depth_options(message.get("values"))
+    options = options_from(DepthOptions, message.get("values") or {})
     target = room.store.place(f"{source.stem}-normals.exr")
 
     def then(_: object) -> None:
@@ -67,15 +68,6 @@ def set_depth(room: Room, message: Mapping[str, Any]) -> Message | None:
 
     room.background.start(lambda progress: drops.converted(source, options, target, progress), then)
     return None
-
-
-def _depth_options(values: Any) -> DepthOptions:
-    known = {f.name for f in dataclasses.fields(DepthOptions)}
-    given = dict(values) if isinstance(values, Mapping) else {}
-    for name in given:
-        if name not in known:
-            raise UsageError(f"`{name}`: is not an option of a depth picture")
-    return DepthOptions(**{name: value for name, value in given.items() if value is not None})
 
 
 def set_file(room: Room, message: Mapping[str, Any]) -> Message | None:
