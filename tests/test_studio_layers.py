@@ -1,6 +1,7 @@
 """Layers of the studio's document: they are edited, ordered, dropped and inspected."""
 
 import json
+import re
 import struct
 import zlib
 
@@ -154,6 +155,17 @@ def test_dropped_files_become_layers(folder, png):
             assert "which was not dropped" in until(live, "error")["text"]
         ask(live, do="set-file", role="hat", file="ramp.png")
         assert "'hat', which a relief does not have" in until(live, "error")["text"]
+
+
+def test_errors_name_dropped_files_as_the_user_does(folder, png):
+    rng = np.random.default_rng(3)
+    png(folder / "noise.png", rng.integers(0, 100, (20, 20, 3)).astype(np.uint8))  # no vector is of unit length
+    with served(root=folder / "state") as client, client.live() as live:
+        client.drop(folder / "noise.png")
+        ask(live, do="add-layer", file="noise.png")
+        text = until(live, "error")["text"]
+        assert re.match(r"noise: noise\.png: does not look like a normal map", text), text
+        assert "state" not in text
 
 
 def test_what_a_dropped_file_holds(folder, png):

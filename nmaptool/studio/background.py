@@ -9,6 +9,7 @@ from typing import TypeVar
 from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.progress import Progress
+from nmaptool.studio.files.store import Store
 from nmaptool.studio.windows import Message, Windows
 
 _T = TypeVar("_T")
@@ -25,10 +26,13 @@ class Background:
     ----------
     windows : Windows
         Are told of progress and errors.
+    store : Store
+        Whose files errors may name.
     """
 
-    def __init__(self, windows: Windows) -> None:
+    def __init__(self, windows: Windows, store: Store) -> None:
         self._windows = windows
+        self._store = store
         self._pool = ThreadPoolExecutor(1, "studio background")
         self._ends = False
 
@@ -49,7 +53,7 @@ class Background:
             except _EndedError:
                 return
             except NmaptoolError as error:
-                self._windows.tell_later(error_message(error))
+                self._windows.tell_later(error_message(error, self._store))
             else:
                 self._windows.later(finish, result)
 
@@ -57,7 +61,7 @@ class Background:
             try:
                 then(result)
             except NmaptoolError as error:
-                self._windows.tell(error_message(error))
+                self._windows.tell(error_message(error, self._store))
 
         self._pool.submit(run)
 
@@ -67,6 +71,6 @@ class Background:
         self._pool.shutdown(wait=True, cancel_futures=True)
 
 
-def error_message(error: NmaptoolError) -> Message:
-    """Return the message that shows an error, with options named as in recipes."""
-    return {"kind": "error", "text": with_recipe_keys(str(error))}
+def error_message(error: NmaptoolError, store: Store) -> Message:
+    """Return the message that shows an error, with options named as in recipes, and files as the user knows them."""
+    return {"kind": "error", "text": with_recipe_keys(store.named(str(error)))}

@@ -20,7 +20,7 @@ def set_values(room: Room, message: Mapping[str, Any]) -> Message | None:
     try:
         document = room.now.changed(values)
     except NmaptoolError as error:
-        return {**error_message(error), "names": sorted(values)}  # shown beside their controls
+        return {**error_message(error, room.store), "names": sorted(values)}  # shown beside their controls
     room.do(document, joining=("set", *sorted(values)))
     if not message.get("moving"):
         room.rest()  # the last event of a drag still belongs to it

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Any
 
 from nmaptool.composition.recipe_parsing import with_recipe_keys
@@ -77,11 +76,11 @@ def _key(document: Document, layer: RecipeLayer) -> Key:
 
 
 def _inspected(document: Document, layer: RecipeLayer) -> Findings:
-    reading = ReadOptions(**layer.read)
+    reading, file = ReadOptions(**layer.read), document.folder / layer.file
     try:
-        found = inspect_map(read_raster(Path(document.folder) / layer.file, reading), reading)
+        found = inspect_map(read_raster(file, reading), reading)
     except NmaptoolError as error:
-        return [_shown(str(error), "", "cannot-read")]
+        return [_shown(str(error).removeprefix(f"{file}: "), "", "cannot-read")]
     return [_shown(one.message, one.remedy, one.code) for one in found.findings]
 
 

@@ -71,4 +71,4 @@ def answer(room: Room, message: Mapping[str, Any], window: Window) -> Message | 
             return WINDOW_REQUESTS[wanted](room, message, window)
         return REQUESTS[wanted](room, message)
     except NmaptoolError as error:
-        return error_message(error)
+        return error_message(error, room.store)

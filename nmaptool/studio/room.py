@@ -69,7 +69,7 @@ class Room:
         self._lock = threading.Lock()
         self.worker = Worker(self._from_worker)
         self._inspector = Inspector(self._from_worker)
-        self.background = Background(self.windows)
+        self.background = Background(self.windows, store)
         self.exports = Exports(store, self.windows.put_later)
         self._solved: Document | None = None
         self._solve()
@@ -252,6 +252,8 @@ class Room:
 
     def _from_worker(self, message: bytes | Message) -> None:
         """Called in the solver's thread."""
+        if not isinstance(message, bytes) and "text" in message:
+            message = {**message, "text": self.store.named(message["text"])}
         with self._lock:
             if isinstance(message, bytes) or message["kind"] == "error":
                 self._latest = message

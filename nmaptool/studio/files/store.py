@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import secrets
 import shutil
 import time
@@ -57,6 +58,10 @@ class Store:
     def holds(self, path: Path) -> bool:
         """Whether a file is one of its own."""
         return path.is_relative_to(self.folder)
+
+    def named(self, text: str) -> str:
+        """Return a message with the plain names of its own files, as the user knows them."""
+        return text.replace(f"{self.folder}{os.sep}", "")
 
     def remove(self) -> None:
         """Delete the folder and everything in it."""
