@@ -122,8 +122,12 @@ class Engine:
         share = longest / max(self.size)
         cols, rows = (max(1, round(side * share)) for side in self.size)
         if longest not in self._smaller:
-            detail = None if self.scene.detail is None else _smaller(self.scene.detail, (cols, rows))
-            self._smaller[longest] = _smaller(self.scene.composition.normal_map, (cols, rows)), detail
+            # from the next larger grid, which takes less time than from a large map
+            larger = min((known for known in self._smaller if known > longest), default=None)
+            whole = self.scene.composition.normal_map, self.scene.detail
+            original, detail = whole if larger is None else self._smaller[larger]
+            small = None if detail is None else _smaller(detail, (cols, rows))
+            self._smaller[longest] = _smaller(original, (cols, rows)), small
         greys = {
             role: np.asarray(cv2.resize(grey, (cols, rows), interpolation=cv2.INTER_AREA), np.float32)
             for role, grey in self.scene.greys.items()
