@@ -205,3 +205,19 @@ def test_a_bake_beside_a_detail_of_its_own_says_what_is_not_used(folder):
         assert found["detail"]["is_offered"] is False
         ask(live, do="undo")
         assert until(live, "meshes")["detail"]["is_followed"] is False
+
+
+def test_a_dropped_file_of_layers_brings_its_detail(tmp_path, run):
+    plate = write_plate(tmp_path / "plate.obj")
+    done = run("bake", plate, "-o", tmp_path / "maps.exr", "--size", "60x50", "--renderer", "numpy")
+    assert done.code == 0, done.err
+    with served(root=tmp_path / "state") as client, client.live() as live:
+        assert client.drop(tmp_path / "maps.exr")["kind"] == "map"
+        ask(live, do="add-layer", file="maps.exr")
+        state = until(live, "state", lambda found: found["layers"])
+        assert state["layers"][0]["file"].endswith("maps.exr:original")
+        assert state["files"]["detail"].endswith("maps.exr:detail")
+        until(live, "frame")
+        assert client.studio.engine.scene.detail is not None
+        ask(live, do="undo")
+        assert until(live, "state", lambda found: not found["layers"])["files"]["detail"] is None

@@ -21,9 +21,24 @@ _ROLES = tuple(f.name for f in dataclasses.fields(ReliefFiles))
 
 
 def add_layer(room: Room, message: Mapping[str, Any]) -> Message | None:
-    """Put the map ``file``, which was dropped, on top of the layers."""
+    """Put the map ``file``, which was dropped, on top of the layers; with its detail map, if the file has one."""
     path = dropped(room, message.get("file"))
-    room.do(with_layer(room.now, path, path.stem))
+
+    def then(has_detail: bool) -> None:
+        changed = with_layer(room.now, path, path.stem)
+        if not has_detail:
+            room.do(changed)
+            return
+        file = f"{changed.layers[-1].file}:original" if isinstance(changed.layers[-1], RecipeLayer) else ""
+        changed = layers.edited(changed, (len(changed.layers) - 1,), {"file": file})
+        details = room.sources.details
+        details.add(room.now.folder / file, path.with_name(f"{path.name}:detail"))
+        room.do(details.followed(changed) if details.can_follow(room.now) else changed)
+
+    if path.suffix.lower() == ".exr":  # the others hold one map
+        room.background.start(lambda _: drops.has_detail(path), then)
+    else:
+        then(False)
     return None
 
 

@@ -61,6 +61,14 @@ def is_mesh(name: str) -> bool:
     return Path(name).suffix.lower()[1:] in _MESHES
 
 
+def has_detail(path: Path) -> bool:
+    """Whether a file holds an original map and its detail, as `nmap bake -o maps.exr` writes them."""
+    try:
+        return read_raster(path).layer == "original" and read_raster(f"{path}:detail").layer == "detail"
+    except InputError:  # it has no such layer
+        return False
+
+
 def converted(source: Path, options: DepthOptions, target: Path, progress: Progress | None = None) -> DepthResult:
     """Write the normals of a depth picture.
 
