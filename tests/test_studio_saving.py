@@ -77,6 +77,7 @@ def test_saving_replaces_no_other_file(folder, tmp_path):
         (folder / "leaf.png").write_bytes(b"mine, too")
         client.drop(folder / "kept.png", "leaf.png")
         ask(live, do="add-layer", file="leaf.png")
+        until(live, "state", lambda found: len(found["layers"]) == 2)
         ask(live, do="save", name="scene")
         assert until(live, "saved")["files"] == ["leaf-2.png", "scene-mask-2.png"]
     assert (folder / "scene-mask.png").read_bytes() == b"mine"

@@ -35,10 +35,8 @@ def add_layer(room: Room, message: Mapping[str, Any]) -> Message | None:
         details.add(room.now.folder / file, path.with_name(f"{path.name}:detail"))
         room.do(details.followed(changed) if details.can_follow(room.now) else changed)
 
-    if path.suffix.lower() == ".exr":  # the others hold one map
-        room.background.start(lambda _: drops.has_detail(path), then)
-    else:
-        then(False)
+    # in the background for every file, so that several become layers in their order
+    room.background.start(lambda _: drops.has_detail(path), then)
     return None
 
 

@@ -63,6 +63,8 @@ def is_mesh(name: str) -> bool:
 
 def has_detail(path: Path) -> bool:
     """Whether a file holds an original map and its detail, as `nmap bake -o maps.exr` writes them."""
+    if path.suffix.lower() != ".exr":
+        return False
     try:
         return read_raster(path).layer == "original" and read_raster(f"{path}:detail").layer == "detail"
     except InputError:  # it has no such layer
