@@ -9,6 +9,7 @@ import pytest
 
 import nmaptool as nm
 from nmaptool.studio.document import Document
+from nmaptool.studio.windows import Window
 from nmaptool.studio.worker import Worker
 
 
@@ -120,3 +121,15 @@ def test_a_slow_machine_solves_a_quicker_grid_while_a_control_moves(monkeypatch,
     assert full.wait(20)
     assert worker._engine.solved == grids
     worker.stop()
+
+
+def test_heights_that_wait_are_replaced_by_newer_ones():
+    window = Window()
+    for message in ({"n": 1}, b"old", {"n": 2}, b"new"):
+        window.put(message)
+    waiting = [window.waiting.get_nowait() for _ in range(window.waiting.qsize())]
+    assert waiting == [{"n": 1}, {"n": 2}, b"new"]
+    for number in range(100):
+        window.put({"n": number})
+    assert window.waiting.qsize() == 64
+    assert window.waiting.get_nowait() == {"n": 36}

@@ -18,10 +18,14 @@ class Window:
         self.waiting: asyncio.Queue[bytes | Message] = asyncio.Queue()
 
     def put(self, message: bytes | Message) -> None:
-        """Add a message; the oldest is dropped if a slow page lets them pile up."""
-        while self.waiting.qsize() >= _MOST_WAITING:
-            self.waiting.get_nowait()
-        self.waiting.put_nowait(message)
+        """Add a message; heights replace those that wait, and a slow page loses the oldest of too many."""
+        waiting = []
+        while not self.waiting.empty():
+            waiting.append(self.waiting.get_nowait())
+        if isinstance(message, bytes):
+            waiting = [one for one in waiting if not isinstance(one, bytes)]
+        for one in (*waiting[1 - _MOST_WAITING :], message):
+            self.waiting.put_nowait(one)
 
 
 class Windows:
