@@ -66,9 +66,8 @@ def decoded(data):
 
 
 @contextlib.contextmanager
-def served(*files, root=None, **more):
-    """A client of a server that shows files, or nothing."""
-    studio = Studio(opened([str(file) for file in files]), root=root or files[0].parent / "state", **more)
+def running(studio):
+    """A client of a studio that runs meanwhile."""
     thread = threading.Thread(target=studio.run)
     thread.start()
     try:
@@ -79,6 +78,11 @@ def served(*files, root=None, **more):
         studio.stop()
         thread.join(10)
     assert not thread.is_alive()
+
+
+def served(*files, root=None, **more):
+    """A client of a server that shows files, or nothing."""
+    return running(Studio(opened([str(file) for file in files]), root=root or files[0].parent / "state", **more))
 
 
 def until(live, kind, holds=lambda found: True):

@@ -1,6 +1,5 @@
 """Meshes in the studio: read, shown, and baked to the maps of the command line."""
 
-import contextlib
 import json
 import re
 import threading
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 from bake_cases import write_plate
 from mesh_cases import sphere
-from studio_cases import Client, ask, until
+from studio_cases import ask, running, until
 
 import nmaptool as nm
 from nmaptool.core.errors import RendererError
@@ -22,21 +21,10 @@ from nmaptool.studio.server import Studio
 QUICK = {"camera": {"size": "60x50", "margin": "2px", "renderer": "numpy"}, "filter": {"sigma_s": "4"}}
 
 
-@contextlib.contextmanager
 def studio(folder, *meshes, maps=()):
     """A client of a studio with meshes."""
     document = opened([str(file) for file in maps]) if maps else Document(folder=folder)
-    served = Studio(document, root=folder / "state", meshes=meshes)
-    thread = threading.Thread(target=served.run)
-    thread.start()
-    try:
-        while not served.is_started:
-            time.sleep(0.01)
-        yield Client(served)
-    finally:
-        served.stop()
-        thread.join(10)
-    assert not thread.is_alive()
+    return running(Studio(document, root=folder / "state", meshes=meshes))
 
 
 @pytest.fixture

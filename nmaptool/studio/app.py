@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from typing import Any
 
 from starlette.applications import Starlette
@@ -17,8 +17,8 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
+from nmaptool.studio.background import error_message
 from nmaptool.studio.files.uploads import receive
 from nmaptool.studio.guard import Guard
 from nmaptool.studio.meshes.routes import mesh_routes
@@ -61,18 +61,11 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
 
     async def painted(request: Request) -> Response:
         place = request.query_params.get("place", "")
-        try:
-            data = await run_in_threadpool(picture_of, room, request.path_params["role"], place)
-        except NmaptoolError as error:
-            return JSONResponse({"text": with_recipe_keys(str(error))}, 400)
-        return Response(data, media_type="image/png")
+        return await _made(room, "image/png", picture_of, room, request.path_params["role"], place)
 
     async def overlaid(request: Request) -> Response:
-        try:
-            data = await run_in_threadpool(overlay, room.worker, room.now, request.path_params["name"])
-        except NmaptoolError as error:
-            return JSONResponse({"text": with_recipe_keys(str(error))}, 400)
-        return Response(data, media_type="application/octet-stream")
+        name = request.path_params["name"]
+        return await _made(room, "application/octet-stream", overlay, room.worker, room.now, name)
 
     routes = [
         *page_routes(),
@@ -84,6 +77,14 @@ def application(room: Room, token: str, hosts: tuple[str, ...]) -> ASGIApp:
         WebSocketRoute("/live", socket),
     ]
     return Guard(Starlette(routes=routes, lifespan=lifespan), token, hosts)
+
+
+async def _made(room: Room, media_type: str, make: Callable[..., bytes], *given: Any) -> Response:
+    """Return what ``make`` returns in a thread, or the line that says why it fails."""
+    try:
+        return Response(await run_in_threadpool(make, *given), media_type=media_type)
+    except NmaptoolError as error:
+        return JSONResponse(error_message(error, room.store), 400)
 
 
 async def _converse(room: Room, websocket: WebSocket) -> None:

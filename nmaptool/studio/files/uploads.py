@@ -6,8 +6,8 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 
-from nmaptool.composition.recipe_parsing import with_recipe_keys
 from nmaptool.core.errors import LimitError, NmaptoolError, OutputError, reason_of
+from nmaptool.studio.background import error_message
 from nmaptool.studio.files import drops
 from nmaptool.studio.room import Room
 
@@ -20,7 +20,7 @@ async def receive(room: Room, request: Request) -> Response:
     try:
         return JSONResponse(await _received(room, request))
     except NmaptoolError as error:
-        return JSONResponse({"text": with_recipe_keys(str(error))}, 400)
+        return JSONResponse(error_message(error, room.store), 400)
 
 
 async def _received(room: Room, request: Request) -> dict[str, str]:

@@ -1,7 +1,7 @@
 /* Draws a mesh on a canvas as the camera of a bake sees it. */
 
 import { clipMatrix } from "./camera.js";
-import { linked } from "./program.js";
+import { linked } from "../stage/gl.js";
 
 const VERTEX = `#version 300 es
 layout(location = 0) in vec3 position;

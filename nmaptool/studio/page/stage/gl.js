@@ -81,6 +81,13 @@ export class Program {
   }
 }
 
+/** A program of WebGL, linked; throws the reason if it cannot be. */
+export function linked(gl, vertex, fragment) {
+  const made = new Program(gl, vertex, fragment);
+  made.finish();
+  return made.program;
+}
+
 const FORMATS = {
   R8: ["RED", "UNSIGNED_BYTE"],
   R32F: ["RED", "FLOAT"],
