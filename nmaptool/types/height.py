@@ -9,6 +9,7 @@ import numpy as np
 from nmaptool.core.arrays import Float64, Mask, read_only
 from nmaptool.core.errors import InputError
 from nmaptool.core.grid import corner_mean, touching_vertices
+from nmaptool.types.contours import Contours
 from nmaptool.types.picture import Frame
 from nmaptool.types.shown import Pictured
 
@@ -30,12 +31,17 @@ class Height(Pictured):
     raised : (H, W) bool, optional
         Pixels of a motif that stands on its plate with vertical walls. The vertices along its outline have the height
         of the motif; the pixels around it lie at height 0 there.
+    outline : Contours, optional
+        Exact outline of a plate: one outer ring and any holes, in mm from the lower left corner of the grid. The domain
+        is then the pixels whose centres lie inside, and heights are given at all vertices: at least one pixel beyond
+        the outline, where they continue those inside.
     """
 
     z_mm: Float64
     domain: Mask
     frame: Frame
     raised: Mask | None = None
+    outline: Contours | None = None
 
     def __post_init__(self) -> None:
         rows, cols = self.frame.shape
@@ -49,7 +55,7 @@ class Height(Pictured):
             raise InputError(f"domain is {self.domain.dtype} {self.domain.shape}, expected bool {(rows, cols)}")
         if self.raised is not None and (self.raised.shape != (rows, cols) or self.raised.dtype != np.bool_):
             raise InputError(f"raised is {self.raised.dtype} {self.raised.shape}, expected bool {(rows, cols)}")
-        if self.raised is not None and not self.domain.all():
+        if self.raised is not None and self.outline is None and not self.domain.all():
             raise InputError("a raised motif stands on a plate: the domain must be the whole picture")
         if not np.all(np.isfinite(self.z_mm)):
             raise InputError("heights must be finite")
