@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from nmaptool.core.errors import UsageError
@@ -118,6 +118,30 @@ class Choice(Kind):
         """As `Kind.read`."""
         if str(value) not in self.names:
             raise UsageError(f"`{name}={value!r}`: use one of {', '.join(self.names)}")
+        return value
+
+
+@dataclass(frozen=True)
+class NameOrFile(Text):
+    """One of several names with their meanings, or the name of a file with a given ending."""
+
+    names: Mapping[str, str] = field(default_factory=dict)
+    ending: str = ".svg"
+    file: str = "an SVG file"
+
+    def meanings(self) -> str:
+        """As `Kind.meanings`."""
+        described = "; ".join(f'"{name}" {meaning}' for name, meaning in self.names.items())
+        return f"{described}."
+
+    def is_file(self, value: str) -> bool:
+        """Whether the value names a file."""
+        return value.lower().endswith(self.ending)
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        if value not in self.names and not self.is_file(value):
+            raise UsageError(f"`{name}={value!r}`: use {', '.join(self.names)} or {self.file}, such as {self.such_as}")
         return value
 
 

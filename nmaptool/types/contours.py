@@ -56,7 +56,7 @@ class Contours(OneLine):
 
     def moved(self, x_mm: float, y_mm: float) -> Contours:
         """The same curves elsewhere."""
-        return dataclasses.replace(self, rings=tuple(ring + (x_mm, y_mm) for ring in self.rings))
+        return dataclasses.replace(self, rings=tuple(ring + np.array([x_mm, y_mm]) for ring in self.rings))
 
     @staticmethod
     def joined(parts: Iterable[Contours]) -> Contours:

@@ -9,6 +9,7 @@ from typing import Any
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.options import ReliefOptions
 from nmaptool.types.height import Height
+from nmaptool.types.plate import PlateReport
 from nmaptool.types.report import Report
 from nmaptool.types.shown import Pictured, counted
 
@@ -110,12 +111,15 @@ class Relief(Pictured):
     report : ReliefReport
     coverage : (H, W) float32 or None
         Share of each pixel that is motif; None where it is not known.
+    plate : PlateReport or None
+        How the plate was made that the relief is on; None without a plate.
     """
 
     height: Height
     foreground: Mask
     report: ReliefReport
     coverage: Float32 | None = None
+    plate: PlateReport | None = None
 
     @property
     def z_mm(self) -> Float64:

@@ -22,7 +22,7 @@ class TextOptions(Options, group="Text"):
     Parameters
     ----------
     text:
-        Text to put on the plate. \\n begins a new line with --text-path line.
+        Text to put on the plate. With --text-path line, a backslash and n begin a new line.
     text_path:
         "line": straight, at --text-at. "arc": along the edge of the plate, centred at --text-side. "circle": the same,
         spread over the whole edge. "ring": repeated around the whole edge.

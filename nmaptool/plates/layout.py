@@ -1,0 +1,209 @@
+"""Where the motif lies on its plate, and how large both are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.plates import shapes
+from nmaptool.plates.fitting import Drawn, drawn_for_motif, ellipse_for, enclosing_circle
+from nmaptool.plates.sizes import Sizes
+from nmaptool.types.contours import Contours
+from nmaptool.types.plate import PlateDesign
+
+# share of the picture from which a motif fills it
+_FILLS = 0.98
+_STEPS = 200
+_LARGEST_MM = 1e6
+_MOST_ELONGATED = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """A motif on its plate, in mm from the lower left corner of the picture.
+
+    Attributes
+    ----------
+    pitch_mm : float
+        Size of a pixel of the map.
+    width_mm, height_mm : float
+        Size of the plate.
+    middle_mm : (2,) float64
+        Of the plate.
+    is_cover : bool
+        Whether the picture covers the plate.
+    sizes : Sizes
+    """
+
+    pitch_mm: float
+    width_mm: float
+    height_mm: float
+    middle_mm: Float64
+    is_cover: bool
+    sizes: Sizes
+
+
+class _Motif:
+    """The motif of a map in px: what a plate of a given size must hold."""
+
+    def __init__(self, motif: Mask, design: PlateDesign, is_cover: bool) -> None:
+        self.design, self.is_cover = design, is_cover
+        self.rows, self.cols = motif.shape
+        whole = np.array([[0.0, 0.0], [self.cols, 0.0], [self.cols, self.rows], [0.0, self.rows]])
+        self.hull = whole if is_cover else shapes.corner_points(motif)
+        low, high = self.hull.min(axis=0), self.hull.max(axis=0)
+        self.box = high - low
+        self.middle: Float64 = (low + high) / 2
+
+    @cached_property
+    def circle(self) -> tuple[Float64, float]:
+        """Middle and radius of the smallest circle around the motif."""
+        return enclosing_circle(self.hull)
+
+    @cached_property
+    def drawn(self) -> Drawn:
+        """The drawn shape."""
+        assert self.design.outline is not None
+        return Drawn(self.design.outline)
+
+    @property
+    def anchor(self) -> Float64:
+        """The point of the picture in px that lies in the middle of the plate (of a drawn shape: of its field)."""
+        return self.circle[0] if self.design.plate.shape == "round" and not self.is_cover else self.middle
+
+    def size(self, pitch_mm: float, sizes: Sizes) -> tuple[float, float]:
+        """Width and height of the plate that just holds the motif, for pixels of a given size."""
+        design, plate = self.design, self.design.plate
+        inset = sizes.frame(design) + sizes.band(design) + (0.0 if self.is_cover else sizes.margin(design))
+        w, h = self.box * pitch_mm + 2 * inset
+        aspect = plate.proportion
+        if plate.is_drawn:
+            return self._drawn_size(pitch_mm, inset)
+        if plate.shape == "round":
+            diameter = min(w, h) if self.is_cover else 2 * (self.circle[1] * pitch_mm + inset)
+            return diameter, diameter
+        if plate.shape == "oval" and not self.is_cover:
+            own = float(np.clip(self.box[0] / self.box[1], 1 / _MOST_ELONGATED, _MOST_ELONGATED))
+            return ellipse_for((self.hull - self.middle) * pitch_mm, inset, aspect, own)
+        if aspect is not None:
+            width = min(w, h * aspect) if self.is_cover else max(w, h * aspect)
+            return width, width / aspect
+        return float(w), float(h)
+
+    def _drawn_size(self, pitch_mm: float, inset: float) -> tuple[float, float]:
+        if self.is_cover:
+            low, high = self.drawn.contours.bounds_mm
+            shape = high - low
+            factor = float(((self.box * pitch_mm + 2 * inset) / shape).min())
+        else:
+            factor = drawn_for_motif(self.drawn, (self.hull - self.middle) * pitch_mm, inset)
+        width, height = self.drawn.size * factor
+        return width, height
+
+
+def lay_out(motif: Mask, design: PlateDesign, *, pitch_mm: float | None, width_mm: float | None) -> Layout:
+    """Place a motif on its plate.
+
+    Parameters
+    ----------
+    motif : (H, W) bool
+    design : PlateDesign
+    pitch_mm : float, optional
+        Size of a pixel; the plate is as large as the motif needs.
+    width_mm : float, optional
+        Width of the plate; the motif is as large as it can be. One of the two must be given.
+
+    Raises
+    ------
+    InputError
+        If frame, lettering and margin leave no room for the motif.
+    """
+    if not motif.any():
+        raise InputError("the motif is empty; give a `mask` that is white where the motif is")
+    is_cover = design.plate.fill == "cover" or (design.plate.fill == "auto" and motif.mean() >= _FILLS)
+    if is_cover and design.plate.shape == "mask":
+        if design.plate.fill == "cover":
+            raise UsageError("`fill='cover'`: is not for `shape='mask'`, whose edge follows the motif")
+        is_cover = False
+    found = _Motif(motif, design, is_cover)
+    if width_mm is None:
+        assert pitch_mm is not None
+        width, height, sizes = _grown(found, pitch_mm)
+    else:
+        pitch_mm, width, height, sizes = _fitted(found, width_mm)
+    if design.plate.is_drawn and not is_cover:
+        inset = sizes.frame(design) + sizes.band(design) + sizes.margin(design)
+        middle = found.anchor * pitch_mm - found.drawn.field_middle(width, inset)
+    else:
+        middle = found.anchor * pitch_mm
+    return Layout(pitch_mm, width, height, middle, is_cover, sizes)
+
+
+def _grown(motif: _Motif, pitch_mm: float) -> tuple[float, float, Sizes]:
+    """Size of the plate around a motif whose pixels have a given size."""
+    longer = float(motif.box.max()) * pitch_mm
+    largest = _LARGEST_MM
+    for _ in range(_STEPS):
+        sizes = Sizes(longer, pitch_mm)
+        width, height = motif.size(pitch_mm, sizes)
+        if max(width, height) > largest:
+            _refuse(motif, sizes, longer)
+        if abs(max(width, height) - longer) < 1e-9 * longer:
+            break
+        longer = max(width, height)
+    return width, height, Sizes(longer, pitch_mm)
+
+
+def _fitted(motif: _Motif, width_mm: float) -> tuple[float, float, float, Sizes]:
+    """Size of the pixels of a motif on a plate of a given width, and the plate's size."""
+    largest = 4 * width_mm / float(motif.box.min())
+
+    def over(pitch_mm: float) -> float:
+        return _grown(motif, pitch_mm)[0] - width_mm
+
+    from scipy import optimize  # takes long to load
+
+    smallest = 1e-4 * width_mm / float(motif.box.max())
+    try:
+        too_wide = over(smallest) > 0
+    except InputError:
+        too_wide = True
+    if too_wide:
+        _refuse(motif, Sizes(width_mm, smallest), width_mm)
+    pitch_mm = float(optimize.brentq(over, smallest, largest, xtol=1e-12, rtol=1e-12))
+    _, height, sizes = _grown(motif, pitch_mm)
+    return pitch_mm, width_mm, height, sizes
+
+
+def _refuse(motif: _Motif, sizes: Sizes, width_mm: float) -> None:
+    design = motif.design
+    parts = {"frame": sizes.frame(design), "lettering": sizes.band(design)}
+    parts |= {} if motif.is_cover else {"margin": sizes.margin(design)}
+    named = ", ".join(f"{name} {value:.4g} mm" for name, value in parts.items() if value)
+    raise InputError(
+        f"{named or 'the edge'} on each side leave no room for the motif on a plate {width_mm:.4g} mm wide; make the "
+        "plate wider, or these smaller"
+    )
+
+
+def outline_of(layout: Layout, motif: Mask, design: PlateDesign, spacing_mm: float) -> Contours:
+    """The outline of the plate, without holes and loop, in mm from the lower left corner of the picture."""
+    plate, sizes = design.plate, layout.sizes
+    if plate.shape == "mask":
+        inset = sizes.frame(design) + sizes.band(design) + sizes.margin(design)
+        return shapes.motif_outline(motif, layout.pitch_mm, inset, spacing_mm)
+    if plate.is_drawn:
+        assert design.outline is not None
+        found = shapes.scaled_to(design.outline, layout.width_mm, spacing_mm)
+    elif plate.shape == "round":
+        found = shapes.disc(layout.width_mm, spacing_mm)
+    elif plate.shape == "oval":
+        found = shapes.ellipse(layout.width_mm, layout.height_mm, spacing_mm)
+    else:
+        corner = 0.0 if plate.corner is None else sizes.mm(plate.corner)
+        found = shapes.rectangle(layout.width_mm, layout.height_mm, corner, spacing_mm)
+    return found.moved(*layout.middle_mm.tolist())

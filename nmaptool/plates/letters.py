@@ -1,0 +1,178 @@
+"""The lettering of a plate: where it lies, and its heights."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.lettering.curve import curve_around
+from nmaptool.lettering.place import along, repeated, spread, straight
+from nmaptool.lettering.shaping import lay_out
+from nmaptool.lettering.strokes import thinnest_stroke_mm
+from nmaptool.options.plates import TextOptions
+from nmaptool.plates.board import Board
+from nmaptool.plates.distance import Curves, inside_points
+from nmaptool.plates.frame import slope_width
+from nmaptool.plates.layout import Layout
+from nmaptool.plates.polygons import offset, outer_rings
+from nmaptool.plates.profiles import slope
+from nmaptool.types.contours import Contours, ring_area
+from nmaptool.types.plate import PlateDesign
+
+# height of letters: share of the relief's, and of their size at most
+_OF_RELIEF = 0.5
+_OF_SIZE = 0.2
+# the curve of a text turns corners of the plate with this radius, by the size of the letters
+_TURN = 1.5
+# pixels across a stroke, a frame with a pattern, and a plain frame that keep their shape
+_STROKE_PX = 5.0
+_PATTERN_PX = 30.0
+_FRAME_PX = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Letters:
+    """A text on a plate.
+
+    Attributes
+    ----------
+    options : TextOptions
+    contours : Contours
+        In mm from the lower left corner of the picture.
+    size_mm : float
+        Height of the capitals.
+    length_mm : float
+        Of the text.
+    stroke_mm : float
+        Width of its thinnest strokes.
+    given_mm : float or None
+        Height of the letters, if it is given.
+    """
+
+    options: TextOptions
+    contours: Contours
+    size_mm: float
+    length_mm: float
+    stroke_mm: float
+    given_mm: float | None
+
+    def height_mm(self, relief_mm: float) -> float:
+        """Height of the letters above the plate, negative if they are sunk."""
+        height = self.given_mm
+        if height is None:
+            height = min(_OF_RELIEF * relief_mm or np.inf, _OF_SIZE * self.size_mm)
+        return -height if self.options.text_sunk else height
+
+    def facts(self) -> dict[str, Any]:
+        """For the report."""
+        return {
+            "text": self.options.text,
+            "path": self.options.text_path,
+            "size_mm": self.size_mm,
+            "length_mm": self.length_mm,
+            "stroke_mm": self.stroke_mm,
+            "area_mm2": self.contours.area_mm2,
+        }
+
+
+def letters_of(layout: Layout, outline: Contours, design: PlateDesign) -> tuple[Letters, ...]:
+    """The texts of a design on its plate.
+
+    Parameters
+    ----------
+    layout : Layout
+    outline : Contours
+        Of the plate without openings, in mm from the lower left corner of the picture.
+    design : PlateDesign
+
+    Raises
+    ------
+    InputError
+        If a text does not fit inside the frame, or its font lacks a character.
+    """
+    return tuple(_placed(text, layout, outline, design) for text in design.texts)
+
+
+def _placed(text: TextOptions, layout: Layout, outline: Contours, design: PlateDesign) -> Letters:
+    if text.text is None:
+        raise UsageError("`text`: a text needs letters, such as `text='ANNO MMXXVI'`")
+    if text.font not in design.fonts:
+        raise UsageError(f"`font={text.font!r}`: the design lacks this font; read it with read_design")
+    font, size = design.fonts[text.font], layout.sizes.text(text)
+    if text.text_path == "line":
+        written = text.text.replace("\\n", "\n").split("\n")
+        lines = [lay_out(font, line, size, text.text_spacing) for line in written if line.strip()]
+        left, top = layout.middle_mm + np.array([-layout.width_mm, layout.height_mm]) / 2
+        across, down = text.middle
+        x = left + layout.sizes.along_mm(across, layout.width_mm)
+        y = top - layout.sizes.along_mm(down, layout.height_mm)
+        contours = straight(lines, text.text_rotate).moved(float(x), float(y))
+        length = max(line.advance_mm for line in lines)
+    else:
+        line = lay_out(font, text.text, size, text.text_spacing)
+        curve, middle = curve_around(_text_ring(text, layout, outline, design), text.text_side)
+        place = {"arc": along, "circle": spread, "ring": repeated}[text.text_path]
+        contours, length = place(line, curve, middle, -size / 2), line.advance_mm
+    _check_inside(text, contours, outline, layout.sizes.frame(design), size)
+    given = None if text.text_height is None else layout.sizes.mm(text.text_height)
+    return Letters(text, contours, size, length, thinnest_stroke_mm(contours), given)
+
+
+def _text_ring(text: TextOptions, layout: Layout, outline: Contours, design: PlateDesign) -> Float64:
+    """The curve through the middle of the letters of a text along the edge."""
+    sizes = layout.sizes
+    size = sizes.text(text)
+    inset = sizes.frame(design) + sizes.text_inset(text) + size / 2
+    turn = _TURN * size
+    found = outer_rings(offset(offset(outline, -inset - turn), turn))
+    if not found.rings:
+        found = outer_rings(offset(outline, -inset))
+    if not found.rings:
+        raise InputError(
+            f"the text {text.text!r} lies {inset:.4g} mm inside the edge of a plate {layout.width_mm:.4g} mm wide; use "
+            "a smaller `text_size`"
+        )
+    return max(found.rings, key=ring_area)
+
+
+def _check_inside(text: TextOptions, contours: Contours, outline: Contours, frame_mm: float, size: float) -> None:
+    """Refuse letters outside the frame."""
+    points = np.concatenate(contours.rings)
+    depth = Curves(outline, size / 4).nearest(points).distance_mm
+    depth = np.where(inside_points(outline, points), depth, -depth)
+    least = float(depth.min())
+    if least < frame_mm - 1e-6:
+        width, height = contours.bounds_mm[1] - contours.bounds_mm[0]
+        where = "into the frame" if least >= 0 and frame_mm else "beyond the edge of the plate"
+        beyond = frame_mm - least if least >= 0 else -least
+        raise InputError(
+            f"the text {text.text!r} is {width:.4g} x {height:.4g} mm and reaches {beyond:.3g} mm {where}; use a "
+            "smaller `text_size`, a shorter text or another place"
+        )
+
+
+def letter_heights(board: Board, letters: Letters, height_mm: float, draft: float) -> Float64:
+    """(rows, cols) float64 mm that the letters add at the vertices of a board.
+
+    Half the height lies on the outline of the letters, so their area at half height is that of the font's outlines.
+    """
+    contours = board.placed(letters.contours)
+    wide = min(slope_width(abs(height_mm), draft, board.pitch_mm), max(letters.stroke_mm, 1.5 * board.pitch_mm))
+    reach = wide / 2 + 2 * board.pitch_mm
+    depth_mm = np.clip(board.field(contours, reach).depth_mm(), -reach, reach)
+    return slope(depth_mm, wide, board.pitch_mm) * height_mm
+
+
+def needed_pitch(layout: Layout, design: PlateDesign, letters: Sequence[Letters]) -> float:
+    """The largest pixel that keeps the shape of letters and frame, in mm."""
+    found = [each.stroke_mm / _STROKE_PX for each in letters]
+    frame_mm = layout.sizes.frame(design)
+    if frame_mm:
+        pixels = _PATTERN_PX if design.frame.frame_profile in ("rope", "bead") else _FRAME_PX
+        found.append(frame_mm / pixels)
+    return min(found, default=np.inf)

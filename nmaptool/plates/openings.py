@@ -1,0 +1,156 @@
+"""Holes in a plate with their rims, and the loop of a pendant."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64
+from nmaptool.core.errors import InputError
+from nmaptool.plates.board import Board
+from nmaptool.plates.distance import Curves, inside_points
+from nmaptool.plates.layout import Layout
+from nmaptool.plates.polygons import circle, circle_tolerance, contours_of, offset, section
+from nmaptool.plates.profiles import averaged, slope
+from nmaptool.types.contours import Contours
+from nmaptool.types.plate import PlateDesign
+
+# least material between a hole and the edge
+_WALL_MM = 0.2
+_RIM = 0.2
+# thickness of a loop by the diameter of its eye, its least thickness, and how far the eye lies above the plate by it
+_LOOP = 0.4
+_THINNEST_MM = 0.6
+_LIFT = 0.35
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A round hole with a rim.
+
+    Attributes
+    ----------
+    x_mm, y_mm : float
+        Its middle, from the lower left corner of the picture.
+    radius_mm : float
+    rim_mm : float
+        Width of the raised rim around it; 0 for none.
+    is_loop : bool
+        Whether the rim stands free, as a loop above the plate.
+    """
+
+    x_mm: float
+    y_mm: float
+    radius_mm: float
+    rim_mm: float
+    is_loop: bool = False
+
+    def on(self, board: Board) -> Opening:
+        """The same from the lower left corner of a board's grid."""
+        x, y = board.left * board.pitch_mm, board.bottom * board.pitch_mm
+        return dataclasses.replace(self, x_mm=self.x_mm + x, y_mm=self.y_mm + y)
+
+
+def openings_of(layout: Layout, outline: Contours, design: PlateDesign) -> tuple[Opening, ...]:
+    """The holes of a plate.
+
+    Raises
+    ------
+    InputError
+        If a hole does not lie within the plate, or two overlap.
+    """
+    found: list[Opening] = []
+    left, top = layout.middle_mm + np.array([-layout.width_mm, layout.height_mm]) / 2
+    curves = Curves(outline, layout.pitch_mm)
+    for hole in design.plate.holes:
+        across = layout.sizes.along_mm(hole.across, layout.width_mm)
+        down = layout.sizes.along_mm(hole.down, layout.height_mm)
+        radius = layout.sizes.mm(hole.diameter) / 2
+        x, y = left + across, top - down
+        place = np.array([[x, y]])
+        distance = float(curves.nearest(place).distance_mm[0])
+        if not inside_points(outline, place)[0]:
+            distance = -distance
+        if distance < radius + _WALL_MM:
+            where = f"{distance:.4g} mm from the edge" if distance > 0 else f"{-distance:.4g} mm outside the plate"
+            raise InputError(
+                f"`hole={design.plate.hole!r}`: the hole of {2 * radius:.4g} mm has its middle {where} of "
+                f"{layout.width_mm:.4g} x {layout.height_mm:.4g} mm; it needs {radius + _WALL_MM:.4g} mm, so move it "
+                "inwards or make it smaller"
+            )
+        for other in found:
+            apart = float(np.hypot(other.x_mm - x, other.y_mm - y))
+            if apart < radius + other.radius_mm + _WALL_MM:
+                raise InputError(
+                    f"`hole={design.plate.hole!r}`: two holes are {apart:.4g} mm apart, and need "
+                    f"{radius + other.radius_mm + _WALL_MM:.4g} mm; move them apart"
+                )
+        rim = design.plate.hole_rim
+        found.append(
+            Opening(x, y, radius, 2 * radius * _RIM if rim is None else layout.sizes.along_mm(rim, 2 * radius))
+        )
+    return tuple(found)
+
+
+def loop_of(layout: Layout, outline: Contours, design: PlateDesign) -> Opening | None:
+    """The loop above the highest point of the plate over its middle."""
+    if design.plate.loop is None:
+        return None
+    radius = layout.sizes.mm(design.plate.loop) / 2
+    thick = max(2 * radius * _LOOP, _THINNEST_MM)
+    x = float(layout.middle_mm[0])
+    start, end = outline.rings[0], np.roll(outline.rings[0], -1, axis=0)
+    over = (np.minimum(start[:, 0], end[:, 0]) <= x) & (np.maximum(start[:, 0], end[:, 0]) > x)
+    way = (x - start[over, 0]) / (end[over, 0] - start[over, 0])
+    top = float((start[over, 1] + way * (end[over, 1] - start[over, 1])).max())
+    return Opening(x, top + radius + _LIFT * thick, radius, thick, is_loop=True)
+
+
+def with_openings(outline: Contours, openings: tuple[Opening, ...], spacing_mm: float) -> Contours:
+    """The outline with a loop joined to it and holes cut out."""
+    rings, tolerance_mm = list(outline.rings), outline.tolerance_mm
+    for each in openings:
+        if each.is_loop:
+            outer = each.radius_mm + each.rim_mm
+            disc = Contours((circle(each.x_mm, each.y_mm, outer, spacing_mm),))
+            around = Contours((circle(each.x_mm, each.y_mm, outer + 2 * each.rim_mm, spacing_mm),))
+            joined = section(outline) + section(disc)
+            # round the two notches beside the loop, there only
+            closed = section(offset(offset(contours_of(joined, 0.0), each.rim_mm), -each.rim_mm))
+            found = contours_of(joined + (closed ^ section(around)), tolerance_mm)
+            rings = [ring for ring in found.rings if len(ring) > 2]
+        hole = circle(each.x_mm, each.y_mm, each.radius_mm, spacing_mm)
+        tolerance_mm = max(tolerance_mm, circle_tolerance(each.radius_mm, len(hole)))
+        rings.append(hole[::-1].copy())
+    return Contours(tuple(rings), tolerance_mm)
+
+
+def beside_loop(board: Board, loop: Opening, depth_mm: Float64, slope_mm: float) -> Float64:
+    """(rows, cols) float64: share of a frame that shows near a loop: none outside the edge of the plate itself.
+
+    Parameters
+    ----------
+    board : Board
+    loop : Opening
+        With its middle on the grid.
+    depth_mm : (rows, cols) float64
+        Distance from the edge of the plate, positive inside.
+    slope_mm : float
+        Width of the slope at the outer side of the frame.
+    """
+    x, y = np.meshgrid(board.x_mm - loop.x_mm, board.y_mm - loop.y_mm)
+    near = np.hypot(x, y) < loop.radius_mm + 3 * loop.rim_mm
+    return np.where(near, slope(depth_mm - slope_mm / 2, slope_mm, board.pitch_mm), 1.0)
+
+
+def rim_heights(board: Board, opening: Opening, height_mm: float) -> Float64:
+    """(rows, cols) float64 mm: the half-round rim around a hole, whose middle is given on the grid."""
+    x, y = np.meshgrid(board.x_mm - opening.x_mm, board.y_mm - opening.y_mm)
+    depth_mm = np.hypot(x, y) - opening.radius_mm
+
+    def half_round(depth: Float64) -> Float64:
+        return np.sqrt(np.maximum(0.0, 1 - (2 * np.clip(depth / opening.rim_mm, 0, 1) - 1) ** 2))
+
+    return averaged(half_round, depth_mm, opening.rim_mm, board.pitch_mm) * height_mm

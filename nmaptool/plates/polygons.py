@@ -1,0 +1,64 @@
+"""Offsets, unions and differences of closed curves, by manifold3d."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64
+from nmaptool.types.contours import Contours, ring_area
+
+# distance between a round join and its polygon
+_JOIN_MM = 5e-4
+
+
+def section(contours: Contours) -> Any:
+    """The curves as a ``manifold3d.CrossSection``."""
+    import manifold3d
+
+    return manifold3d.CrossSection(list(contours.rings), manifold3d.FillRule.NonZero)
+
+
+def contours_of(found: Any, tolerance_mm: float) -> Contours:
+    """The curves of a ``manifold3d.CrossSection``; rings of no area are left out."""
+    rings = (np.asarray(ring, np.float64) for ring in found.to_polygons())
+    return Contours(tuple(ring for ring in rings if len(ring) > 2 and ring_area(ring)), tolerance_mm)
+
+
+def offset(contours: Contours, by_mm: float) -> Contours:
+    """Curves moved outwards (or inwards, if negative) by a distance, with round corners outside."""
+    import manifold3d
+
+    if by_mm == 0:
+        return contours
+    count = max(8, int(np.ceil(np.pi / np.sqrt(2 * min(_JOIN_MM / abs(by_mm), 0.1)))))
+    found = section(contours).offset(by_mm, manifold3d.JoinType.Round, circular_segments=count)
+    return contours_of(found.simplify(_JOIN_MM / 10), contours.tolerance_mm + circle_tolerance(abs(by_mm), count))
+
+
+def outer_rings(contours: Contours) -> Contours:
+    """The curves without their holes."""
+    return Contours(tuple(ring for ring in contours.rings if ring_area(ring) > 0), contours.tolerance_mm)
+
+
+def circle(x_mm: float, y_mm: float, radius_mm: float, spacing_mm: float) -> Float64:
+    """(n, 2) corners on a circle, counter-clockwise."""
+    count = max(48, int(np.ceil(2 * np.pi * radius_mm / spacing_mm)))
+    angle = np.arange(count) * (2 * np.pi / count)
+    return np.column_stack([x_mm + radius_mm * np.cos(angle), y_mm + radius_mm * np.sin(angle)])
+
+
+def circle_tolerance(radius_mm: float, count: int) -> float:
+    """The distance between a circle and its polygon of ``count`` corners."""
+    return radius_mm * float(1 - np.cos(np.pi / count))
+
+
+def refined(ring: Float64, spacing_mm: float) -> Float64:
+    """A ring with more corners on its edges, so that none is longer than ``spacing_mm``."""
+    edge = np.roll(ring, -1, axis=0) - ring
+    count = np.maximum(1, np.ceil(np.hypot(*edge.T) / spacing_mm - 1e-9)).astype(np.int64)
+    which = np.repeat(np.arange(len(ring)), count)
+    share = (np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)) / count[which]
+    out: Float64 = ring[which] + edge[which] * share[:, None]
+    return out

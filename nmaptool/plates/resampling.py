@@ -1,0 +1,70 @@
+"""The inputs of a relief at another size of pixels."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from nmaptool.composition.transform import transform
+from nmaptool.core.arrays import Float32
+from nmaptool.core.errors import LimitError, UsageError
+from nmaptool.options import TransformOptions
+from nmaptool.types.height import Height
+from nmaptool.types.inputs import as_normal_map
+from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.plain_arrays import as_float32
+
+_LARGEST_MEGAPIXELS = 270.0
+
+
+def resampled(inputs: Mapping[str, Any], cols: int, rows: int, pitch_mm: float) -> dict[str, Any]:
+    """Maps and grey pictures at another size.
+
+    Parameters
+    ----------
+    inputs : mapping
+        Arguments of `nmaptool.relief`: NormalMaps, (H, W) arrays, and None.
+    cols, rows : int
+        The new size.
+    pitch_mm : float
+        Size of a new pixel.
+
+    Raises
+    ------
+    LimitError
+        If the new size has more than 270 megapixels.
+    UsageError
+        If the curved background is a height field.
+    """
+    if cols * rows > _LARGEST_MEGAPIXELS * 1e6:
+        raise LimitError(
+            f"`pitch='{pitch_mm:.4g}mm'`: would make a picture of {cols} x {rows} px; at most "
+            f"{_LARGEST_MEGAPIXELS:g} megapixels are possible, so use a larger pitch"
+        )
+    return {name: _one(name, value, cols, rows, pitch_mm) for name, value in inputs.items()}
+
+
+def _one(name: str, value: Any, cols: int, rows: int, pitch_mm: float) -> Any:
+    if value is None:
+        return None
+    if isinstance(value, Height):
+        raise UsageError("`surface`: heights of a curved background keep their size; give a normal map, or no `pitch`")
+    if name in ("original", "detail", "surface"):
+        return _resized_map(as_normal_map(value, f"the {name}"), cols, rows, pitch_mm)
+    return _resized_grey(as_float32(value, name), cols, rows)
+
+
+def _resized_map(normal_map: NormalMap, cols: int, rows: int, pitch_mm: float) -> NormalMap:
+    found = transform(normal_map, TransformOptions(resize=f"{cols}x{rows}")).normal_map
+    return dataclasses.replace(found, frame=dataclasses.replace(found.frame, pitch_mm=pitch_mm))
+
+
+def _resized_grey(values: Float32, cols: int, rows: int) -> Float32:
+    import cv2
+
+    smaller = cols < values.shape[1]
+    method = cv2.INTER_AREA if smaller else cv2.INTER_LINEAR
+    return np.asarray(cv2.resize(values, (cols, rows), interpolation=method), np.float32)

@@ -1,0 +1,124 @@
+"""The outlines of plates, around the origin: rectangle, disc, ellipse, a drawn shape, the outline of a motif."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.errors import InputError
+from nmaptool.plates.polygons import circle, circle_tolerance, contours_of, offset, outer_rings, refined, section
+from nmaptool.types.contours import Contours
+
+# samples of a quarter of an ellipse, from which corners at equal distances are chosen
+_SAMPLES = 20000
+
+
+def disc(diameter_mm: float, spacing_mm: float) -> Contours:
+    """A circle."""
+    ring = circle(0.0, 0.0, diameter_mm / 2, spacing_mm)
+    return Contours((ring,), circle_tolerance(diameter_mm / 2, len(ring)))
+
+
+def ellipse(width_mm: float, height_mm: float, spacing_mm: float) -> Contours:
+    """An ellipse, with corners at equal distances."""
+    a, b = width_mm / 2, height_mm / 2
+    angle = np.linspace(0.0, 2 * np.pi, 4 * _SAMPLES + 1)
+    x, y = a * np.cos(angle), b * np.sin(angle)
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    count = max(48, int(np.ceil(along[-1] / spacing_mm)))
+    chosen = np.interp(np.arange(count) * along[-1] / count, along, angle)
+    ring = np.column_stack([a * np.cos(chosen), b * np.sin(chosen)])
+    sharpest = min(a, b) ** 2 / max(a, b)  # radius of curvature at the ends of the longer axis
+    return Contours((ring,), float((along[-1] / count) ** 2 / (8 * sharpest)))
+
+
+def rectangle(width_mm: float, height_mm: float, corner_mm: float, spacing_mm: float) -> Contours:
+    """A rectangle with round or sharp corners.
+
+    Raises
+    ------
+    InputError
+        If the corners do not fit.
+    """
+    a, b = width_mm / 2, height_mm / 2
+    if corner_mm > min(a, b):
+        raise InputError(
+            f"`corner='{corner_mm:.4g}mm'`: the plate is {width_mm:.4g} x {height_mm:.4g} mm, so its corners have a "
+            f"radius of {min(a, b):.4g} mm at most"
+        )
+    if corner_mm == 0:
+        return Contours((refined(np.array([[-a, -b], [a, -b], [a, b], [-a, b]]), spacing_mm),))
+    count = max(6, int(np.ceil(np.pi / 2 * corner_mm / spacing_mm)))
+    quarter = np.linspace(0.0, np.pi / 2, count + 1)
+    parts = []
+    for turn, (x, y) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
+        angle = quarter + turn * np.pi / 2
+        middle = np.array([x * (a - corner_mm), y * (b - corner_mm)])
+        parts.append(middle + corner_mm * np.column_stack([np.cos(angle), np.sin(angle)]))
+    ring = np.concatenate(parts)
+    ring = ring[np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) > 1e-9]
+    tolerance_mm = float(corner_mm * (1 - np.cos(np.pi / 4 / count)))
+    return Contours((refined(ring, spacing_mm),), tolerance_mm)
+
+
+def scaled_to(drawn: Contours, width_mm: float, spacing_mm: float) -> Contours:
+    """A drawn shape with a given width, its middle at the origin."""
+    low, high = drawn.bounds_mm
+    factor = width_mm / (high[0] - low[0])
+    middle = (low + high) / 2
+    rings = tuple(refined((ring - middle) * factor, spacing_mm) for ring in drawn.rings)
+    return Contours(rings, drawn.tolerance_mm * factor)
+
+
+def motif_outline(motif: Mask, pitch_mm: float, distance_mm: float, spacing_mm: float) -> Contours:
+    """The outline of a motif at some distance, without holes, in mm from the lower left corner of the picture.
+
+    Raises
+    ------
+    InputError
+        If the motif has several parts that the distance does not join.
+    """
+    pixels = offset(pixel_contours(motif, pitch_mm), 1e-3 * pitch_mm)
+    # smooth the steps of the pixels: out by more than the distance, then back
+    reach_mm = max(2 * pitch_mm, 0.5 * distance_mm)
+    found = outer_rings(offset(offset(pixels, distance_mm + reach_mm), -reach_mm))
+    if len(found.rings) != 1:
+        raise InputError(
+            f"`shape='mask'`: the motif has {len(found.rings)} separate parts at a margin of {distance_mm:.4g} mm; a "
+            "plate is one piece, so use a larger `margin` or join the parts in the mask"
+        )
+    return Contours((refined(found.rings[0], spacing_mm),), found.tolerance_mm)
+
+
+def pixel_contours(motif: Mask, pitch_mm: float) -> Contours:
+    """The outline of the pixels of a motif, in mm from the lower left corner of the picture."""
+    import cv2
+
+    # contours of a picture at twice the size run through the middles of its pixels, half a pixel inside
+    doubled = np.kron(motif.astype(np.uint8), np.ones((2, 2), np.uint8))
+    found, _ = cv2.findContours(doubled, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    rows = motif.shape[0]
+    rings = []
+    for each in found:
+        points = each[:, 0].astype(np.float64)
+        if len(points) < 3:
+            continue
+        x, y = (points[:, 0] + 0.5) / 2, rows - (points[:, 1] + 0.5) / 2
+        rings.append(np.column_stack([x, y]) * pitch_mm)
+    if not rings:
+        raise InputError("`shape='mask'`: the motif is empty or smaller than a pixel")
+    inner = contours_of(section(Contours(tuple(rings))), 0.0)
+    return offset(inner, pitch_mm / 4)
+
+
+def corner_points(motif: Mask) -> Float64:
+    """(n, 2) corners of the convex hull of a motif in px, from the lower left corner of the picture, y up."""
+    import cv2
+
+    rows, cols = motif.shape
+    found_rows = np.flatnonzero(motif.any(axis=1))
+    first, last = motif.argmax(axis=1)[found_rows], cols - motif[:, ::-1].argmax(axis=1)[found_rows]
+    x = np.concatenate([first, first, last, last])
+    y = np.concatenate([found_rows, found_rows + 1, found_rows, found_rows + 1])
+    hull = cv2.convexHull(np.column_stack([x, y]).astype(np.int32))[:, 0].astype(np.float64)
+    return np.column_stack([hull[:, 0], rows - hull[:, 1]])
