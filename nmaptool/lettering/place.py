@@ -9,7 +9,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
-from nmaptool.lettering.curve import TextCurve
+from nmaptool.lettering.curve import TextCurve, curve_around
 from nmaptool.lettering.rings import united
 from nmaptool.lettering.shaping import TextLine
 from nmaptool.types.contours import Contours
@@ -17,7 +17,7 @@ from nmaptool.types.contours import Contours
 _REMEDY = "use a smaller `text_size`, less `text_spacing` or a shorter text"
 
 
-def straight(lines: Sequence[TextLine], rotate_deg: float = 0.0) -> Contours:
+def straight(lines: Sequence[TextLine | None], rotate_deg: float = 0.0) -> Contours:
     """Straight lines below each other, centred at (0, 0).
 
     Each line is centred by its outlines, not by its advance, as the eye sees it. The middle between the top of the
@@ -25,22 +25,53 @@ def straight(lines: Sequence[TextLine], rotate_deg: float = 0.0) -> Contours:
 
     Parameters
     ----------
-    lines : sequence of TextLine
+    lines : sequence of TextLine or None
+        As of `nmaptool.lettering.shaping.lay_out_lines`; None is an empty line.
     rotate_deg : float
         Counter-clockwise.
     """
-    pitch = max(line.line_height_mm for line in lines)
-    top = (lines[0].size_mm + pitch * (len(lines) - 1)) / 2 - lines[0].size_mm
+    found = [line for line in lines if line is not None]
+    pitch, size = max(line.line_height_mm for line in found), found[0].size_mm
+    top = (size + pitch * (len(lines) - 1)) / 2 - size
     rings: list[Float64] = []
     for number, line in enumerate(lines):
+        if line is None:
+            continue
         left, right = line.ink_mm
         shift = np.array([-(left + right) / 2, top - number * pitch])
         for start, cluster in zip(line.starts_mm, line.clusters, strict=False):
             rings += [ring + shift + (start, 0.0) for ring in cluster.rings]
     turn = math.radians(rotate_deg)
     rotation = np.array([[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]])
-    tolerance = max(line.tolerance_mm for line in lines)
+    tolerance = max(line.tolerance_mm for line in found)
     return united((ring @ rotation for ring in rings) if rotate_deg else rings, tolerance)
+
+
+def around(line: TextLine, ring: Float64, path: str = "arc", side: str = "top") -> Contours:
+    """A line around a closed curve, such as the legend of a coin.
+
+    The curve is the inner edge of the band of letters: at the top the capitals stand on it, at the bottom their heads
+    touch it. Spaces are measured on it, so letters are nowhere closer together than in a straight line.
+
+    Parameters
+    ----------
+    line : TextLine
+    ring : (n, 2) float64
+        A closed polygon in mm, of either direction.
+    path : str
+        "arc": centred at the top or bottom; "circle": spread over the whole curve (`spread`); "ring": repeated around
+        it (`repeated`).
+    side : str
+        "top" or "bottom": where the text, or one of the repeated texts, is centred, and where it can be read.
+
+    Raises
+    ------
+    InputError
+        If the text is longer than the curve.
+    """
+    curve, middle = curve_around(ring, side)
+    place = {"arc": along, "circle": spread, "ring": repeated}[path]
+    return place(line, curve, middle, 0.0 if side == "top" else -line.size_mm)
 
 
 def along(line: TextLine, curve: TextCurve, middle_mm: float | None = None, baseline_mm: float = 0.0) -> Contours:
@@ -56,8 +87,8 @@ def along(line: TextLine, curve: TextCurve, middle_mm: float | None = None, base
     middle_mm : float, optional
         Length along the curve up to the middle of the text. Default: half of the curve.
     baseline_mm : float
-        Distance of the baseline from the curve, to the left. With ``-line.size_mm / 2`` the middle of the capitals
-        lies on the curve.
+        Distance of the baseline from the curve, to the left. With ``-line.size_mm`` the heads of the capitals touch
+        the curve.
 
     Raises
     ------

@@ -181,6 +181,17 @@ def lay_out(
     return line.stretched((spacing - 1) * line.advance_mm / gaps) if gaps else line
 
 
+def lay_out_lines(
+    font: Font, text: str, size_mm: float, spacing: float = 1.0, *, tolerance_mm: float | None = None
+) -> tuple[TextLine | None, ...]:
+    """Shape the lines of a text, as `lay_out` does; None stands for an empty line between others."""
+    lines = text.strip().splitlines() or [text]
+    return tuple(
+        lay_out(font, line, size_mm, spacing, tolerance_mm=tolerance_mm) if line.strip() or len(lines) == 1 else None
+        for line in lines
+    )
+
+
 def _checked(text: str) -> str:
     """A text in one line, with plain spaces."""
     if len(text) > _LONGEST:
