@@ -39,7 +39,7 @@ def narrowest_counter_mm(contours: Contours) -> float:
     """Diameter in mm of the greatest circle in the smallest closed counter of the letters; infinite without counters.
 
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    >>> round(narrowest_counter_mm(Contours((square * 2, square[::-1] + 1))), 3)
+    >>> round(narrowest_counter_mm(Contours((square * 2, square[::-1] + 1))), 2)
     4.0
     """
     return min((_greatest_circle(ring[::-1]) for ring in contours.rings if ring_area(ring) < 0), default=math.inf)
@@ -51,7 +51,7 @@ def _greatest_circle(ring: Float64) -> float:
 
     section = cross_section([ring])
     low, high = 0.0, float(np.ptp(ring, axis=0).min()) / 2
-    while high - low > 1e-3 * high:
+    while high - low > 1e-4 * high:
         middle = (low + high) / 2
         low, high = (low, middle) if section.offset(-middle, JoinType.Miter).is_empty() else (middle, high)
     return low + high
