@@ -1,4 +1,4 @@
-"""Shaping: size, area, kerning, ligatures, writing direction and missing glyphs, with the DejaVu fonts of matplotlib."""
+"""Shaping: size, area, kerning, ligatures, writing direction and missing glyphs, with the DejaVu fonts."""
 
 from __future__ import annotations
 

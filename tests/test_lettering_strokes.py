@@ -22,7 +22,7 @@ def test_widths_of_known_shapes():
     annulus = nm.Contours((ring_of(5.0), ring_of(4.6)[::-1]))
     assert thinnest_stroke_mm(annulus) == pytest.approx(0.4, rel=1e-3)
     assert narrowest_counter_mm(annulus) == pytest.approx(9.2, rel=1e-3)
-    thick = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 1.0], [0.0, 1.0]]) + (20, 0)
+    thick = np.array([[20.0, 0.0], [29.0, 0.0], [29.0, 1.0], [20.0, 1.0]])
     both = nm.Contours.joined([annulus, nm.Contours((thick,))])
     assert thinnest_stroke_mm(both) == pytest.approx(0.4, rel=1e-3)
     assert thinnest_stroke_mm(nm.Contours((thick,))) == pytest.approx(1.0)

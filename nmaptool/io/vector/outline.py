@@ -51,6 +51,8 @@ def read_svg_outline(path: str | Path, *, tolerance_mm: float = 0.002) -> Contou
         raise InputError(f"{name}: has {len(parts)} closed paths, more than {_MOST_RINGS}; simplify the drawing")
     rings = [part.points for part in parts]
     _check_simple(name, rings)
+    if any(abs(ring_area(ring)) < _SMALLEST for ring in rings):
+        raise _without_area(name)
     order = sorted(rings, key=lambda ring: -abs(ring_area(ring)))
     outer, holes = order[0], order[1:]
     outside = [hole for hole in holes if not holds(outer, hole)]
@@ -70,13 +72,17 @@ def _turned(ring: Float64, is_hole: bool) -> Float64:
 
 
 def _check_closed(path: Path, parts: list[Stretch]) -> None:
-    """Refuse open paths and paths without an area."""
+    """Refuse open paths, and closed ones of two points."""
     opened = [part.gap_mm for part in parts if part.gap_mm > 0]
     if opened:
         which = "the path is" if len(parts) == 1 else f"{len(opened)} of {len(parts)} paths are"
         raise InputError(f"{path}: {which} not closed, the ends are {max(opened):.3g} mm apart; close it")
-    if any(len(part.points) < 3 or abs(ring_area(part.points)) < _SMALLEST for part in parts):
-        raise InputError(f"{path}: has a closed path without an area; delete it")
+    if any(len(part.points) < 3 for part in parts):
+        raise _without_area(path)
+
+
+def _without_area(path: Path) -> InputError:
+    return InputError(f"{path}: has a closed path without an area; delete it")
 
 
 def _check_simple(path: Path, rings: list[Float64]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,9 +22,11 @@ _LARGEST = 8 * 1024 * 1024
 _MOST_DRAWN = 10_000
 _MOST_PIECES = 4096
 _PX_PER_INCH = 96.0
+_INCHES_PER_MM = 0.0393701  # of svgelements
 _PLAIN_DOCTYPE = re.compile(rb"<!DOCTYPE[^\[>]*>")
 # ends that are as near as this close a path
-CLOSE_MM = 1e-3
+_CLOSE_MM = 1e-3
+_SAME_MM = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,8 +61,8 @@ def read_stretches(path: Path, tolerance_mm: float) -> list[Stretch]:
     """
     if not (math.isfinite(tolerance_mm) and tolerance_mm > 0):
         raise UsageError(f"`tolerance_mm={tolerance_mm!r}`: must be a number greater than zero")
-    data = _checked(path)
-    mm = 25.4 / _PX_PER_INCH
+    data, root = _checked(path)
+    mm = _to_mm(root)
     try:
         found = [part for shape in _shapes(data) for part in _stretches(shape, mm, tolerance_mm)]
     except Exception as error:  # a damaged file may raise anything
@@ -73,8 +76,8 @@ def read_stretches(path: Path, tolerance_mm: float) -> list[Stretch]:
     return found
 
 
-def _checked(path: Path) -> bytes:
-    """The bytes of an SVG file that declares no entities, whose parts are not too many, and that holds no text."""
+def _checked(path: Path) -> tuple[bytes, Element]:
+    """The bytes and the first element of an SVG file that declares no entities, whose parts are not too many, and that holds no text."""
     head, size = read_head(path, 3, "an SVG file", "write it to a file first")
     if head[:2] == b"\x1f\x8b":
         raise InputError(f"{path}: is compressed (.svgz); save it as plain SVG")
@@ -93,7 +96,7 @@ def _checked(path: Path) -> bytes:
     if texts:
         what = "a text, which is" if texts == 1 else f"{texts} texts, which are"
         raise InputError(f"{path}: holds {what} not a path; convert it to paths or delete it")
-    return data
+    return data, root
 
 
 def _name(element: Element) -> str:
@@ -127,72 +130,75 @@ def _check_reuse(root: Element, path: Path) -> None:
 
 
 def _shapes(data: bytes) -> list[Any]:
-    """The paths of a file with their transforms applied, in px."""
+    """The paths and shapes of a file, with the transforms to px that apply to them."""
     import svgelements
 
-    drawing = svgelements.SVG.parse(io.BytesIO(data), reify=True, ppi=_PX_PER_INCH)
-    return [abs(svgelements.Path(shape)) for shape in drawing.elements() if isinstance(shape, svgelements.Shape)]
+    drawing = svgelements.SVG.parse(io.BytesIO(data), reify=False, ppi=_PX_PER_INCH)
+    return [shape for shape in drawing.elements() if isinstance(shape, svgelements.Shape)]
+
+
+def _to_mm(root: Element) -> float:
+    """Millimetres per pixel; if the file has a size in mm, by the millimetre of svgelements, which is 5e-7 too long."""
+    in_mm = root.attributes.get("width", "").strip().endswith(("mm", "cm"))
+    return 1 / (_PX_PER_INCH * _INCHES_PER_MM) if in_mm else 25.4 / _PX_PER_INCH
 
 
 def _stretches(shape: Any, mm: float, tolerance_mm: float) -> list[Stretch]:
-    """The parts of a path."""
+    """The parts of a path or shape."""
     import svgelements
 
+    m = shape.transform
+    matrix = np.array([[m.a, -m.b], [m.c, -m.d], [m.e, -m.f]], np.float64) * mm
     found: list[Stretch] = []
     pieces: list[Float64] = []
 
     def finish(is_closed: bool) -> None:
-        if len(pieces) > 1:
+        if len(pieces) > 1 or (is_closed and pieces):
             found.append(_stretch(np.concatenate(pieces), is_closed))
         pieces.clear()
 
-    for segment in shape:
+    for segment in shape.segments(False):
         if isinstance(segment, svgelements.Move):
             finish(False)
-            pieces.append(_point(segment.end, mm))
+            pieces.append(_points([segment.end]) @ matrix)
             continue
         if not pieces:  # a path may go on after it was closed
-            pieces.append(_point(segment.start, mm))
+            pieces.append(_points([segment.start]) @ matrix)
         if isinstance(segment, svgelements.Close):
             finish(True)
         else:
-            pieces.append(_flattened(segment, mm, tolerance_mm))
+            pieces.append(_flattened(segment, matrix, tolerance_mm))
     finish(False)
     return found
 
 
 def _stretch(points: Float64, is_closed: bool) -> Stretch:
     """A part without repeated points; ends that all but meet are closed."""
+    if not np.isfinite(points).all():
+        return Stretch(points, 0.0)
     keep = np.ones(len(points), bool)
-    keep[1:] = np.hypot(*np.diff(points, axis=0).T) > 1e-9
-    points = points[keep] if np.isfinite(points).all() else points
+    keep[1:] = np.hypot(*np.diff(points, axis=0).T) > _SAME_MM
+    points = points[keep]
     gap = float(np.hypot(*(points[-1] - points[0])))
-    if (is_closed or gap <= CLOSE_MM) and len(points) > 2:
-        return Stretch(points[:-1] if gap <= CLOSE_MM else points, 0.0)
+    if is_closed or (gap <= _CLOSE_MM and len(points) > 2):
+        return Stretch(points[:-1] if gap <= _CLOSE_MM and len(points) > 1 else points, 0.0)
     return Stretch(points, gap)
 
 
-def _point(point: Any, mm: float) -> Float64:
-    return np.array([[point.x * mm, -point.y * mm]], np.float64)
+def _points(points: Iterable[Any]) -> Float64:
+    """(n, 3) float64: points with a third coordinate of 1, for a matrix."""
+    return np.array([(point[0], point[1], 1.0) for point in points], np.float64).reshape(-1, 3)
 
 
-def _flattened(segment: Any, mm: float, tolerance_mm: float) -> Float64:
-    """Points of a line, curve or arc after its start."""
+def _flattened(segment: Any, matrix: Float64, tolerance_mm: float) -> Float64:
+    """Points in mm of a line, curve or arc after its start."""
     import svgelements
 
     if isinstance(segment, svgelements.Arc):
-        radius = max(abs(segment.rx), abs(segment.ry)) * mm
+        radius = max(abs(segment.rx), abs(segment.ry)) * float(np.linalg.norm(matrix[:2], 2))
         step = 2 * math.acos(max(1 - tolerance_mm / radius, 0.0)) if radius > 0 else math.inf
         pieces = int(np.clip(math.ceil(abs(segment.sweep) / step), 1, _MOST_PIECES))
-        points = np.array([(p[0], p[1]) for p in segment.npoint(np.linspace(0, 1, pieces + 1)[1:-1])]).reshape(-1, 2)
-        return np.concatenate([points * (mm, -mm), _point(segment.end, mm)])
-    controls = [
-        segment.start,
-        *(
-            getattr(segment, name)
-            for name in ("control", "control1", "control2")
-            if getattr(segment, name, None) is not None
-        ),
-        segment.end,
-    ]
-    return flatten_bezier(np.concatenate([_point(control, mm) for control in controls]), tolerance_mm)
+        between = segment.npoint(np.linspace(0, 1, pieces + 1)[1:-1]) if pieces > 1 else []
+        return np.asarray(_points([*between, segment.end]) @ matrix, np.float64)
+    between = [getattr(segment, name) for name in ("control", "control1", "control2") if hasattr(segment, name)]
+    return flatten_bezier(_points([segment.start, *between, segment.end]) @ matrix, tolerance_mm)
