@@ -96,10 +96,10 @@ def _check(path: Path, data: bytes, face: int) -> None:
     if face >= count:
         raise InputError(f"{path}#{face}: has {count} {'font' if count == 1 else 'fonts'}, numbered from 0")
     opened = uharfbuzz.Face(data, face)
-    tables = {str(tag).strip() for tag in opened.table_tags}
-    if not opened.glyph_count or "cmap" not in tables:
+    has_map, *outlines = (len(opened.reference_table(tag).data) > 0 for tag in ("cmap", "glyf", "CFF ", "CFF2"))
+    if not opened.glyph_count or not has_map:
         raise InputError(f"{path}: is damaged (no table of characters or no glyphs); export or download it again")
-    if not tables & {"glyf", "CFF", "CFF2"}:
+    if not any(outlines):
         raise InputError(f"{path}: holds pictures of glyphs, not outlines; give a font with outlines")
 
 

@@ -66,8 +66,7 @@ class Face:
 
     def _cap_height(self) -> float:
         """Height of the capitals: as the font states it, else of the outline of H, else of the ascender."""
-        tables = {str(tag).strip() for tag in self.face.table_tags}
-        data = self.face.reference_table("OS/2").data if "OS/2" in tables else b""
+        data = self.face.reference_table("OS/2").data
         if len(data) >= 90 and int.from_bytes(data[:2], "big") >= 2:
             stated = int.from_bytes(data[88:90], "big", signed=True)
             if stated > 0:

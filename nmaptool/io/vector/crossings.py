@@ -33,7 +33,7 @@ def _inside(ring: Float64, x: float, y: float) -> bool:
 def cross_themselves(rings: list[Float64]) -> bool:
     """Whether a ring crosses itself: then it encloses parts with a winding number other than 1."""
     return any(
-        abs(abs(ring_area(ring)) - _area([ring], rule)) > _rounding([ring])
+        abs(abs(ring_area(ring)) - _area([ring], rule)) > rounding([ring])
         for ring in rings
         for rule in ("EvenOdd", "NonZero")
     )
@@ -46,10 +46,11 @@ def cross_each_other(rings: list[Float64]) -> bool:
     for number, ring in enumerate(order):
         depth = sum(holds(other, ring) for other in order[:number])
         nested += abs(ring_area(ring)) * (1 if depth % 2 == 0 else -1)
-    return abs(nested - _area(rings, "EvenOdd")) > _rounding(rings)
+    return abs(nested - _area(rings, "EvenOdd")) > rounding(rings)
 
 
-def _rounding(rings: list[Float64]) -> float:
+def rounding(rings: list[Float64]) -> float:
+    """Area in mm2 below which a loop or an overlap counts as rounding."""
     return _ROUNDING_MM * float(sum(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T).sum() for ring in rings))
 
 

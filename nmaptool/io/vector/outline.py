@@ -8,8 +8,9 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
-from nmaptool.io.vector.crossings import cross_each_other, cross_themselves, crossing_point, holds
+from nmaptool.io.vector.crossings import cross_each_other, cross_themselves, crossing_point, holds, rounding
 from nmaptool.io.vector.svg import Stretch, read_stretches
+from nmaptool.lettering.rings import united
 from nmaptool.types.contours import Contours, ring_area
 
 _MOST_RINGS = 1000
@@ -62,8 +63,11 @@ def read_svg_outline(path: str | Path, *, tolerance_mm: float = 0.002) -> Contou
         if any(holds(other, hole) for other in holes[:number]):
             raise InputError(f"{name}: has a path inside a hole; expected one closed path with holes inside it")
     corner = outer.min(axis=0)
-    made = [_turned(outer, False), *(_turned(hole, True) for hole in holes)]
-    return Contours(tuple(ring - corner for ring in made), tolerance_mm)
+    turned = [_turned(outer, False), *(_turned(hole, True) for hole in holes)]
+    # loops as small as rounding were let pass
+    clean = united((ring - corner for ring in turned), tolerance_mm).rings
+    kept = [ring for ring in clean if abs(ring_area(ring)) > rounding(rings)]
+    return Contours(tuple(sorted(kept, key=lambda ring: -ring_area(ring))), tolerance_mm)
 
 
 def _turned(ring: Float64, is_hole: bool) -> Float64:

@@ -77,7 +77,7 @@ def read_stretches(path: Path, tolerance_mm: float) -> list[Stretch]:
 
 
 def _checked(path: Path) -> tuple[bytes, Element]:
-    """The bytes and the first element of an SVG file that declares no entities, whose parts are not too many, and that holds no text."""
+    """The bytes and the first element of an SVG file without entities, texts or too many elements."""
     head, size = read_head(path, 3, "an SVG file", "write it to a file first")
     if head[:2] == b"\x1f\x8b":
         raise InputError(f"{path}: is compressed (.svgz); save it as plain SVG")
