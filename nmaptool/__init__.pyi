@@ -32,6 +32,7 @@ from .filters.train import train as train
 from .filters.train import training_example as training_example
 from .io.filter_files import read_filter_model as read_filter_model
 from .io.filter_files import read_training as read_training
+from .io.fonts import read_font as read_font
 from .io.meshes.reader import read_mesh as read_mesh
 from .io.output.comparison import write_comparison as write_comparison
 from .io.output.composition import write_composition as write_composition
@@ -56,6 +57,8 @@ from .io.recipes.scenes import read_scene as read_scene
 from .io.recipes.stacks import Stack as Stack
 from .io.recipes.stacks import read_stack as read_stack
 from .io.recipes.writer import write_recipe as write_recipe
+from .io.vector.outline import read_svg_outline as read_svg_outline
+from .io.vector.profile import read_svg_profile as read_svg_profile
 from .io.workspaces.files import read_workspace as read_workspace
 from .maps.decoding import Decoded as Decoded
 from .maps.decoding import decode_image as decode_image
@@ -107,9 +110,11 @@ from .types.comparison import CurvePoint as CurvePoint
 from .types.comparison import Verdict as Verdict
 from .types.composition import ComposeReport as ComposeReport
 from .types.composition import Composition as Composition
+from .types.contours import Contours as Contours
 from .types.conversion import ConvertReport as ConvertReport
 from .types.depth import DepthReport as DepthReport
 from .types.depth import DepthResult as DepthResult
+from .types.font import Font as Font
 from .types.height import Height as Height
 from .types.inspection import Finding as Finding
 from .types.inspection import Inspection as Inspection

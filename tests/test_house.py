@@ -22,6 +22,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = [p for d in ("nmaptool", "cli", "bench", "samples", "tests") for p in sorted((ROOT / d).rglob("*.py"))]
 HEAVY = {
     "cv2",
+    "manifold3d",
     "matplotlib",
     "numpy",
     "OpenGL",
@@ -32,8 +33,10 @@ HEAVY = {
     "pyrender",
     "scipy",
     "skimage",
+    "svgelements",
     "tifffile",
     "trimesh",
+    "uharfbuzz",
 }
 
 

@@ -50,6 +50,7 @@ def values():
         recipe,
         *recipe.layers,
     ]
+    found += [nm.read_font("DejaVu Sans"), nm.Contours((np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]),))]
     found.append(nm.solid(relief))
     found.append(nm.ReliefSession(normal_map).parts())
     found.append(nm.read_scene(Path(__file__).parents[1] / "samples" / "scene.toml"))

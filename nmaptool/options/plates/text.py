@@ -8,7 +8,7 @@ from typing import Literal
 from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length, Offset
 from nmaptool.options.fields import Options, choice_of, option
-from nmaptool.options.kinds import Number, Positive, SignedText, Switch, Text
+from nmaptool.options.kinds import Number, SignedText, Switch, Text
 from nmaptool.options.length_kinds import LengthText, parse_distances
 
 TextPath = Literal["line", "arc", "circle", "ring"]
@@ -17,18 +17,23 @@ TextSide = Literal["top", "bottom"]
 
 @dataclass(frozen=True)
 class TextOptions(Options, group="Text"):
-    """One line of lettering on a plate.
+    r"""Lettering on a plate.
 
     Parameters
     ----------
     text:
+<<<<<<< HEAD
         Text to put on the plate. With --text-path line, a backslash and n begin a new line.
+=======
+        Text to put on the plate. \n begins a new line of a straight text. Scripts that run from right to left are
+        ordered as Unicode requires.
+>>>>>>> lettering
     text_path:
         "line": straight, at --text-at. "arc": along the edge of the plate, centred at --text-side. "circle": the same,
-        spread over the whole edge. "ring": repeated around the whole edge.
+        spread evenly over the whole edge. "ring": repeated around the whole edge as often as it fits.
     text_side:
-        Where an arc or circle is centred. At the "top" the letters stand outwards, at the "bottom" inwards, so both can
-        be read.
+        Where a text along the edge is centred. At the "top" the heads of the letters point outwards, at the "bottom"
+        inwards, so both can be read.
     text_size:
         Height of the capitals, such as 2mm. Default: 7% of the plate's longer side.
     text_height:
@@ -42,11 +47,13 @@ class TextOptions(Options, group="Text"):
         Distance of letters on the edge from the frame, or from the edge of a plate without one. Default: 0.6 of their
         size.
     text_spacing:
-        Space between letters as a factor of the font's own advance, such as 1.1.
+        Length of the text as a factor of the font's own, such as 1.1; the difference is shared evenly by the gaps
+        between letters.
     text_rotate:
         Degrees counter-clockwise, for a straight text.
     font:
-        Font file (.ttf, .otf, .ttc), or the name of an installed font, such as "DejaVu Serif:bold".
+        Font file (.ttf, .otf, .ttc), or the name of an installed font with a weight, "italic" or "condensed", such as
+        "DejaVu Serif:bold".
     """
 
     text: str | None = option(None, Text("ANNO MMXXVI"))
@@ -57,14 +64,16 @@ class TextOptions(Options, group="Text"):
     text_sunk: bool = option(False, Switch())
     text_at: str | None = option(None, SignedText("50%,85%"))
     text_inset: Length | None = option(None, LengthText("1mm"))
-    text_spacing: float = option(1.0, Positive("1.1", 10.0))
+    text_spacing: float = option(1.0, Number("1.1", 0.5, 5.0))
     text_rotate: float = option(0.0, Number("90", -360.0, 360.0))
     font: str = option("DejaVu Serif:bold", Text("DejaVu Serif:bold"))
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.text is not None and not self.text.strip():
+        if self.text is not None and not self.wording:
             raise UsageError(f"`text={self.text!r}`: is empty; give at least one letter")
+        if self.text_path != "line" and len(self.wording.splitlines()) > 1:
+            raise UsageError(f"`text={self.text!r}`: only a straight text has several lines, `text_path='line'`")
         if self.text_at is not None and self.text_path != "line":
             raise UsageError(f"`text_at='{self.text_at}'`: is for a straight text, `text_path='line'`")
         if self.text_rotate and self.text_path != "line":
@@ -75,6 +84,11 @@ class TextOptions(Options, group="Text"):
             )
         if self.text_at is not None:
             parse_distances("text_at", self.text_at, (2,), "50%,85%")
+
+    @property
+    def wording(self) -> str:
+        r"""The text with its line breaks, which a command line may write as \n."""
+        return (self.text or "").replace("\\n", "\n").strip()
 
     @property
     def middle(self) -> tuple[Offset, Offset]:

@@ -1,0 +1,1 @@
+"""Vector drawings: outlines and profiles from SVG files."""
