@@ -8,7 +8,7 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.errors import InputError
-from nmaptool.core.grid import touching_corners
+from nmaptool.core.grid import touching_corners, touching_vertices
 
 # distance of the pixels from the outline, and between the points of the outline that are looked at, in px
 _CLEAR_PX = 0.25
@@ -42,6 +42,19 @@ def inner_mask(rings_px: Sequence[Float64], shape: tuple[int, int]) -> Mask:
             return mask
         mask[1:, 1:] &= ~falling
         mask[1:, :-1] &= ~rising
+
+
+def vertices_between(rings_px: Sequence[Float64], inner: Mask) -> Mask:
+    """(H+1, W+1) bool: vertices inside rings, not too near to them, that touch none of the pixels of a mask."""
+    shape = inner.shape[0] + 1, inner.shape[1] + 1
+    between = inside_of([ring + 0.5 for ring in rings_px], shape) & ~touching_vertices(inner)
+    for ring in rings_px:
+        points = _points_along(ring)
+        nearest = np.rint(points)
+        near = (np.abs(points - nearest) <= _CLEAR_PX + _STEP_PX / 2).all(axis=1)
+        col, row = np.clip(nearest[near].astype(np.int64), 0, np.array(shape)[::-1] - 1).T
+        between[row, col] = False
+    return between
 
 
 def inside_of(rings_px: Sequence[Float64], shape: tuple[int, int]) -> Mask:
@@ -78,14 +91,20 @@ def pixels_near(rings_px: Sequence[Float64], shape: tuple[int, int], reach_px: f
     """
     near = np.zeros(shape, bool)
     for ring in rings_px:
-        way = np.roll(ring, -1, axis=0) - ring
-        count = np.maximum(np.ceil(np.hypot(*way.T) / _STEP_PX).astype(np.int64), 1)
-        edge = np.repeat(np.arange(len(ring)), count)
-        step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
-        x, y = (ring[edge] + (step / count[edge])[:, None] * way[edge]).T
+        x, y = _points_along(ring).T
         for across in (-reach_px, reach_px):
             for down in (-reach_px, reach_px):
                 col, row = np.floor(x + across).astype(np.int64), np.floor(y + down).astype(np.int64)
                 found = (row >= 0) & (row < shape[0]) & (col >= 0) & (col < shape[1])
                 near[row[found], col[found]] = True
     return near
+
+
+def _points_along(ring: Float64) -> Float64:
+    """(n, 2): points of a ring, a quarter of a pixel apart or less."""
+    way = np.roll(ring, -1, axis=0) - ring
+    count = np.maximum(np.ceil(np.hypot(*way.T) / _STEP_PX).astype(np.int64), 1)
+    edge = np.repeat(np.arange(len(ring)), count)
+    step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
+    points: Float64 = ring[edge] + (step / count[edge])[:, None] * way[edge]
+    return points

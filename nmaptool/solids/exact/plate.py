@@ -65,8 +65,10 @@ class PlateFront:
     def bounds_mm(self) -> Float64:
         """(2, 3) float64: the box around it."""
         surface, xy_mm = self.surface, self.strip.points.xy_mm
-        sheets = [surface.motif, surface.plate] if isinstance(surface, RaisedFront) else [surface]
-        low, high = z_range_of(sheets, self.z_mm)
+        low, high = self.strip.z_range(self.rim, self.z_mm)
+        if isinstance(surface, RaisedFront):
+            motif_low, motif_high = surface.motif.z_range()
+            low, high = min(low, motif_low), max(high, motif_high)
         return np.array([[*xy_mm.min(axis=0), low], [*xy_mm.max(axis=0), high]])
 
     def parts(self) -> Iterator[Part]:
@@ -157,7 +159,7 @@ class CurvedPlateBack:
     @property
     def lowest_mm(self) -> float:
         """Height of its lowest point."""
-        return z_range_of([self.sheet], self.z_mm)[0]
+        return self.strip.z_range(self.sheet, self.z_mm)[0]
 
     @property
     def volume_mm3(self) -> float:
@@ -235,10 +237,3 @@ class PlatePiece:
         xyz_mm = np.concatenate([np.column_stack([points.xy_mm, self.front.z_mm]), np.column_stack([xy_mm, back.z_mm])])
         numbers = np.concatenate([self.front.first_point + np.arange(count), back.first_point + feet])
         return Part(xyz_mm, np.concatenate([fans, closing]).astype(np.int32), numbers)
-
-
-def z_range_of(sheets: list[Sheet], z_mm: Float64) -> tuple[float, float]:
-    """Lowest and highest of some sheets and of points of the outline."""
-    ranges = [sheet.z_range() for sheet in sheets]
-    low, high = min(each[0] for each in ranges), max(each[1] for each in ranges)
-    return min(low, float(z_mm.min())), max(high, float(z_mm.max()))

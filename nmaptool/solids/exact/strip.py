@@ -23,14 +23,17 @@ class Strip:
     ----------
     points : OutlinePoints
     nodes : (k,) int64
-        Nodes of the outline of the sheet.
+        Nodes of the outline of the sheet, then those between it and the outline of the plate.
     faces : (m, 3) int64
         Numbers of points, then of nodes.
+    least_faces : int
+        Triangles without any points and nodes: each point and each node of an outline adds one, other nodes add two.
     """
 
     points: OutlinePoints
     nodes: Nodes
     faces: Nodes
+    least_faces: int
 
     def part(self, sheet: Sheet, z_mm: Float64, first_node: int) -> Part:
         """The triangles at the heights of a sheet.
@@ -54,11 +57,17 @@ class Strip:
         area = ((x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])) / 2
         return float((area * z.mean(axis=1)).sum())
 
+    def z_range(self, sheet: Sheet, z_mm: Float64) -> tuple[float, float]:
+        """Its lowest and highest corner and those of the sheet; parameters as for `part`."""
+        low, high = sheet.z_range()
+        z = np.concatenate([z_mm, sheet.z_of(self.nodes)])
+        return min(low, float(z.min())), max(high, float(z.max()))
+
     def _xyz_mm(self, sheet: Sheet, z_mm: Float64) -> Float64:
         return np.concatenate([np.column_stack([self.points.xy_mm, z_mm]), sheet.xyz_of(self.nodes)])
 
 
-def strip_between(points: OutlinePoints, sheet: Sheet, edges: OutlineEdges) -> Strip:
+def strip_between(points: OutlinePoints, sheet: Sheet, edges: OutlineEdges, between: Nodes) -> Strip:
     """Triangulate between the outline and a sheet.
 
     Parameters
@@ -67,6 +76,8 @@ def strip_between(points: OutlinePoints, sheet: Sheet, edges: OutlineEdges) -> S
     sheet : Sheet
     edges : OutlineEdges
         The outline of the sheet, which lies inside of the other; its nodes do not move.
+    between : (k,) int64
+        Other nodes of the grid that become corners of triangles.
 
     Raises
     ------
@@ -74,10 +85,15 @@ def strip_between(points: OutlinePoints, sheet: Sheet, edges: OutlineEdges) -> S
         If the outline crosses or touches itself.
     """
     loops = loops_of(edges)
-    nodes = np.concatenate([np.zeros(0, np.int64), *loops])
-    rings = [*points.rings, *(sheet.xyz_of(loop)[:, :2] for loop in loops)]
-    # evenness is measured in pixels as well as in mm
-    return Strip(points, nodes, triangulated(rings, is_even=True))
+    pitch_mm, rows = sheet.placing.pitch_mm, sheet.shape.mask.shape[0]
+
+    def places_px(nodes: Nodes) -> Float64:
+        return sheet.shape.places_px(nodes) * (1, -1) + (0, rows)
+
+    rings = [*(ring / pitch_mm for ring in points.rings), *(places_px(loop) for loop in loops)]
+    faces = triangulated(rings, places_px(between), unit_mm=pitch_mm)
+    nodes = np.concatenate([*loops, between])
+    return Strip(points, nodes, faces, len(faces) - len(points.xy_mm) - len(nodes) - len(between))
 
 
 def loops_of(edges: OutlineEdges) -> list[Nodes]:

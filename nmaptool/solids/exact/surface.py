@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.grid import dilated
 from nmaptool.options.solid import SolidOptions
-from nmaptool.solids.exact.inner import inner_mask, inside_of
+from nmaptool.solids.exact.inner import inner_mask, inside_of, vertices_between
+from nmaptool.solids.exact.plate import PlateFront
 from nmaptool.solids.exact.rings import OutlinePoints
+from nmaptool.solids.exact.strip import strip_between
 from nmaptool.solids.folds import moved_within
 from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
 from nmaptool.solids.raised import RaisedFront, raised_front
@@ -20,6 +22,7 @@ from nmaptool.solids.sheet import Placing, Sheet
 from nmaptool.solids.smooth import has_soft_edges, smooth_foot_line
 from nmaptool.types.height import Height
 from nmaptool.types.relief import Relief
+from nmaptool.types.solid import Nodes
 
 # a raised motif keeps so many px from the strip along the outline
 _CLEAR_PX = 1
@@ -34,13 +37,21 @@ class Pixels:
     surface : Sheet or RaisedFront
     edges : OutlineEdges
         The outline of these pixels, in edges of single pixels.
+    between : (k,) int64
+        Nodes of the grid between them and the outline.
     deviation_px : float
         How far foot lines moved.
     """
 
     surface: Sheet | RaisedFront
     edges: OutlineEdges
+    between: Nodes
     deviation_px: float
+
+    @property
+    def rim(self) -> Sheet:
+        """The sheet that meets the strip along the outline."""
+        return self.surface.plate if isinstance(self.surface, RaisedFront) else self.surface
 
     @property
     def whole(self) -> Sheet:
@@ -57,6 +68,7 @@ def pixels_of(relief: Height | Relief, height: Height, points: OutlinePoints, op
         If the outline crosses itself or is not that of the domain, or a raised motif comes near to it.
     """
     inner = _inner_of(height, points)
+    between = np.flatnonzero(vertices_between(rings_px(points, height), inner))
     coverage = relief.coverage if isinstance(relief, Relief) else None
     motif = relief.foreground & height.domain if isinstance(relief, Relief) else np.zeros_like(inner)
     raised = height.raised if height.raised is not None and height.raised.any() else None
@@ -64,7 +76,7 @@ def pixels_of(relief: Height | Relief, height: Height, points: OutlinePoints, op
         _check_clear(raised, inner)
         is_smooth = _is_smooth(raised, coverage, options)
         front, deviation_px = raised_front(height, coverage, is_smooth, motif & ~raised, inner)
-        return Pixels(front, front.border(), deviation_px)
+        return Pixels(front, front.border(), between, deviation_px)
     shape = Shape(inner, find_splits(inner), keeps_heights=True)
     deviation_px = 0.0
     if motif.any() and (height.domain & ~motif).any() and _is_smooth(motif, coverage, options):
@@ -72,10 +84,15 @@ def pixels_of(relief: Height | Relief, height: Height, points: OutlinePoints, op
         shape = moved_within(foot, inner, np.zeros(0, np.int64))
         deviation_px = float(np.hypot(*shape.by_px.T).max(initial=0.0))
     sheet = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0))
-    return Pixels(sheet, outline_edges(inner, shape.splits), deviation_px)
+    return Pixels(sheet, outline_edges(inner, shape.splits), between, deviation_px)
 
 
-def rings_px(points: OutlinePoints, height: Height) -> list[np.ndarray[tuple[int, int], np.dtype[np.float64]]]:
+def front_of(pixels: Pixels, points: OutlinePoints, z_mm: Float64) -> PlateFront:
+    """The front of these pixels and a strip along the outline, with heights of the points of the outline."""
+    return PlateFront(pixels.surface, strip_between(points, pixels.rim, pixels.edges, pixels.between), z_mm)
+
+
+def rings_px(points: OutlinePoints, height: Height) -> list[Float64]:
     """The rings of an outline in px, x to the right and y down from the upper left corner of the picture."""
     flip = np.array([1.0, -1.0])
     return [ring / height.pitch_mm * flip + (0, height.frame.rows) for ring in points.rings]

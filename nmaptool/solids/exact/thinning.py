@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,8 +40,7 @@ class InnerThinning(Thinning):
     ) -> None:
         joined = np.zeros(front.z_mm.shape, bool)
         joined.ravel()[edges.start] = True
-        bent = _is_bent(front.z_mm) if back is None else _is_bent(front.z_mm) | _is_bent(back.z_mm)
-        joined &= dilated(bent, STRIP_PX)
+        joined &= bent_nearby([front.z_mm] if back is None else [front.z_mm, back.z_mm])
         super().__init__(front, edges, back, kept=joined if kept is None else joined | kept)
         self._sheets = 1 if back is None else 2
 
@@ -56,14 +56,15 @@ class InnerThinning(Thinning):
         return front.face_count + (0 if back is None else back.face_count) + self._sheets * len(edges.start)
 
 
-def _is_bent(z_mm: Float64) -> Mask:
-    """(H+1, W+1) bool: vertices at which neighbouring slopes differ."""
-    bent = np.zeros(z_mm.shape, bool)
-    for along in (0, 1):
-        z = np.moveaxis(z_mm, along, 0)
-        np.moveaxis(bent, along, 0)[1:-1] |= np.abs(z[:-2] - 2 * z[1:-1] + z[2:]) > _FLAT_MM
-    bent[1:, 1:] |= np.abs(z_mm[1:, 1:] - z_mm[1:, :-1] - z_mm[:-1, 1:] + z_mm[:-1, :-1]) > _FLAT_MM
-    return bent
+def bent_nearby(heights: Sequence[Float64]) -> Mask:
+    """(H+1, W+1) bool: vertices with places nearby where slopes of (H+1, W+1) heights change."""
+    bent = np.zeros(heights[0].shape, bool)
+    for z_mm in heights:
+        for along in (0, 1):
+            z = np.moveaxis(z_mm, along, 0)
+            np.moveaxis(bent, along, 0)[1:-1] |= np.abs(z[:-2] - 2 * z[1:-1] + z[2:]) > _FLAT_MM
+        bent[1:, 1:] |= np.abs(z_mm[1:, 1:] - z_mm[1:, :-1] - z_mm[:-1, 1:] + z_mm[:-1, :-1]) > _FLAT_MM
+    return dilated(bent, STRIP_PX)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nmaptool.core.arrays import Float64
+from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.errors import InputError
+from nmaptool.core.grid import found_in
 from nmaptool.types.solid import Nodes
 
 _PASSES = 200
@@ -15,20 +16,23 @@ _PASSES = 200
 _ROUNDING = 1e-9
 
 
-def triangulated(rings: Sequence[Float64], *, is_even: bool) -> Nodes:
+def triangulated(rings: Sequence[Float64], inside: Float64 | None = None, *, unit_mm: float = 1.0) -> Nodes:
     """Triangulate the area inside rings.
 
     Parameters
     ----------
     rings : sequence of (n, 2) float64
         Outer rings counter-clockwise, holes clockwise. Points may lie on one line.
-    is_even : bool
-        Whether to turn edges until the triangles are as little pointed as possible (Delaunay).
+    inside : (k, 2) float64, optional
+        Whole numbers: points away from the rings that become corners of triangles, too. If they are given, edges are
+        turned until the triangles are as little pointed as possible (Delaunay).
+    unit_mm : float
+        Size of the unit of the points, for messages.
 
     Returns
     -------
     (m, 3) int64
-        Rows of the concatenated rings, counter-clockwise, each of positive area.
+        Rows of the concatenated rings, then of the points inside, counter-clockwise, each of positive area.
 
     Raises
     ------
@@ -38,14 +42,15 @@ def triangulated(rings: Sequence[Float64], *, is_even: bool) -> Nodes:
     import manifold3d  # takes long to load
 
     points = np.concatenate(rings)
-    points = points - (points.min(axis=0) + points.max(axis=0)) / 2
-    ends = np.cumsum([len(ring) for ring in rings])
-    faces = np.asarray(manifold3d.triangulate(np.split(points, ends[:-1])), np.int64)
-    if is_even or (_areas(points, faces) <= 0).any():
+    faces = np.asarray(manifold3d.triangulate(list(rings)), np.int64)
+    if inside is not None or (_areas(points, faces) <= 0).any():
         faces = _turned(points, faces)
     bad = np.flatnonzero(_areas(points, faces) <= 0)
+    if inside is not None and len(inside) and not len(bad):
+        points, faces = _with_points(points, faces, inside)
+        bad = np.flatnonzero(_areas(points, faces) <= 0)
     if len(bad) or not len(faces):
-        x, y = np.concatenate(rings)[faces[bad[0]] if len(bad) else 0].reshape(-1, 2)[0]
+        x, y = points[faces[bad[0], 0] if len(bad) else 0] * unit_mm
         raise InputError(
             f"the outline crosses or touches itself near x = {x:.6g} mm, y = {y:.6g} mm; its rings must neither cross "
             "each other nor themselves"
@@ -82,6 +87,47 @@ def _turned(points: Float64, faces: Nodes) -> Nodes:
         faces[first[chosen] // 3] = np.stack([a, d, c], axis=1)
         faces[second[chosen] // 3] = np.stack([d, b, c], axis=1)
     return faces
+
+
+def _with_points(points: Float64, faces: Nodes, inside: Float64) -> tuple[Float64, Nodes]:
+    """Insert points, in each round one into each triangle that has some, and turn edges after each round."""
+    count, points = len(points), np.concatenate([points, inside])
+    waiting = np.ones(len(inside), bool)
+    while waiting.any():
+        face, point = _found_in(points, faces, inside, waiting)
+        face, first = np.unique(face, return_index=True)
+        point, first = np.unique(point[first], return_index=True)
+        face = face[first]
+        if not len(face):
+            return points, faces[:0]  # some points lie outside: the rings cross
+        a, b, c = faces[face].T
+        p = count + point
+        faces[face] = np.stack([a, b, p], axis=1)
+        faces = np.concatenate([faces, np.stack([b, c, p], axis=1), np.stack([c, a, p], axis=1)])
+        faces = _turned(points, faces)
+        waiting[point] = False
+    return points, faces
+
+
+def _found_in(points: Float64, faces: Nodes, inside: Float64, waiting: Mask) -> tuple[Nodes, Nodes]:
+    """Triangles and the waiting points in them, pair by pair."""
+    corners = points[faces]
+    low = np.ceil(corners.min(axis=1) - _ROUNDING).astype(np.int64)
+    span = np.maximum(np.floor(corners.max(axis=1) + _ROUNDING).astype(np.int64) - low + 1, 0)
+    count = span[:, 0] * span[:, 1]
+    face = np.repeat(np.arange(len(faces)), count)
+    step = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)
+    down, across = np.divmod(step, span[face, 0])
+    wide = 1 << 31
+    places = np.rint(inside[waiting]).astype(np.int64)
+    codes = places[:, 1] * wide + places[:, 0]
+    order = np.argsort(codes)
+    at = found_in(codes[order], (low[face, 1] + down) * wide + low[face, 0] + across)
+    face, point = face[at >= 0], np.flatnonzero(waiting)[order[at[at >= 0]]]
+    a, b, c = (corners[face, number] for number in range(3))
+    p = inside[point]
+    within = (_cross(b - a, p - a) >= 0) & (_cross(c - b, p - b) >= 0) & (_cross(a - c, p - c) >= 0)
+    return face[within], point[within]
 
 
 def _pairs(faces: Nodes, count: int) -> tuple[Nodes, Nodes]:
