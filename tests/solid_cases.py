@@ -7,9 +7,11 @@ from types import SimpleNamespace
 import manifold3d
 import numpy as np
 import trimesh
+from matplotlib.path import Path
 from scipy import ndimage
 
 import nmaptool as nm
+from nmaptool.types.contours import Contours
 
 PLATE = SimpleNamespace(options=nm.ReliefOptions())  # stands for a report: all that a solid asks of it
 
@@ -61,6 +63,48 @@ def random_options(seed: int) -> nm.SolidOptions:
     backs = ({"base": "3mm"}, {"base": "3mm", "hollow": "0.5mm"}, {"shell": "0.4mm"})
     back = {name: nm.length(text) for name, text in backs[rng.integers(3)].items()}
     return nm.SolidOptions(outline=str(rng.choice(["auto", "exact", "smooth"])), **back)  # type: ignore[arg-type]
+
+
+def circle(x: float, y: float, radius: float, corners: int, *, is_hole: bool = False) -> np.ndarray:
+    """(n, 2) corners on a circle in mm."""
+    angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)
+    ring = np.column_stack([x + radius * np.cos(angle), y + radius * np.sin(angle)])
+    return ring[::-1].copy() if is_hole else ring
+
+
+def plate(rings, z, rows: int, cols: int, pitch_mm: float = 0.1, raised=None, tolerance_mm: float = 0.0) -> nm.Height:
+    """A plate with an exact outline; ``z`` are heights, or a function of x and y in mm, y up."""
+    x, y = np.meshgrid(np.arange(cols + 1) * pitch_mm, (rows - np.arange(rows + 1)) * pitch_mm)
+    z_mm = np.asarray(z(x, y) if callable(z) else z, np.float64) + np.zeros(x.shape)
+    centres = np.column_stack([each.ravel() + 0.5 * pitch_mm for each in (x[:-1, :-1], y[1:, :-1])])
+    inside = np.zeros(rows * cols, bool)
+    for ring in rings:
+        inside ^= Path(np.concatenate([ring, ring[:1]])).contains_points(centres)
+    domain = inside.reshape(rows, cols)
+    outline = Contours(tuple(np.asarray(ring, np.float64) for ring in rings), tolerance_mm)
+    return nm.Height(z_mm, domain, nm.Frame(rows, cols, pitch_mm=pitch_mm), raised, outline)
+
+
+def random_plate(seed: int) -> nm.Height:
+    """A star with random corners, for most seeds with a hole, on a grid from 3 to 60 px; random heights."""
+    rng = np.random.default_rng([seed, 2])
+    rows, cols = (int(side) for side in rng.integers(3, 60, 2))
+    pitch_mm = float(rng.choice([0.05, 0.1, 0.5]))
+    middle = np.array([cols, rows]) / 2 * pitch_mm
+    reach = middle.min() * 0.99
+    least = rng.uniform(0.1, 0.95)
+    rings = [_star(rng, middle, least * reach, reach, int(rng.integers(5, 40)))]
+    if rng.random() < 0.6:
+        rings.append(_star(rng, middle, 0.05 * least * reach, 0.2 * least * reach, int(rng.integers(5, 20)))[::-1])
+    noise = ndimage.gaussian_filter(rng.standard_normal((rows + 1, cols + 1)), rng.choice([0.3, 1, 3]))
+    return plate(rings, np.maximum(noise * rng.choice([0.4, 4.0, 12.0]) * pitch_mm, -2.9), rows, cols, pitch_mm)
+
+
+def _star(rng: np.random.Generator, middle: np.ndarray, least: float, most: float, corners: int) -> np.ndarray:
+    """(n, 2) corners around a point, at random distances and angles."""
+    angle = (np.arange(corners) + rng.uniform(0.0, 0.8, corners)) * 2 * np.pi / corners
+    away = rng.uniform(least, most, corners)[:, None]
+    return middle + away * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
 def check_solid(solid: nm.Solid) -> None:

@@ -32,7 +32,9 @@ def shell_back(z_mm: Float64, mask: Mask, thickness_mm: float, pitch_mm: float) 
     return np.where(np.isfinite(z), z, 0.0)
 
 
-def hollow_back(z_mm: Float64, mask: Mask, wall_mm: float, base_mm: float, pitch_mm: float) -> Float64:
+def hollow_back(
+    z_mm: Float64, mask: Mask, wall_mm: float, base_mm: float, pitch_mm: float, whole: Mask | None = None
+) -> Float64:
     """(H+1, W+1) float64 heights of a back with a pocket: walls and front are at least so thick.
 
     Parameters
@@ -44,15 +46,19 @@ def hollow_back(z_mm: Float64, mask: Mask, wall_mm: float, base_mm: float, pitch
     wall_mm, base_mm : float
         Thickness of what is left; how far the back lies below height 0.
     pitch_mm : float
+    whole : (H, W) bool, optional
+        Pixels of the front that an exact outline does not cut. Default: all of them.
     """
     from scipy import ndimage  # takes long to load
 
-    padded = np.pad(mask, 1)
+    padded = np.pad(mask if whole is None else whole, 1)
+    # the side of the pocket reaches to the neighbours of its vertices, diagonal ones beside an exact outline
+    side_mm = pitch_mm if whole is None else math.sqrt(2) * pitch_mm
     # distance of each vertex from the nearest vertex of the outside, the outline's included
     outside = touching_vertices(~padded)
     to_outline = ndimage.distance_transform_edt(~outside)[1:-1, 1:-1] * pitch_mm
     pocket = shell_back(z_mm, mask, wall_mm, pitch_mm)
-    return np.where(to_outline > wall_mm + pitch_mm, np.maximum(pocket, -base_mm), -base_mm)
+    return np.where(to_outline > wall_mm + side_mm, np.maximum(pocket, -base_mm), -base_mm)
 
 
 def _eroded(z: Float64, axis: int, reach: int, rise: float) -> Float64:

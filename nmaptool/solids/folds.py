@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
-from nmaptool.core.grid import found_in
-from nmaptool.solids.outline import CORNERS, corner_nodes
+from nmaptool.core.grid import found_in, touching_vertices
+from nmaptool.solids.outline import CORNERS, corner_nodes, find_splits
 from nmaptool.solids.shape import Shape
 from nmaptool.types.solid import Nodes
 
@@ -47,6 +47,30 @@ def without_folds(shape: Shape, is_fixed: Mask) -> Shape:
     where, falls = pixels.numbers[forced], (falling > rising)[forced]
     order = np.argsort(where)
     return Shape(shape.mask, shape.splits, shape.moved, by_px, where[order], falls[order])
+
+
+def moved_within(shape: Shape, inner: Mask, fixed: Nodes) -> Shape:
+    """The moves of the nodes that have pixels of a mask on all sides.
+
+    Parameters
+    ----------
+    shape : Shape
+        Without split vertices.
+    inner : (H, W) bool
+        Pixels that touch only at sides.
+    fixed : (k,) int64
+        Moved nodes whose moves stay.
+
+    Returns
+    -------
+    Shape
+        Of the mask; its moved nodes keep the heights of their vertices.
+    """
+    outside = touching_vertices(np.pad(~inner, 1, constant_values=True))[1:-1, 1:-1]
+    kept = ~outside.ravel()[shape.moved]
+    within = Shape(inner, find_splits(inner), shape.moved[kept], shape.by_px[kept])
+    within = without_folds(within, np.isin(within.moved, fixed))
+    return replace(within, keeps_heights=True)
 
 
 @dataclass(frozen=True, eq=False)

@@ -125,14 +125,7 @@ def back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOpt
         # moved nodes are as far behind the front as the vertices that they come from
         behind = front.z_of_moved - (front.z_mm - z_mm).ravel()[shape.vertex_of(shape.moved)]
         return Sheet(z_mm, shape, front.placing, -1, first, behind, diagonals_of=front)
-    assert options.base is not None
-    base_mm = in_mm(options.base, height) - zero_mm
-    deepest = -front.z_range()[0]
-    if deepest >= base_mm:
-        raise InputError(
-            f"`base='{options.base}'`: the relief reaches {deepest:.4g} mm below height 0, so its base must be "
-            f"thicker, such as `base='{deepest + 1:.1f}mm'`"
-        )
+    base_mm = base_below(height, options, zero_mm, front.z_range()[0])
     if options.hollow is not None:
         z_mm = hollow_back(front.z_mm, shape.mask, in_mm(options.hollow, height), base_mm, height.pitch_mm)
         moved = z_mm.ravel()[shape.vertex_of(shape.moved)]
@@ -142,6 +135,18 @@ def back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOpt
     on = outline[shape.moved]  # nodes of a foot line stay on the grid
     flat = dataclasses.replace(shape, moved=shape.moved[on], by_px=shape.by_px[on])
     return FlatBack(flat, front.placing, -base_mm, first, edges, pixels_touching(flat.moved, flat))
+
+
+def base_below(height: Height, options: SolidOptions, zero_mm: float, lowest_mm: float) -> float:
+    """How far a flat back lies below height 0, in mm; the lowest point of the front must lie above it."""
+    assert options.base is not None
+    base_mm = in_mm(options.base, height) - zero_mm
+    if -lowest_mm >= base_mm:
+        raise InputError(
+            f"`base='{options.base}'`: the relief reaches {-lowest_mm:.4g} mm below height 0, so its base must be "
+            f"thicker, such as `base='{1 - lowest_mm:.1f}mm'`"
+        )
+    return base_mm
 
 
 def in_mm(length: Length, height: Height) -> float:

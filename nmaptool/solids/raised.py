@@ -13,6 +13,7 @@ from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.grid import touching_vertices
 from nmaptool.solids.flat_back import FlatBack
+from nmaptool.solids.folds import moved_within
 from nmaptool.solids.integral import volume_below
 from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
 from nmaptool.solids.piece import Back, lowest_of, volume_below_back
@@ -75,9 +76,9 @@ class RaisedFront:
 
     @property
     def whole(self) -> Sheet:
-        """The lower of motif and plate at each vertex, over the whole picture: what a back must stay behind."""
+        """The lower of motif and plate at each vertex: what a back must stay behind."""
         motif, plate = self.motif, self.plate
-        mask = np.ones_like(motif.shape.mask)
+        mask = motif.shape.mask | plate.shape.mask
         shape = Shape(mask, find_splits(mask), plate.shape.moved, plate.shape.by_px, keeps_heights=True)
         inner = touching_vertices(motif.shape.mask) & ~touching_vertices(plate.shape.mask)
         outline = touching_vertices(motif.shape.mask) & ~inner
@@ -101,8 +102,16 @@ class RaisedFront:
         yield from self.plate.parts()
 
 
+class InsetFront(RaisedFront):
+    """A motif that stands well inside its plate: the plate has the whole border."""
+
+    def _on_border(self, edges: OutlineEdges) -> Mask:
+        on: Mask = ~np.isin(edges.start, self.motif_edges.start)
+        return on
+
+
 def raised_front(
-    height: Height, coverage: Float32 | None, is_smooth: bool, beside: Mask | None = None
+    height: Height, coverage: Float32 | None, is_smooth: bool, beside: Mask | None = None, inner: Mask | None = None
 ) -> tuple[RaisedFront, float]:
     """The front of a height field with a raised motif.
 
@@ -116,6 +125,8 @@ def raised_front(
         Whether the outline follows the coverage.
     beside : (H, W) bool, optional
         Rest of the motif, which runs down into the plate. It must not touch what is raised.
+    inner : (H, W) bool, optional
+        Pixels of the plate and the motif, which lies well inside. Default: the whole picture.
 
     Returns
     -------
@@ -141,12 +152,15 @@ def raised_front(
         deviation_px = float(np.hypot(*around.by_px.T).max(initial=0.0))
     placing = Placing(height.pitch_mm, 0, 0)
     motif = Sheet(_in_range(height, shape, placing), shape, placing)
-    other = ~mask
+    if inner is not None:
+        around = moved_within(around, inner, shape.moved)
+    other = ~mask if inner is None else inner & ~mask
     moved = dataclasses.replace(around, mask=other, splits=find_splits(other), keeps_heights=True)
     plate = Sheet(height.plate_mm(), moved, placing, 1, shape.node_count)
     edges = outline_edges(mask, shape.splits)
     _check_walls(motif.z_of(edges.start))
-    return RaisedFront(motif, plate, edges, outline_edges(other, moved.splits)), deviation_px
+    front = RaisedFront if inner is None else InsetFront
+    return front(motif, plate, edges, outline_edges(other, moved.splits)), deviation_px
 
 
 def _only(mask: Mask, coverage: Float32) -> Float32:

@@ -12,6 +12,7 @@ from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.grid import touching_vertices
 from nmaptool.options.solid import SolidOptions
+from nmaptool.solids.exact.build import plate_solid
 from nmaptool.solids.flat_back import FlatBack, rectangle_corners
 from nmaptool.solids.outline import find_splits, outline_edges
 from nmaptool.solids.piece import Back, Piece, back_of, bounds_of, in_mm, pocket_mm3
@@ -35,7 +36,8 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     Parameters
     ----------
     relief : Height or Relief
-        A relief has the coverage of its outline, a height field only its pixels.
+        A relief has the coverage of its outline, a height field only its pixels. A height field with an ``outline``
+        becomes a plate with exactly this outline.
     options : SolidOptions, optional
         Default: the open surface with two triangles for each pixel.
 
@@ -60,6 +62,8 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     """
     options = options or SolidOptions()
     height = as_height(relief)
+    if height.outline is not None:
+        return plate_solid(relief, height, options)
     coverage = relief.coverage if isinstance(relief, Relief) else None
     raised = raised_mask(height)
     if raised is not None:

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -156,14 +157,33 @@ class Thinning:
         return ThinnedSheet.of(self._front, mesh, self._beside), edges, back
 
 
+class Thinnable(Protocol):
+    """A part of a solid that can have fewer triangles, such as `Thinning`; a mesh has its error in ``max_error_mm``."""
+
+    def steps(self) -> list[Steps]:
+        """Tolerances at which vertices come in, and how many triangles each brings."""
+
+    def fewest(self) -> int:
+        """Triangles at any error."""
+
+    def at(self, bound_mm: float) -> Any:
+        """The mesh for a value of `steps`."""
+
+    def within(self, max_error_mm: float) -> Any:
+        """The mesh for an error."""
+
+    def with_mesh(self, mesh: Any) -> Any:
+        """What the mesh makes of the part."""
+
+
 def thin_pieces(
-    pieces: Sequence[Thinning], max_error_mm: float | None, triangles: int | None, given: str | None
-) -> tuple[list[Surfaces], float]:
+    pieces: Sequence[Thinnable], max_error_mm: float | None, triangles: int | None, given: str | None
+) -> tuple[list[Any], float]:
     """Thin the pieces of a solid.
 
     Parameters
     ----------
-    pieces : sequence of Thinning
+    pieces : sequence of Thinning or others of that kind
     max_error_mm : float, optional
     triangles : int, optional
         At most so many in all pieces together, if no error is given.
@@ -172,7 +192,8 @@ def thin_pieces(
 
     Returns
     -------
-    pieces : list of Surfaces
+    pieces : list
+        Of each the value of its ``with_mesh``; of `Thinning` front, outline and back.
     max_error_mm : float
         What was reached.
 

@@ -22,6 +22,10 @@ def describe_solid(solid: Solid) -> Iterator[str]:
         yield "the mesh is an open surface; add `base='2mm'` for a solid"
     if facts["outline"] == "smooth":
         yield f"outline smoothed, at most {facts['outline_deviation_mm']:.3g} mm from the pixels"
+    if facts["outline"] == "curve":
+        tolerance_mm = facts["outline_tolerance_mm"]
+        within = f" within {tolerance_mm:.3g} mm" if tolerance_mm else ""
+        yield f"the outline follows its curve{within} and encloses {facts['area_mm2']:.5g} mm2"
     if facts.get("split_corners"):
         corners = counted(facts["split_corners"], "corner")
         yield f"separated {corners} where pixels of the mask only touch; fill a pixel there to join them"
