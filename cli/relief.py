@@ -15,6 +15,7 @@ from nmaptool.options.fields import choice_of, option
 from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS, is_recipe
 from nmaptool.options.kinds import Switch
 from nmaptool.options.plain_values import plain_values
+from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
 from nmaptool.options.relief_presets import PresetOptions
 from nmaptool_cli.command import command
 from nmaptool_cli.outputs import FileOf, ReportOutputs
@@ -79,7 +80,10 @@ class ReliefOutputs(ReportOutputs):
         return relief_outputs(self.output, preview=self.preview, at=self.at, **self.shared)
 
 
-@command(ReliefFiles, ReliefOutputs, PresetOptions, ReliefOptions, SolidOptions, ReadOptions)
+@command(
+    *(ReliefFiles, ReliefOutputs, PresetOptions, ReliefOptions),
+    *(PlateOptions, FrameOptions, TextOptions, SolidOptions, MachineOptions, ReadOptions),
+)
 def relief(run: Run, map: str, /) -> None:
     """Make a relief in millimetres from one or two normal maps, or from a recipe.
 

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 from nmaptool.core.progress import Progress
 from nmaptool.options import ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
 from nmaptool.options.fields import Options
+from nmaptool.options.plates import MachineOptions
 from nmaptool.options.relief_presets import PresetOptions
 from nmaptool_cli.inputs import read_grey, read_map
+from nmaptool_cli.plate_sources import machine_values, plate_of, read_design
 from nmaptool_cli.run import Run
 
 if TYPE_CHECKING:
@@ -36,6 +38,9 @@ class Work:
         More entries of the report.
     notes : list of str
         More messages.
+    design : PlateDesign or None
+        The plate to put the relief on.
+    machine : MachineOptions
     """
 
     arguments: Mapping[str, Any]
@@ -43,12 +48,18 @@ class Work:
     read_s: float
     facts: Mapping[str, Any] = field(default_factory=dict)
     notes: Sequence[str] = ()
+    design: nm.PlateDesign | None = None
+    machine: MachineOptions = field(default_factory=MachineOptions)
 
     def solved(self, progress: Progress | None) -> nm.Relief:
         """The relief; its report states the seconds of reading."""
         import nmaptool as nm
 
-        result = nm.relief(**self.arguments, progress=progress)
+        if self.design is not None:
+            result = nm.plate(**self.arguments, design=self.design, progress=progress)
+        else:
+            arguments = nm.inputs_at_pitch(self.arguments, self.machine)
+            result = nm.relief(**arguments, progress=progress)
         report = dataclasses.replace(result.report, seconds={"reading": self.read_s, **result.report.seconds})
         return dataclasses.replace(result, report=report)
 
@@ -67,6 +78,8 @@ class Sources:
         Names of the files besides the map, by role, for messages.
     options : ReliefOptions
     solid : SolidOptions
+    plate : RecipePlate
+        Without a shape, there is no plate.
     recipe : Recipe or None
     """
 
@@ -75,23 +88,41 @@ class Sources:
     files: Mapping[str, str | None]
     options: ReliefOptions
     solid: SolidOptions
+    plate: nm.RecipePlate
     recipe: nm.Recipe | None = None
 
     def read(self, run: Run, files: Mapping[str, Any], progress: Progress | None) -> Work:
         """Read the inputs."""
-        return _read_maps(run, self.options, files) if self.recipe is None else _read_recipe(run, self.recipe, progress)
+        folder = "" if self.recipe is None else self.recipe.folder
+        design = read_design(self.plate, folder)
+        is_maps = self.recipe is None
+        work = _read_maps(run, self.options, files) if is_maps else _read_recipe(run, self.recipe, progress)
+        return dataclasses.replace(work, design=design, machine=MachineOptions(**self.plate.machine))
 
 
 def map_sources(run: Run) -> Sources:
     """The sources of a relief of maps."""
     files = asdict(run[ReliefFiles])
     options = ReliefOptions(**_given(run, ReliefOptions))
-    return Sources("original", files, files, options, SolidOptions(**_given(run, SolidOptions)))
+    solid = SolidOptions(**_solid(run, {}))
+    return Sources("original", files, files, options, solid, plate_of(run, None))
 
 
 def _given(run: Run, options: type[Options]) -> dict[str, Any]:
     """What the preset and the flags say."""
     return {**run[PresetOptions].values_of(options), **run.named(options)}
+
+
+def _solid(run: Run, own: Mapping[str, Any]) -> dict[str, Any]:
+    """What the machine, a recipe, the preset and the flags say about the solid, the last one first."""
+    preset = {name: value for name, value in _given(run, SolidOptions).items() if value is not None}
+    given = {**own, **preset, **run.named(SolidOptions)}
+    machine = machine_values(run, SolidOptions)
+    if given.get("triangles") is not None:
+        machine.pop("max_error", None)
+    if given.get("shell") is not None:
+        machine.pop("base", None)
+    return {**machine, **given}
 
 
 def recipe_sources(run: Run, name: str) -> Sources:
@@ -106,14 +137,16 @@ def recipe_sources(run: Run, name: str) -> Sources:
     relief = nm.RecipeRelief(
         dataclasses.replace(own.files, **flags),
         {**own.options, **_given(run, ReliefOptions)},
-        {**own.solid, **_given(run, SolidOptions)},
+        _solid(run, own.solid),
     )
+    plate = plate_of(run, recipe.plate)
     recipe = dataclasses.replace(recipe, relief=relief)
     place = Path(recipe.folder)
     files = {role: None if file is None else str(place / file) for role, file in asdict(relief.files).items()}
     read = (*recipe.sources, *recipe.files)
     inputs = {"files": tuple(str(place / file) for file in read), **files}
-    return Sources("recipe", inputs, files, ReliefOptions(**relief.options), SolidOptions(**relief.solid), recipe)
+    options, solid = ReliefOptions(**relief.options), SolidOptions(**relief.solid)
+    return Sources("recipe", inputs, files, options, solid, plate, recipe)
 
 
 def _read_maps(run: Run, options: ReliefOptions, files: Mapping[str, Any]) -> Work:

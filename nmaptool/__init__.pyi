@@ -30,6 +30,7 @@ from .filters.split import split as split
 from .filters.train import TrainingExample as TrainingExample
 from .filters.train import train as train
 from .filters.train import training_example as training_example
+from .io.designs import read_design as read_design
 from .io.filter_files import read_filter_model as read_filter_model
 from .io.filter_files import read_training as read_training
 from .io.fonts import read_font as read_font
@@ -96,6 +97,13 @@ from .options.formats import WORKSPACE_FORMATS as WORKSPACE_FORMATS
 from .options.formats import FileFormat as FileFormat
 from .options.formats import MapFormat as MapFormat
 from .options.formats import WorkspaceFormat as WorkspaceFormat
+from .options.plates import MACHINES as MACHINES
+from .options.plates import FrameOptions as FrameOptions
+from .options.plates import MachineOptions as MachineOptions
+from .options.plates import PlateOptions as PlateOptions
+from .options.plates import TextOptions as TextOptions
+from .plates.plate import plate as plate
+from .plates.resampling import inputs_at_pitch as inputs_at_pitch
 from .reconstruction.reconstruct import reconstruct as reconstruct
 from .reconstruction.smooth import smooth as smooth
 from .reliefs.inputs import pitch_of as pitch_of
@@ -131,11 +139,14 @@ from .types.packed_map import PackedMap as PackedMap
 from .types.picture import DepthFacts as DepthFacts
 from .types.picture import Frame as Frame
 from .types.picture import RasterImage as RasterImage
+from .types.plate import PlateDesign as PlateDesign
+from .types.plate import PlateReport as PlateReport
 from .types.recipe import Recipe as Recipe
 from .types.recipe import RecipeGroup as RecipeGroup
 from .types.recipe import RecipeLayer as RecipeLayer
 from .types.recipe import RecipeLink as RecipeLink
 from .types.recipe import RecipeRelief as RecipeRelief
+from .types.recipe_plate import RecipePlate as RecipePlate
 from .types.reconstruction import Reconstruction as Reconstruction
 from .types.reconstruction import ReconstructReport as ReconstructReport
 from .types.reconstruction import SmoothReport as SmoothReport

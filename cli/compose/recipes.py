@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 @contextmanager
 def errors_of(stack: nm.Stack) -> Iterator[None]:
     """Make errors that are raised within name the recipe and its keys: ``at``, not ``--at``."""
-    from nmaptool.composition.recipe_parsing import with_recipe_keys
+    from nmaptool.composition.recipe_values import with_recipe_keys
 
     try:
         yield

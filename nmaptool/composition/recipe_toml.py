@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from typing import Any
 
-from nmaptool.composition.recipe_parsing import number_text
+from nmaptool.composition.plate_parsing import tables_of
+from nmaptool.composition.recipe_values import number_text
 from nmaptool.core.errors import InputError
 from nmaptool.core.units import Length, Offset
 from nmaptool.options import CanvasOptions, GroupOptions, LayerOptions, ReliefFiles
@@ -45,6 +46,9 @@ def to_toml(recipe: Recipe) -> str:
         lines = ["[canvas]", *lines, ""]
     if recipe.relief is not None:
         lines += [*_relief(recipe.relief), ""]
+    if recipe.plate is not None:
+        for heading, values in tables_of(recipe.plate):
+            lines += [heading, *_pairs({key: value for key, value in values.items() if value is not None}), ""]
     for layer in recipe.layers:
         lines += _entry(layer, "layer")
     return "\n".join(lines)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from nmaptool.composition.recipe_parsing import known_keys, relief_of
+from nmaptool.composition.recipe_parsing import relief_of
 from nmaptool.composition.recipe_places import LineOf, Place
+from nmaptool.composition.recipe_values import known_keys
 from nmaptool.types.recipe import RecipeRelief
 
 

@@ -102,7 +102,8 @@ def beads(cross: Cross, depth_mm: Float64, points_mm: Float64, outline: Contours
     centres = np.concatenate([_evenly(ring, 2 * radius * _BEAD_SPACING) for ring in line.rings])
     distance, _ = cKDTree(centres).query(points_mm.reshape(-1, 2), distance_upper_bound=radius, workers=-1)
     share = np.minimum(distance / radius, 1.0).reshape(depth_mm.shape)
-    return np.maximum(_rim_profile(cross, rim, depth_mm), np.sqrt(np.maximum(0.0, 1 - share**2)))
+    out: Float64 = np.maximum(_rim_profile(cross, rim, depth_mm), np.sqrt(np.maximum(0.0, 1 - share**2)))
+    return out
 
 
 def _rim_of(cross: Cross) -> tuple[float, float]:

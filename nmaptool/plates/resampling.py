@@ -11,7 +11,10 @@ import numpy as np
 from nmaptool.composition.transform import transform
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import LimitError, UsageError
-from nmaptool.options import TransformOptions
+from nmaptool.core.units import Length
+from nmaptool.options import ReliefOptions, TransformOptions
+from nmaptool.options.plates import MachineOptions
+from nmaptool.reliefs.inputs import pitch_of
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import as_normal_map
 from nmaptool.types.normal_map import NormalMap
@@ -68,3 +71,48 @@ def _resized_grey(values: Float32, cols: int, rows: int) -> Float32:
     smaller = cols < values.shape[1]
     method = cv2.INTER_AREA if smaller else cv2.INTER_LINEAR
     return np.asarray(cv2.resize(values, (cols, rows), interpolation=method), np.float32)
+
+
+def inputs_at_pitch(inputs: Mapping[str, Any], machine: MachineOptions) -> dict[str, Any]:
+    """The inputs of a relief at the pitch of a machine, for a relief without a plate.
+
+    Parameters
+    ----------
+    inputs : mapping
+        Arguments of `nmaptool.relief`, with its options.
+    machine : MachineOptions
+        Without ``pitch``, the inputs stay as they are.
+
+    Returns
+    -------
+    dict
+        Arguments of `nmaptool.relief`.
+
+    Raises
+    ------
+    LimitError
+        If the new size has more than 270 megapixels.
+    UsageError
+        If the curved background is a height field.
+
+    Examples
+    --------
+    >>> flat = np.zeros((20, 50, 3))
+    >>> flat[..., 2] = 1
+    >>> options = nm.ReliefOptions(width=nm.length("10mm"))
+    >>> nm.inputs_at_pitch({"original": flat, "options": options}, nm.MachineOptions(pitch="0.1mm"))["original"].frame
+    Frame(rows=40, cols=100, pitch_mm=0.1)
+    """
+    if machine.pitch is None:
+        return dict(inputs)
+    options = inputs.get("options") or ReliefOptions()
+    original = as_normal_map(inputs["original"], "the original")
+    pitch_mm, _ = pitch_of(original, options)
+    frame = original.frame
+    cols, rows = (max(4, round(n * pitch_mm / machine.pitch.to_mm(1.0, 1))) for n in (frame.cols, frame.rows))
+    if (cols, rows) == (frame.cols, frame.rows):
+        return dict(inputs)
+    new_mm = pitch_mm * frame.cols / cols
+    maps = {name: value for name, value in inputs.items() if name != "options"}
+    width = Length(new_mm * cols, "mm")
+    return {**resampled(maps, cols, rows, new_mm), "options": dataclasses.replace(options, width=width)}

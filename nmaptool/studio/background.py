@@ -6,7 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-from nmaptool.composition.recipe_parsing import with_recipe_keys
+from nmaptool.composition.recipe_values import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.progress import Progress
 from nmaptool.studio.files.store import Store

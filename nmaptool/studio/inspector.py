@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from nmaptool.composition.recipe_parsing import with_recipe_keys
+from nmaptool.composition.recipe_values import with_recipe_keys
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.core.mentions import mentions_in
 from nmaptool.io.pictures.normal_maps import read_raster, split_layer

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from nmaptool.composition.recipe_parsing import with_recipe_keys
+from nmaptool.composition.recipe_values import with_recipe_keys
 from nmaptool.core.arrays import Mask
 from nmaptool.core.errors import NmaptoolError
 from nmaptool.io.recipes.stacks import PictureCache

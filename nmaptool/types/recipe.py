@@ -20,6 +20,7 @@ from nmaptool.options import (
     ReliefOptions,
     SolidOptions,
 )
+from nmaptool.types.recipe_plate import RecipePlate
 from nmaptool.types.shown import OneLine, counted
 
 # limits for nested groups and recipes, and for all layers: larger recipes are mistakes or attacks
@@ -236,6 +237,8 @@ class Recipe(OneLine):
         What was ignored when it was read.
     relief : RecipeRelief, optional
         How the composed map becomes a relief. None: not stated; the default options.
+    plate : RecipePlate, optional
+        The plate that the relief is put on, with frame and lettering.
 
     Raises
     ------
@@ -250,6 +253,7 @@ class Recipe(OneLine):
     sources: tuple[str, ...] = field(default=(), compare=False)
     notes: tuple[str, ...] = field(default=(), compare=False)
     relief: RecipeRelief | None = None
+    plate: RecipePlate | None = None
 
     def __post_init__(self) -> None:
         if not self.layers:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from nmaptool.composition.recipe_parsing import with_recipe_keys
+from nmaptool.composition.recipe_values import with_recipe_keys
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError, LimitError, NmaptoolError
 from nmaptool.io.pictures.normal_maps import read_grey, read_normal_map, split_layer
