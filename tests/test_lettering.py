@@ -15,6 +15,7 @@ from nmaptool.core.curves import flatten_bezier
 from nmaptool.lettering.place import straight
 from nmaptool.lettering.rings import united
 from nmaptool.lettering.shaping import lay_out, lay_out_lines
+from nmaptool.options.plates.text import TextOptions
 from nmaptool.types.contours import ring_area
 
 
@@ -169,3 +170,20 @@ def test_repr_of_a_line(sans):
 def test_what_cannot_be_laid_out_is_refused(sans, text, changes, error, message):
     with pytest.raises(error, match=message):
         lay_out(sans, text, **{"size_mm": 2.0, **changes})
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"text": "A\\nB", "text_path": "arc"}, "only a straight text has several lines, `text_path='line'`"),
+        ({"text": "\\n "}, "is empty; give at least one letter"),
+        ({"text_spacing": 9.0}, r"`text_spacing=9`: must lie between 0.5 and 5, such as 1.1"),
+    ],
+)
+def test_options_of_a_text_are_checked(values, message):
+    with pytest.raises(nm.UsageError, match=message):
+        TextOptions(**values)
+
+
+def test_a_command_line_may_write_a_line_break_as_two_characters():
+    assert TextOptions(text="A\\nB").wording == TextOptions(text=" A\nB").wording == "A\nB"

@@ -10,9 +10,8 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError, UsageError
-from nmaptool.lettering.curve import curve_around
-from nmaptool.lettering.place import along, repeated, spread, straight
-from nmaptool.lettering.shaping import lay_out
+from nmaptool.lettering.place import around, straight
+from nmaptool.lettering.shaping import lay_out, lay_out_lines
 from nmaptool.lettering.strokes import thinnest_stroke_mm
 from nmaptool.options.plates import TextOptions
 from nmaptool.plates.board import Board
@@ -105,29 +104,27 @@ def _placed(text: TextOptions, layout: Layout, outline: Contours, design: PlateD
         raise UsageError(f"`font={text.font!r}`: the design lacks this font; read it with read_design")
     font, size = design.fonts[text.font], layout.sizes.text(text)
     if text.text_path == "line":
-        written = text.text.replace("\\n", "\n").split("\n")
-        lines = [lay_out(font, line, size, text.text_spacing) for line in written if line.strip()]
+        lines = lay_out_lines(font, text.wording, size, text.text_spacing)
         left, top = layout.middle_mm + np.array([-layout.width_mm, layout.height_mm]) / 2
         across, down = text.middle
         x = left + layout.sizes.along_mm(across, layout.width_mm)
         y = top - layout.sizes.along_mm(down, layout.height_mm)
         contours = straight(lines, text.text_rotate).moved(float(x), float(y))
-        length = max(line.advance_mm for line in lines)
+        length = max(line.advance_mm for line in lines if line is not None)
     else:
-        line = lay_out(font, text.text, size, text.text_spacing)
-        curve, middle = curve_around(_text_ring(text, layout, outline, design), text.text_side)
-        place = {"arc": along, "circle": spread, "ring": repeated}[text.text_path]
-        contours, length = place(line, curve, middle, -size / 2), line.advance_mm
+        line = lay_out(font, text.wording, size, text.text_spacing)
+        ring = _text_ring(text, layout, outline, design)
+        contours, length = around(line, ring, text.text_path, text.text_side), line.advance_mm
     _check_inside(text, contours, outline, layout.sizes.frame(design), size)
     given = None if text.text_height is None else layout.sizes.mm(text.text_height)
     return Letters(text, contours, size, length, thinnest_stroke_mm(contours), given)
 
 
 def _text_ring(text: TextOptions, layout: Layout, outline: Contours, design: PlateDesign) -> Float64:
-    """The curve through the middle of the letters of a text along the edge."""
+    """The inner edge of the band of letters of a text along the edge."""
     sizes = layout.sizes
     size = sizes.text(text)
-    inset = sizes.frame(design) + sizes.text_inset(text) + size / 2
+    inset = sizes.frame(design) + sizes.text_inset(text) + size
     turn = _TURN * size
     found = outer_rings(offset(offset(outline, -inset - turn), turn))
     if not found.rings:

@@ -17,13 +17,13 @@ TextSide = Literal["top", "bottom"]
 
 @dataclass(frozen=True)
 class TextOptions(Options, group="Text"):
-    r"""Lettering on a plate.
+    """Lettering on a plate.
 
     Parameters
     ----------
     text:
-        Text to put on the plate. \n begins a new line of a straight text. Scripts that run from right to left are
-        ordered as Unicode requires.
+        Text to put on the plate. With --text-path line, a backslash and n begin a new line. Scripts that run from right
+        to left are ordered as Unicode requires.
     text_path:
         "line": straight, at --text-at. "arc": along the edge of the plate, centred at --text-side. "circle": the same,
         spread evenly over the whole edge. "ring": repeated around the whole edge as often as it fits.
