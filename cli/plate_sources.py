@@ -53,14 +53,3 @@ def _texts(run: Run, own: tuple[Mapping[str, Any], ...]) -> tuple[dict[str, Any]
     if named and not own:
         raise UsageError(f"`{next(iter(named))}`: needs a text, such as `text='ANNO MMXXVI'`")
     return tuple({**text, **named} for text in own)
-
-
-def read_design(plate: nm.RecipePlate, folder: str) -> nm.PlateDesign | None:
-    """The design of a plate with its files; None without a shape."""
-    import nmaptool as nm
-
-    options = PlateOptions(**plate.plate)
-    if options.shape is None:
-        return None
-    texts = [TextOptions(**text) for text in plate.texts]
-    return nm.read_design(options, FrameOptions(**plate.frame), texts, MachineOptions(**plate.machine), folder=folder)

@@ -7,7 +7,7 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options import HeightsAt, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
@@ -21,7 +21,8 @@ from nmaptool_cli.command import command
 from nmaptool_cli.outputs import FileOf, ReportOutputs
 from nmaptool_cli.relief_sources import Sources, map_sources, recipe_sources
 from nmaptool_cli.run import Run
-from nmaptool_cli.streams import refuse_stream
+from nmaptool_cli.saved_recipe import print_recipe, recipe_text
+from nmaptool_cli.streams import STDOUT, refuse_stream
 
 if TYPE_CHECKING:
     import nmaptool as nm
@@ -53,6 +54,9 @@ class ReliefOutputs(ReportOutputs):
     at:
         Where height files hold heights: at pixel "centers", as a picture of the relief, or at pixel "corners", with one
         more row and column. "corners" loses nothing and can be read back exactly as --surface.
+    save_recipe:
+        Recipe (.toml) with all values of this run, preset and machine included, to edit and run again; - prints it.
+        Alone, without solving.
     dry_run:
         Solve, and print size, triangles and file sizes, but write no files.
     """
@@ -60,6 +64,7 @@ class ReliefOutputs(ReportOutputs):
     output: tuple[Path, ...] = option((), FileOf(formats=lambda: RELIEF_FORMATS), short="-o")
     preview: Path | None = option(None)
     at: HeightsAt = option("centers", choice_of(HeightsAt))
+    save_recipe: Path | None = option(None)
     dry_run: bool = option(False, Switch())
 
     @property
@@ -67,17 +72,24 @@ class ReliefOutputs(ReportOutputs):
         """The outputs that hold triangles."""
         return [path for path in self.output if path.suffix.lower() in MESH_FORMATS]
 
-    def plan(self, prints_json: bool, solid: SolidOptions) -> Outputs[WrittenRelief]:
+    def plan(self, prints_json: bool, solid: SolidOptions, recipe: str | None) -> Outputs[WrittenRelief]:
         """The files to write."""
         from nmaptool.io.output.relief import relief_outputs
 
         refuse_stream("a relief or a preview is written to a file, such as -o relief.stl", *self.output, self.preview)
-        if not (self.output or self.preview or self.report or prints_json):
+        if not (self.output or self.preview or self.report or prints_json or self.save_recipe):
             raise UsageError("no output given: add one, such as -o relief.stl --preview relief.png")
         if solid != SolidOptions() and not self.meshes:
             given = next(f.name for f in dataclasses.fields(solid) if getattr(solid, f.name) != f.default)
             raise UsageError(f"`{given}`: is for meshes; name one, such as -o relief.3mf")
-        return relief_outputs(self.output, preview=self.preview, at=self.at, **self.shared)
+        saved = None if self.save_recipe is None or str(self.save_recipe) == STDOUT else self.save_recipe
+        written = None if saved is None or recipe is None else (saved, recipe)
+        return relief_outputs(self.output, preview=self.preview, at=self.at, recipe=written, **self.shared)
+
+    @property
+    def is_recipe_only(self) -> bool:
+        """Whether nothing but the recipe is wanted."""
+        return self.save_recipe is not None and not (self.output or self.preview or self.report)
 
 
 @command(
@@ -99,20 +111,29 @@ def relief(run: Run, map: str, /) -> None:
     """
     import nmaptool as nm
     from nmaptool.io.output.relief import WrittenRelief
+    from nmaptool_cli.wording.plates import describe_machine, describe_plate
     from nmaptool_cli.wording.reliefs import describe_relief
     from nmaptool_cli.wording.solids import describe_solid
 
     given, outputs, sources = _begin(run, map)
+    if given.is_recipe_only and not run.options.json:
+        _save_recipe(run, outputs)
+        return
     with run.work() as (files, progress), _named_inputs(sources.files):
         work = sources.read(run, files, progress)
         result = work.solved(progress)
         solid = nm.solid(result, sources.solid) if given.meshes else None
     run.say(*work.notes)
     describe_relief(run, work.maps, result)
+    describe_machine(run, work.machine, result)
+    if result.plate is not None:
+        describe_plate(run, result.plate)
     if solid is not None:
         describe_solid(run, solid, given.meshes)
     read = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in work.maps]
     metadata = run.header(inputs=read, reading=asdict(run[ReadOptions]), **work.facts, **result.report.to_dict())
+    if result.plate is not None:
+        metadata["plate"] = {"design": plain_values(sources.plate), **result.plate.to_dict()}
     if solid is not None:
         metadata["solid"] = {"options": plain_values(sources.solid), **solid.to_dict()}
     if given.dry_run:
@@ -131,9 +152,19 @@ def _begin(run: Run, name: str) -> tuple[ReliefOutputs, Outputs[WrittenRelief], 
     """Check everything that can be checked before the work."""
     given = run[ReliefOutputs]
     sources = recipe_sources(run, name) if is_recipe(name) else map_sources(run)
-    outputs = given.plan(run.options.json, run[SolidOptions])
+    recipe = None if given.save_recipe is None else recipe_text(run, name, sources, given.save_recipe)
+    outputs = given.plan(run.options.json, run[SolidOptions], recipe)
     run.begin(outputs, **{sources.role: name}, **sources.inputs)
+    if recipe is not None and str(given.save_recipe) == STDOUT:
+        print_recipe(recipe)
     return given, outputs, sources
+
+
+def _save_recipe(run: Run, outputs: Outputs[WrittenRelief]) -> None:
+    """Write the recipe alone."""
+    dataclasses.replace(outputs, prepare=lambda value, _: value).write(cast("WrittenRelief", None))
+    run.say(*(f"wrote {path}" for path in outputs.paths))
+    run.speak()
 
 
 @contextlib.contextmanager

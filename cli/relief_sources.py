@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nmaptool.core.progress import Progress
+from nmaptool.io.designs import design_of
 from nmaptool.options import ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
 from nmaptool.options.fields import Options
 from nmaptool.options.plates import MachineOptions
 from nmaptool.options.relief_presets import PresetOptions
 from nmaptool_cli.inputs import read_grey, read_map
-from nmaptool_cli.plate_sources import machine_values, plate_of, read_design
+from nmaptool_cli.plate_sources import machine_values, plate_of
 from nmaptool_cli.run import Run
 
 if TYPE_CHECKING:
@@ -93,11 +94,11 @@ class Sources:
 
     def read(self, run: Run, files: Mapping[str, Any], progress: Progress | None) -> Work:
         """Read the inputs."""
-        folder = "" if self.recipe is None else self.recipe.folder
-        design = read_design(self.plate, folder)
-        is_maps = self.recipe is None
-        work = _read_maps(run, self.options, files) if is_maps else _read_recipe(run, self.recipe, progress)
-        return dataclasses.replace(work, design=design, machine=MachineOptions(**self.plate.machine))
+        if self.recipe is not None:
+            work = _read_recipe(run, self.recipe, progress)
+        else:
+            work = dataclasses.replace(_read_maps(run, self.options, files), design=design_of(self.plate))
+        return dataclasses.replace(work, machine=MachineOptions(**self.plate.machine))
 
 
 def map_sources(run: Run) -> Sources:
@@ -140,7 +141,7 @@ def recipe_sources(run: Run, name: str) -> Sources:
         _solid(run, own.solid),
     )
     plate = plate_of(run, recipe.plate)
-    recipe = dataclasses.replace(recipe, relief=relief)
+    recipe = dataclasses.replace(recipe, relief=relief, plate=plate)
     place = Path(recipe.folder)
     files = {role: None if file is None else str(place / file) for role, file in asdict(relief.files).items()}
     read = (*recipe.sources, *recipe.files)
@@ -183,4 +184,4 @@ def _read_recipe(run: Run, recipe: nm.Recipe, progress: Progress | None) -> Work
     notes = [note for stack in scene.stacks for note in notes_of(stack)]
     notes += [f"nmap: warning: {text}" for text in scene.composition.report.warnings]
     facts = {"layers": list(recipe.files), "hidden": list(recipe.hidden), "notes": list(recipe.notes)}
-    return Work(scene.inputs, scene.maps, time.perf_counter() - started, facts, notes)
+    return Work(scene.inputs, scene.maps, time.perf_counter() - started, facts, notes, scene.design)

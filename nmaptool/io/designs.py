@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,8 +11,9 @@ from nmaptool.io.vector.outline import read_svg_outline
 from nmaptool.io.vector.profile import read_svg_profile
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
 from nmaptool.types.plate import PlateDesign
+from nmaptool.types.recipe_plate import RecipePlate
 
-_FONT_ENDINGS = (".ttf", ".otf", ".ttc", ".otc", ".woff", ".woff2")
+_FONT_FILE = re.compile(r".*\.(ttf|otf|ttc|otc|woff2?)(#\d+)?", re.IGNORECASE)
 
 
 def read_design(
@@ -50,13 +52,17 @@ def read_design(
     <PlateDesign round, 1 text>
     """
     frame, machine = frame or FrameOptions(), machine or MachineOptions()
-    assert plate.shape is not None or not plate.is_drawn
     outline = read_svg_outline(Path(folder) / plate.shape) if plate.shape is not None and plate.is_drawn else None
     profile = read_svg_profile(Path(folder) / frame.frame_profile) if frame.is_drawn else None
     names = dict.fromkeys(text.font for text in texts)
-    fonts = {name: read_font(str(Path(folder) / name) if _is_file(name) else name) for name in names}
+    fonts = {name: read_font(str(Path(folder) / name) if _FONT_FILE.fullmatch(name) else name) for name in names}
     return PlateDesign(plate, frame, tuple(texts), machine, fonts, outline, profile)
 
 
-def _is_file(font: str) -> bool:
-    return Path(font).suffix.lower() in _FONT_ENDINGS
+def design_of(plate: RecipePlate | None, folder: str | Path = "") -> PlateDesign | None:
+    """The design of a recipe's plate; None without a shape. Errors are those of `read_design`."""
+    if plate is None or plate.plate.get("shape") is None:
+        return None
+    texts = [TextOptions(**text) for text in plate.texts]
+    options = PlateOptions(**plate.plate), FrameOptions(**plate.frame), texts, MachineOptions(**plate.machine)
+    return read_design(*options, folder=folder)

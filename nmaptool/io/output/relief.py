@@ -14,7 +14,7 @@ from nmaptool.io.output.targets import Destination, place_of
 from nmaptool.io.output.transaction import Metadata, Outputs, Target, wanted
 from nmaptool.options import HeightsAt
 from nmaptool.options.fields import choice_of
-from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS
+from nmaptool.options.formats import MESH_FORMATS, RECIPE_ENDING, RELIEF_FORMATS
 from nmaptool.types.height import Height
 from nmaptool.types.relief import Relief
 from nmaptool.types.solid import Solid
@@ -55,8 +55,9 @@ def relief_outputs(
     report: Destination | None = None,
     overwrite: bool = False,
     at: HeightsAt = "centers",
+    recipe: tuple[Destination, str] | None = None,
 ) -> Outputs[WrittenRelief]:
-    """The plan of `write_relief`."""
+    """The plan of `write_relief`; the text of a recipe may be written with it."""
     choice_of(HeightsAt).read("at", at)
     places = [place_of(output) for output in outputs]
     surfaces = [
@@ -64,6 +65,9 @@ def relief_outputs(
         for place in places
     ]
     views = wanted(preview, "a preview", (".png",), _write_preview)
+    if recipe is not None:
+        place, text = recipe
+        views = [*views, *wanted(place, "a recipe", (RECIPE_ENDING,), lambda _, path: _write_text(text, path))]
     return Outputs([*surfaces, *views], place_of(report), overwrite, report_endings=(), prepare=partial(_Surface, at))
 
 
@@ -130,6 +134,10 @@ def _write_surface(surface: _Surface, path: Path, title: str) -> None:
         from nmaptool.io.pictures import heights
 
         heights.write_height(surface.height, path, surface.attributes, at=surface.at)
+
+
+def _write_text(text: str, path: Path) -> None:
+    path.write_text(text, encoding="utf-8")
 
 
 def _thumbnail(height: Height) -> bytes:

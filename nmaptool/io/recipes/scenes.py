@@ -10,6 +10,7 @@ from nmaptool.composition.compose import compose
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import InputError
 from nmaptool.core.progress import Progress
+from nmaptool.io.designs import design_of
 from nmaptool.io.pictures.heights import read_surface
 from nmaptool.io.pictures.normal_maps import read_grey, read_normal_map, split_layer
 from nmaptool.io.recipes.reader import read_recipe
@@ -20,6 +21,7 @@ from nmaptool.reliefs.inputs import pitch_of
 from nmaptool.types.composition import Composition
 from nmaptool.types.height import Height
 from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.plate import PlateDesign
 from nmaptool.types.recipe import Recipe, RecipeRelief
 from nmaptool.types.shown import OneLine
 
@@ -29,6 +31,8 @@ _GREYS = tuple(f.name for f in fields(ReliefFiles) if f.name not in ("detail", "
 @dataclass(frozen=True, eq=False, repr=False)
 class Scene(OneLine):
     """What a recipe's relief is made from, for ``nm.relief(**scene.inputs)`` and ``nm.solid(relief, scene.solid)``.
+
+    With a design, it is for ``nm.plate(**scene.inputs, design=scene.design)``.
 
     Attributes
     ----------
@@ -42,6 +46,8 @@ class Scene(OneLine):
         The mask and the weight maps that are given, by role.
     options : ReliefOptions
     solid : SolidOptions
+    design : PlateDesign or None
+        The plate of the recipe; None if it has none.
     """
 
     stacks: tuple[Stack, ...]
@@ -51,6 +57,7 @@ class Scene(OneLine):
     greys: dict[str, Float32]
     options: ReliefOptions
     solid: SolidOptions
+    design: PlateDesign | None = None
 
     @property
     def inputs(self) -> dict[str, Any]:
@@ -147,7 +154,8 @@ def read_scene(
         greys = read_greys(wanted.files, place, max_megapixels=reading.max_megapixels)
     except InputError as error:
         raise InputError(f"{recipe.name}: relief: {error}") from None
-    return Scene(tuple(stacks), composition, detail, surface, greys, options, solid)
+    design = design_of(recipe.plate, place)
+    return Scene(tuple(stacks), composition, detail, surface, greys, options, solid, design)
 
 
 def read_greys(files: ReliefFiles, folder: Path, *, max_megapixels: float = 270.0) -> dict[str, Float32]:
