@@ -22,7 +22,7 @@ from nmaptool_cli.outputs import FileOf, ReportOutputs
 from nmaptool_cli.relief_sources import Sources, map_sources, recipe_sources
 from nmaptool_cli.run import Run
 from nmaptool_cli.saved_recipe import print_recipe, recipe_text
-from nmaptool_cli.streams import STDOUT, refuse_stream
+from nmaptool_cli.streams import STREAM, refuse_stream
 
 if TYPE_CHECKING:
     import nmaptool as nm
@@ -82,7 +82,7 @@ class ReliefOutputs(ReportOutputs):
         if solid != SolidOptions() and not self.meshes:
             given = next(f.name for f in dataclasses.fields(solid) if getattr(solid, f.name) != f.default)
             raise UsageError(f"`{given}`: is for meshes; name one, such as -o relief.3mf")
-        saved = None if self.save_recipe is None or str(self.save_recipe) == STDOUT else self.save_recipe
+        saved = None if self.save_recipe is None or str(self.save_recipe) == STREAM else self.save_recipe
         written = None if saved is None or recipe is None else (saved, recipe)
         return relief_outputs(self.output, preview=self.preview, at=self.at, recipe=written, **self.shared)
 
@@ -155,7 +155,7 @@ def _begin(run: Run, name: str) -> tuple[ReliefOutputs, Outputs[WrittenRelief], 
     recipe = None if given.save_recipe is None else recipe_text(run, name, sources, given.save_recipe)
     outputs = given.plan(run.options.json, run[SolidOptions], recipe)
     run.begin(outputs, **{sources.role: name}, **sources.inputs)
-    if recipe is not None and str(given.save_recipe) == STDOUT:
+    if recipe is not None and str(given.save_recipe) == STREAM:
         print_recipe(recipe)
     return given, outputs, sources
 

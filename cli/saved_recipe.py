@@ -16,7 +16,7 @@ from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, 
 from nmaptool.types.recipe import READ_KEYS, RELIEF_KEYS
 from nmaptool_cli.relief_sources import Sources
 from nmaptool_cli.run import Run
-from nmaptool_cli.streams import STDOUT, standard_output
+from nmaptool_cli.streams import STREAM, standard_output
 
 if TYPE_CHECKING:
     import nmaptool as nm
@@ -32,7 +32,7 @@ def recipe_text(run: Run, name: str, sources: Sources, place: Path) -> str:
     """
     from nmaptool.composition.recipe_toml import to_toml
 
-    folder = Path.cwd() if str(place) == STDOUT else place.absolute().parent
+    folder = Path.cwd() if str(place) == STREAM else place.absolute().parent
     recipe = _of_maps(run, name, sources, folder) if sources.recipe is None else _of_recipe(sources.recipe, folder)
     return to_toml(recipe)
 
@@ -46,7 +46,7 @@ def print_recipe(text: str) -> None:
 def _of_maps(run: Run, name: str, sources: Sources, folder: Path) -> nm.Recipe:
     import nmaptool as nm
 
-    if name == STDOUT:
+    if name == STREAM:
         raise UsageError("`save_recipe`: a recipe names its map; give a file instead of standard input")
     reading = {key: value for key, value in run.named(ReadOptions).items() if key in READ_KEYS}
     files = {role: None if file is None else _relative(file, folder) for role, file in sources.files.items()}

@@ -54,7 +54,7 @@ def averaged(profile: object, depth_mm: Float64, reach_mm: float, pitch_mm: floa
     """A profile, constant beyond ``reach_mm`` on both sides of 0, averaged over two pixels."""
     assert callable(profile)
     step = pitch_mm / _FINE
-    fine = np.arange(-reach_mm - 2 * pitch_mm, reach_mm + 2 * pitch_mm + step, step)
+    fine = np.arange(-reach_mm - 3 * pitch_mm, reach_mm + 3 * pitch_mm + step, step)
     total = np.concatenate([[0.0], np.cumsum(profile(fine + step / 2) * step)])[:-1]
     mean = (np.interp(fine + pitch_mm, fine, total) - np.interp(fine - pitch_mm, fine, total)) / (2 * pitch_mm)
     usable = slice(_FINE, -_FINE - 1)

@@ -64,10 +64,10 @@ def relief_outputs(
         Target(place, "a relief", tuple(RELIEF_FORMATS), partial(_write_surface, title=Path(str(place)).stem))
         for place in places
     ]
-    views = wanted(preview, "a preview", (".png",), _write_preview)
+    views = [*wanted(preview, "a preview", (".png",), _write_preview)]
     if recipe is not None:
         place, text = recipe
-        views = [*views, *wanted(place, "a recipe", (RECIPE_ENDING,), lambda _, path: _write_text(text, path))]
+        views += wanted(place, "a recipe", (RECIPE_ENDING,), lambda _, path: _write_text(text, path))
     return Outputs([*surfaces, *views], place_of(report), overwrite, report_endings=(), prepare=partial(_Surface, at))
 
 
