@@ -28,6 +28,7 @@ _ORDER = (
     "Canvas",
     "Relief",
     "Solid",
+    "Picture",
     "Studio",
     "Reading",
     "Run",
