@@ -32,6 +32,7 @@ _ORDER = (
     "Text",
     "Solid",
     "Machine",
+    "Picture",
     "Studio",
     "Reading",
     "Run",

@@ -43,6 +43,7 @@ from .io.output.filter_models import write_training as write_training
 from .io.output.layers import write_layers as write_layers
 from .io.output.mesh import write_mesh as write_mesh
 from .io.output.normal_map import write_normal_map as write_normal_map
+from .io.output.preview import write_preview as write_preview
 from .io.output.relief import write_relief as write_relief
 from .io.output.targets import OutputStream as OutputStream
 from .io.output.unpacked import write_unpacked as write_unpacked
@@ -52,6 +53,7 @@ from .io.pictures.heights import read_surface as read_surface
 from .io.pictures.normal_maps import read_grey as read_grey
 from .io.pictures.normal_maps import read_normal_map as read_normal_map
 from .io.pictures.normal_maps import read_raster as read_raster
+from .io.previewed import read_previewed as read_previewed
 from .io.recipes.reader import read_recipe as read_recipe
 from .io.recipes.scenes import Scene as Scene
 from .io.recipes.scenes import read_scene as read_scene
@@ -68,6 +70,7 @@ from .maps.inspect import inspect_map as inspect_map
 from .maps.order_doubts import diagnose as diagnose
 from .meshes.clean import clean_mesh as clean_mesh
 from .options import BLEND_MODES as BLEND_MODES
+from .options import MATERIALS as MATERIALS
 from .options import BakeOptions as BakeOptions
 from .options import BlendMode as BlendMode
 from .options import BlendOptions as BlendOptions
@@ -78,8 +81,10 @@ from .options import DescriptorOptions as DescriptorOptions
 from .options import FilterOptions as FilterOptions
 from .options import GroupOptions as GroupOptions
 from .options import LayerOptions as LayerOptions
+from .options import Material as Material
 from .options import MeshReadOptions as MeshReadOptions
 from .options import PackOptions as PackOptions
+from .options import PreviewOptions as PreviewOptions
 from .options import ReadOptions as ReadOptions
 from .options import ReconstructOptions as ReconstructOptions
 from .options import ReliefFiles as ReliefFiles

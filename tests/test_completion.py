@@ -18,7 +18,7 @@ FILES = {
     "zsh": [f".zsh/completions/_cyclopts_{name}" for name in NAMES],
     "fish": [f".config/fish/completions/{name}.fish" for name in NAMES],
 }
-VERBS = ["inspect", "bake", "compare", "relief", "smooth", "studio", "train"]
+VERBS = ["inspect", "bake", "compare", "preview", "relief", "smooth", "studio", "train"]
 EDITS = ["split", "blend", "paste", "depth", "stack", "transform", "convert", "pack", "unpack"]
 COMMANDS = [(verb,) for verb in VERBS] + [("compose", edit) for edit in EDITS]
 needs_bash = pytest.mark.skipif(os.name == "nt" or shutil.which("bash") is None, reason="needs bash")

@@ -90,7 +90,7 @@ assert state() == before
 
 
 COMPOSE = ("blend", "convert", "depth", "pack", "paste", "split", "stack", "transform", "unpack")
-COMMANDS = ("bake", "compare", "compose", *(f"compose {name}" for name in COMPOSE), "inspect", "relief", "smooth")
+COMMANDS = ("bake", "compare", "compose", *(f"compose {name}" for name in COMPOSE), "inspect", "preview", "relief", "smooth")
 
 
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])
@@ -105,6 +105,7 @@ RUNS = {
     "relief MAP -o OUT.npy -q --background-color none --solver dct": {"cv2", "OpenImageIO"},
     "relief MAP -o OUT.stl --preview OUT.png -q": MULTIGRID,
     "compose blend MAP MAP -o OUT.exr -q": {"cv2", "OpenImageIO"},
+    "preview MAP -o OUT.png -q": MULTIGRID,
     "bake --help": set(),
     "inspect MAP -q": {"cv2", "OpenImageIO"},
 }
@@ -156,6 +157,7 @@ IO = (nm.ReadOptions, nm.WriteOptions)
     ("command", "options"),
     [
         ("relief", nm.ReliefOptions),
+        ("preview", nm.PreviewOptions),
         ("relief", nm.ReadOptions),
         ("bake", nm.BakeOptions),
         ("bake", nm.FilterOptions),

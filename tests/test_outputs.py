@@ -13,7 +13,7 @@ import nmaptool as nm
 from nmaptool.core.errors import InputError, OutputError, UsageError
 from nmaptool.core.grid import corner_mean, height_slopes, touching_vertices
 from nmaptool.core.vectors import unit
-from nmaptool.figures.preview import lambert
+from nmaptool.figures.lambert import lambert
 
 ROWS, COLS = 40, 56
 MESHES = [".stl", ".ply", ".obj", ".glb"]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Srgb
 from nmaptool.core.errors import UsageError
 from nmaptool.figures.contact_sheet import contact_sheet, map_colors
-from nmaptool.figures.preview import in_colors, lambert
+from nmaptool.figures.lambert import in_colors, lambert
 from nmaptool.types.composition import Composition
 from nmaptool.types.depth import DepthResult
 from nmaptool.types.height import Height

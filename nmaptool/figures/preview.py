@@ -1,63 +1,62 @@
-"""A picture of a relief under two raking lights, as a carving would look."""
+"""Pictures and films of reliefs in a material."""
 
 from __future__ import annotations
 
-from typing import Any
+import dataclasses
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from nmaptool.core.arrays import Float64
-from nmaptool.core.grid import height_slopes
+from nmaptool.core.arrays import Float32, Srgb
+from nmaptool.core.errors import UsageError
+from nmaptool.figures.labelled import labelled_sheet
+from nmaptool.options.materials import MATERIALS
+from nmaptool.options.preview import Light, PreviewOptions, parse_background, parse_section
+from nmaptool.shading.field import Field, field_of
+from nmaptool.shading.tone import displayed
 from nmaptool.types.height import Height
-from nmaptool.types.inputs import as_height
-from nmaptool.types.picture import Frame
+from nmaptool.types.mesh import Mesh
+from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.relief import Relief
 
-# azimuth (counter-clockwise from +x) and elevation in degrees, and strength: a low key light from the upper left, a
-# weak fill from the right, a little ambient light
-_LIGHTS = ((135.0, 38.0, 0.74), (15.0, 22.0, 0.22))
-_AMBIENT = 0.09
-_BACKDROP = 0.16
-_TONE = 0.85  # lifts the shadows a little
-_SMALLEST_LONGER_SIDE = 900
-_WARM = np.array([1.0, 0.975, 0.94])
-Picture = NDArray[np.uint8]
+Previewed: TypeAlias = Height | Relief | NormalMap | Mesh
+_SMALL_PX = 640
+_NAMES = {Height: "Height", Relief: "Relief", NormalMap: "NormalMap", Mesh: "Mesh"}
 
 
-def _direction(azimuth: float, elevation: float) -> Float64:
-    a, e = np.radians(azimuth), np.radians(elevation)
-    return np.array([np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)])
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """What a preview shows: heights, a soft outline, and the thickness below the lowest point."""
+
+    height: Height
+    coverage: Float32 | None
+    base_mm: float | None
+
+    def field(self, size_px: int | None) -> Field:
+        return field_of(self.height, size_px, self.coverage, self.base_mm)
 
 
-def lambert(height: Height) -> Float64:
-    """Return the (H, W) brightness in [0, 1] of each pixel under the two lights; the backdrop outside the domain."""
-    p, q = height_slopes(height.z_mm / height.pitch_mm)
-    length = np.sqrt(1 + p * p + q * q)
-    light = np.full(p.shape, _AMBIENT)
-    for azimuth, elevation, strength in _LIGHTS:
-        x, y, up = _direction(azimuth, elevation)
-        light += strength * np.clip((-p * x - q * y + up) / length, 0, None)
-    light[~height.domain] = _BACKDROP
-    return light.clip(0, 1)
-
-
-def preview(height: Height | Relief) -> Picture:
-    """Shade a relief under two raking lights; small ones are enlarged by an integer factor.
+def preview(relief: Previewed | Mapping[str, Previewed], options: PreviewOptions | None = None) -> Srgb:
+    """Draw a relief in a material under lamps, with cast shadows and the shade of its recesses.
 
     Parameters
     ----------
-    height : Height or Relief
+    relief : Height, Relief, NormalMap, Mesh, or a mapping of names to them
+        A normal map is integrated with the default options of `nmaptool.relief`; a mesh is seen along -z. Several
+        become a contact sheet with their names.
+    options : PreviewOptions, optional
 
     Returns
     -------
     (h, w, 3) uint8
-        sRGB, for display; the longer side has 900 px or more.
+        sRGB, for display.
 
     Raises
     ------
     UsageError
-        If the value is neither a Height nor a Relief.
+        If the value is something else, a section lies outside the relief, or the options ask for a film.
 
     Examples
     --------
@@ -65,22 +64,114 @@ def preview(height: Height | Relief) -> Picture:
     >>> nm.preview(height).shape
     (600, 900, 3)
     """
-    import cv2
-
-    height = as_height(height)
-    light = lambert(height).astype(np.float32)
-    factor = enlargement(height.frame)
-    if factor > 1:
-        light = cv2.resize(light, None, fx=factor, fy=factor, interpolation=cv2.INTER_CUBIC)
-    return in_colors(light)
-
-
-def enlargement(frame: Frame) -> int:
-    """Return the factor by which `preview` enlarges a picture."""
-    return max(1, -(-_SMALLEST_LONGER_SIDE // frame.longer_side))
+    options = options or PreviewOptions()
+    if options.is_film:
+        name = "turntable" if options.turntable else "light_sweep"
+        raise UsageError(f"`{name}`: makes a film; write it with write_preview, or leave it out")
+    if isinstance(relief, Mapping):
+        tile = dataclasses.replace(options, size=options.size or _SMALL_PX)
+        return labelled_sheet({name: _still(piece_of(each, tile), tile) for name, each in relief.items()})
+    return _still(piece_of(relief, options), options)
 
 
-def in_colors(light: NDArray[Any]) -> Picture:
-    """Return (h, w) brightness as (h, w, 3) uint8 sRGB."""
-    encoded: NDArray[Any] = light.clip(0, 1)[..., None] ** _TONE * _WARM
-    return (encoded * 255 + 0.5).astype(np.uint8)
+def film(relief: Previewed, options: PreviewOptions) -> Iterator[Srgb]:
+    """Draw the pictures of a film one by one, see `PreviewOptions`.
+
+    Parameters
+    ----------
+    relief : Height, Relief, NormalMap or Mesh
+    options : PreviewOptions
+        With ``turntable`` or ``light_sweep``.
+
+    Yields
+    ------
+    (h, w, 3) uint8
+        All of one size.
+    """
+    piece = piece_of(relief, options)
+    size = options.size or _SMALL_PX
+    field = piece.field(size)
+    for number in range(options.frames):
+        turn = 360.0 * number / options.frames
+        if options.turntable:
+            # the piece turns, while the camera and the lamps stay where they are
+            lights = [_turned(light, -turn) for light in options.lights]
+            yield _perspective(field, options, lights, size, -turn, is_steady=True)
+        else:
+            first, *rest = options.lights
+            lights = [_turned(first, -turn), *rest]
+            if options.view == "iso":
+                yield _perspective(field, options, lights, size, 0.0)
+            else:
+                yield _from_above(field, options, lights)
+
+
+def piece_of(relief: Previewed, options: PreviewOptions) -> Any:
+    """What a preview of a value shows.
+
+    Raises
+    ------
+    UsageError
+        If it has no preview.
+    InputError
+        If it cannot be integrated or seen.
+    """
+    base_mm = None if options.thickness is None else options.thickness.to_mm(1.0, 1)
+    if isinstance(relief, NormalMap):
+        from nmaptool.reliefs.relief import relief as solved
+
+        relief = solved(relief)
+    if isinstance(relief, Relief):
+        return _Piece(relief.height, relief.coverage, base_mm)
+    if isinstance(relief, Height):
+        return _Piece(relief, None, base_mm)
+    if isinstance(relief, Mesh):
+        from nmaptool.meshes.clean import clean_mesh
+        from nmaptool.shading.mesh_front import mesh_front
+
+        size = {} if options.size is None else {"longer_px": options.size}
+        height, thick_mm = mesh_front(clean_mesh(relief)[0], **size)
+        return _Piece(height, None, thick_mm if base_mm is None else base_mm)
+    raise UsageError(
+        f"the relief must be a {', '.join(list(_NAMES.values())[:-1])} or Mesh, found "
+        f"{type(relief).__name__}; read one with read_previewed"
+    )
+
+
+def _still(piece: _Piece, options: PreviewOptions) -> Srgb:
+    if options.section is not None:
+        from nmaptool.figures.section import section_figure
+        from nmaptool.shading.section import section
+
+        low, _ = piece.height.range_mm
+        back_mm = piece.field(16).back_mm if piece.base_mm is None else low - piece.base_mm
+        return section_figure(section(piece.height, *parse_section(options.section)), back_mm, options.size)
+    field = piece.field(options.size)
+    if options.view == "iso":
+        return _perspective(field, options, options.lights, max(field.shape), 0.0)
+    return _from_above(field, options, options.lights)
+
+
+def _backdrop(options: PreviewOptions) -> Float32:
+    chosen = parse_background(options.background)
+    return np.array(MATERIALS[options.material].backdrop if chosen is None else chosen, np.float32)
+
+
+def _from_above(field: Field, options: PreviewOptions, lights: Any) -> Srgb:
+    from nmaptool.shading.top import top_view
+
+    return displayed(top_view(field, MATERIALS[options.material], lights, _backdrop(options)))
+
+
+def _perspective(
+    field: Field, options: PreviewOptions, lights: Any, size: int, turn: float, *, is_steady: bool = False
+) -> Srgb:
+    from nmaptool.shading.iso import iso_view
+    from nmaptool.shading.viewpoint import AZIMUTH_DEG
+
+    material = MATERIALS[options.material]
+    return iso_view(field, material, lights, _backdrop(options), size, AZIMUTH_DEG + turn, is_steady=is_steady)
+
+
+def _turned(light: Light, degrees: float) -> Light:
+    return dataclasses.replace(light, azimuth_deg=light.azimuth_deg + degrees)

@@ -18,6 +18,8 @@ from nmaptool.options.compose import (
 from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.learned import DescriptorOptions, TrainOptions
+from nmaptool.options.materials import MATERIALS, Material
+from nmaptool.options.preview import PreviewOptions
 from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.reconstruct import Boundary, ReconstructOptions, Scheme, SmoothOptions
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
@@ -29,6 +31,7 @@ from nmaptool.options.write import Bits, HeightsAt, WriteOptions, WrittenGreen, 
 
 __all__ = [
     "BLEND_MODES",
+    "MATERIALS",
     "Anchor",
     "BackgroundMode",
     "BakeOptions",
@@ -54,10 +57,12 @@ __all__ = [
     "GroupOptions",
     "HeightsAt",
     "LayerOptions",
+    "Material",
     "MeshReadOptions",
     "NewGround",
     "Outline",
     "PackOptions",
+    "PreviewOptions",
     "ReadOptions",
     "ReconstructOptions",
     "ReliefFiles",

@@ -150,4 +150,4 @@ def _write_preview(surface: _Surface, path: Path) -> None:
     from nmaptool.figures.preview import preview
     from nmaptool.io.pictures.writer import write_image
 
-    write_image(preview(surface.height), path, ("R", "G", "B"), {"kind": "preview", **surface.attributes})
+    write_image(preview(surface.relief), path, ("R", "G", "B"), {"kind": "preview", **surface.attributes})

@@ -55,7 +55,7 @@ def _save(path: Path, values: NDArray[Any]) -> None:
         raise OutputError(f"{path}: cannot be written ({reason_of(error)})") from None
 
 
-def read_height_array(path: Path, pitch_mm: float | None, max_megapixels: float) -> Height:
+def read_height_array(path: Path, pitch_mm: float | None, max_megapixels: float, *, with_gaps: bool = False) -> Height:
     """Read heights at centres or at corners, whichever the file holds.
 
     Raises
@@ -67,7 +67,7 @@ def read_height_array(path: Path, pitch_mm: float | None, max_megapixels: float)
     """
     values = _load(path, max_megapixels)
     if values.dtype.names is None:
-        return height_of_centers(str(path), values.astype(np.float64), None, pitch_mm)
+        return height_of_centers(str(path), values.astype(np.float64), None, pitch_mm, with_gaps=with_gaps)
     return height_of_corners(str(path), values["z_mm"].astype(np.float64), values["inside"], pitch_mm)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.grid import corner_mean, touching_vertices
+from nmaptool.core.nearest import nearest_places
 from nmaptool.types.height import Height
 from nmaptool.types.picture import Frame
 
@@ -52,8 +53,10 @@ def corner_samples(height: Height) -> Samples:
     return Samples(np.where(touching, height.z_mm, 0), alpha)
 
 
-def height_of_centers(name: str, z_mm: Float64, alpha: Float32 | None, pitch_mm: float | None) -> Height:
-    """Make a height field from heights at centres, which must be defined everywhere.
+def height_of_centers(
+    name: str, z_mm: Float64, alpha: Float32 | None, pitch_mm: float | None, *, with_gaps: bool = False
+) -> Height:
+    """Make a height field from heights at centres, which must be defined everywhere unless ``with_gaps``.
 
     Raises
     ------
@@ -62,8 +65,14 @@ def height_of_centers(name: str, z_mm: Float64, alpha: Float32 | None, pitch_mm:
     """
     if alpha is not None:
         z_mm = np.where(alpha <= 0, np.nan, z_mm)
-    _check_finite(name, z_mm)
     rows, cols = z_mm.shape
+    known = np.isfinite(z_mm)
+    if with_gaps and known.any() and not known.all():
+        z_mm = z_mm.copy()
+        z_mm[~known] = z_mm[nearest_places(known, ~known)]
+        vertices = np.where(touching_vertices(known), to_vertices(z_mm), 0)
+        return Height(vertices, known, Frame(rows, cols, pitch_mm))
+    _check_finite(name, z_mm)
     return Height(to_vertices(z_mm), np.ones((rows, cols), bool), Frame(rows, cols, pitch_mm))
 
 

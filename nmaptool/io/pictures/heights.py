@@ -111,7 +111,9 @@ def _codes(samples: Samples, height: Height) -> NDArray[Any]:
     return grey_codes(share if samples.alpha is None else np.where(samples.alpha > 0, share, 0), 16)
 
 
-def read_height(path: str | Path, *, pitch_mm: float | None = None, max_megapixels: float = 270.0) -> Height:
+def read_height(
+    path: str | Path, *, pitch_mm: float | None = None, max_megapixels: float = 270.0, with_gaps: bool = False
+) -> Height:
     """Read heights in mm at pixel centres or corners, as `write_height` writes them.
 
     Parameters
@@ -123,6 +125,8 @@ def read_height(path: str | Path, *, pitch_mm: float | None = None, max_megapixe
     pitch_mm : float, optional
         Size of a pixel if the file does not state it.
     max_megapixels : float
+    with_gaps : bool
+        Pixels whose height is NaN, infinite or transparent do not belong to the surface, instead of being refused.
 
     Returns
     -------
@@ -132,7 +136,7 @@ def read_height(path: str | Path, *, pitch_mm: float | None = None, max_megapixe
     ------
     InputError
         If it cannot be read, is not a height field, or holds NaN or infinite values; heights at centres must be
-        defined everywhere.
+        defined everywhere unless ``with_gaps``.
     LimitError
         If it is larger than ``max_megapixels``.
 
@@ -144,8 +148,9 @@ def read_height(path: str | Path, *, pitch_mm: float | None = None, max_megapixe
     """
     path = Path(path)
     if path.suffix.lower() == ".npy":
-        return read_height_array(path, pitch_mm, max_megapixels)
-    return _height_of(path, read_raster(path, ReadOptions(max_megapixels=max_megapixels)), pitch_mm)
+        return read_height_array(path, pitch_mm, max_megapixels, with_gaps=with_gaps)
+    image = read_raster(path, ReadOptions(max_megapixels=max_megapixels))
+    return height_of_picture(path, image, pitch_mm, with_gaps=with_gaps)
 
 
 def read_surface(
@@ -186,11 +191,17 @@ def read_surface(
     see_through = image.alpha is not None and not alpha_is_data(image)
     options = replace(options, background_color="alpha" if see_through else "none")
     if "R" not in image.channels:
-        return _height_of(Path(path), image, pitch_mm)
+        return height_of_picture(Path(path), image, pitch_mm)
     return decode_normal_map(image, options_like(image, options, like))
 
 
-def _height_of(path: Path, image: RasterImage, pitch_mm: float | None) -> Height:
+def height_of_picture(path: Path, image: RasterImage, pitch_mm: float | None, *, with_gaps: bool = False) -> Height:
+    """Make a height field from a picture, as `read_height`.
+
+    Raises
+    ------
+    InputError
+    """
     if image.channels[0] != "Y":
         raise InputError(f"{path}: has channels {', '.join(image.channels)}; a height file has one grey channel")
     facts = image.depth_facts if image.depth_facts is not None else DepthFacts("height")
@@ -205,7 +216,7 @@ def _height_of(path: Path, image: RasterImage, pitch_mm: float | None) -> Height
         return height_of_corners(str(path), z_mm, lower_right_of(image.alpha, z_mm.shape), pitch_mm)
     if facts.at != "centers":
         raise InputError(f"{path}: declares heights at {facts.at!r}; accepted values are {' and '.join(_PLACE.names)}")
-    return height_of_centers(str(path), z_mm, image.alpha, pitch_mm)
+    return height_of_centers(str(path), z_mm, image.alpha, pitch_mm, with_gaps=with_gaps)
 
 
 def _in_mm(image: RasterImage, facts: DepthFacts) -> Float64:

@@ -6,9 +6,9 @@ import dataclasses
 from typing import Any
 
 from nmaptool.core.progress import Progress
-from nmaptool.figures.preview import enlargement
 from nmaptool.io.solids.sizes import about_bytes, exact_bytes
 from nmaptool.options import SolidOptions
+from nmaptool.shading.field import picture_shape
 from nmaptool.solids.solid import solid
 from nmaptool.studio.document import Document
 from nmaptool.studio.engine import PREVIEW_TOLERANCE, Engine
@@ -69,8 +69,8 @@ def _picture(solved: Relief, wanted: Wanted) -> dict[str, Any]:
     frame = solved.height.frame
     low, high = solved.height.range_mm
     is_preview = wanted.kind == "picture"
-    more, factor = int(wanted.at == "corners" and not is_preview), enlargement(frame) if is_preview else 1
-    cols, rows = (frame.cols + more) * factor, (frame.rows + more) * factor
+    more = int(wanted.at == "corners" and not is_preview)
+    rows, cols = picture_shape(*frame.shape) if is_preview else (frame.rows + more, frame.cols + more)
     if wanted.format == "npy":
         size, precision = float(_NPY_HEADER + rows * cols * (_NPY_CORNER if more else _NPY_CENTER)), "exact"
     else:

@@ -1,0 +1,1 @@
+"""Pictures of reliefs in a material, from their heights, without OpenGL."""

@@ -1,0 +1,176 @@
+"""The colours of the points that a perspective picture sees."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.options.materials import Material
+from nmaptool.options.preview import Light
+from nmaptool.shading.field import Field
+from nmaptool.shading.recesses import recess_share
+from nmaptool.shading.seen_light import SeenLight, seen_light
+from nmaptool.shading.surface import Facets, irradiance, radiance
+from nmaptool.shading.texture import colored
+from nmaptool.shading.viewpoint import Viewpoint
+
+# pixels over which the direction of a wall is smoothed, and from which it takes its light
+_WALL_PX, _BESIDE_PX = 3.0, 2.5
+# OpenCV limits the sides of a picture of samples
+_WIDE = 4096
+# the table is darker far from the piece
+_FADES, _DARKEST = 0.75, 0.45
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """What the samples of a picture see.
+
+    Attributes
+    ----------
+    x_mm, y_mm, z_mm : (h, w) float32
+        From the middle of the field.
+    on_piece, on_wall : (h, w) bool
+    """
+
+    x_mm: Float32
+    y_mm: Float32
+    z_mm: Float32
+    on_piece: Mask
+    on_wall: Mask
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """All that depends on places of a field and not on the camera.
+
+    Attributes
+    ----------
+    field, material, lights, backdrop
+    form : (h, w, 4) float32
+        Slopes to the right and up, share of the sky, recess.
+    piece, table : SeenLight
+    wall : (h, w, 2) float32
+        Direction out of the piece, near its outline.
+    color : (h, w, 3) or (3,) float32
+    """
+
+    field: Field
+    material: Material
+    lights: Sequence[Light]
+    backdrop: Float32
+    form: Float32
+    piece: SeenLight
+    table: SeenLight
+    wall: Float32
+    color: Float32
+
+
+def surroundings(field: Field, material: Material, lights: Sequence[Light], backdrop: Float32) -> Surroundings:
+    """Return what the colours of a field's points depend on, besides the camera."""
+    import cv2
+
+    piece, table = seen_light(field, lights)
+    z = field.z_mm
+    across, up = z[:, 1:] - z[:, :-1], z[:-1] - z[1:]
+    scale = np.float32(0.5 / field.pitch_mm)
+    p, q = (across[:-1] + across[1:]) * scale, (up[:, :-1] + up[:, 1:]) * scale
+    form = np.dstack([p, q, piece.sky, recess_share(field, piece.sky)])
+    soft = cv2.GaussianBlur(field.coverage, (0, 0), _WALL_PX, borderType=cv2.BORDER_CONSTANT)
+    wall = np.dstack([-cv2.Sobel(soft, cv2.CV_32F, 1, 0), cv2.Sobel(soft, cv2.CV_32F, 0, 1)])
+    return Surroundings(field, material, lights, backdrop, form, piece, table, wall, colored(field, material))
+
+
+def shade_hits(hits: Hits, around: Surroundings, camera: Viewpoint) -> Float32:
+    """(h, w, 3) linear light of each sample."""
+    out = np.empty((*hits.x_mm.shape, 3), np.float32)
+    for chosen, shade in (
+        (~hits.on_piece, _table),
+        (hits.on_piece & ~hits.on_wall, _top),
+        (hits.on_wall, _wall),
+    ):
+        if chosen.any():
+            out[chosen] = shade((hits.x_mm[chosen], hits.y_mm[chosen], hits.z_mm[chosen]), around, camera)
+    return out
+
+
+def _table(at: tuple[Float32, Float32, Float32], around: Surroundings, camera: Viewpoint) -> Float32:
+    x, y, _ = at
+    place = _places(around.field, x, y)
+    zero, one = np.float32(0), np.float32(1)
+    lit = [_sampled(each, place, outside=1) for each in around.table.lit]
+    sky = _sampled(around.table.sky, place, outside=1)
+    level = Facets((zero, zero, one), (zero, zero, one), lit, sky, sky, around.backdrop)
+    size = np.float32(_FADES * max(around.field.shape) * around.field.pitch_mm)
+    fade = np.clip(np.hypot(x, y) / size - np.float32(0.35), 0, 1)
+    fade = 1 - np.float32(1 - _DARKEST) * fade * fade * (3 - 2 * fade)
+    return np.asarray(irradiance(level, around.lights, around.backdrop) * around.backdrop * fade[..., None], np.float32)
+
+
+def _top(at: tuple[Float32, Float32, Float32], around: Surroundings, camera: Viewpoint) -> Float32:
+    place = _places(around.field, at[0], at[1])
+    form = _sampled(around.form, place)
+    p, q = form[..., 0], form[..., 1]
+    nz = 1 / np.sqrt(1 + p * p + q * q)
+    lit = [_sampled(each, place) for each in around.piece.lit]
+    color = _color(around, place)
+    facets = Facets((-p * nz, -q * nz, nz), _to_eye(at, camera), lit, form[..., 2], form[..., 3], color)
+    return radiance(facets, around.material, around.lights)
+
+
+def _wall(at: tuple[Float32, Float32, Float32], around: Surroundings, camera: Viewpoint) -> Float32:
+    field = around.field
+    place = _places(field, at[0], at[1])
+    out = _sampled(around.wall, place)
+    length = np.maximum(np.hypot(out[..., 0], out[..., 1]), np.float32(1e-6))
+    nx, ny = out[..., 0] / length, out[..., 1] / length
+    beside = (place[0] + np.float32(_BESIDE_PX) * nx, place[1] - np.float32(_BESIDE_PX) * ny)
+    lit = [_sampled(each, beside) for each in around.table.lit]
+    sky = _sampled(around.table.sky, beside)
+    top = _sampled(field.centers_mm, place)
+    share = ((at[2] - np.float32(field.back_mm)) / np.maximum(top - np.float32(field.back_mm), np.float32(1e-6))).clip(
+        0, 1
+    )
+    # half the sky, and less of it near the table
+    sky = sky * (np.float32(0.3) + np.float32(0.35) * share)
+    facets = Facets(
+        (nx, ny, np.zeros_like(nx)), _to_eye(at, camera), lit, sky, np.zeros_like(sky), _color(around, place)
+    )
+    return radiance(facets, around.material, around.lights)
+
+
+def _color(around: Surroundings, place: tuple[Float32, Float32]) -> Float32:
+    return around.color if around.color.ndim == 1 else _sampled(around.color, place)
+
+
+def _to_eye(at: tuple[Float32, Float32, Float32], camera: Viewpoint) -> tuple[Float32, Float32, Float32]:
+    x, y, z = (np.float32(eye) - here for eye, here in zip(camera.eye_mm, at, strict=True))
+    length = 1 / np.sqrt(x * x + y * y + z * z)
+    return x * length, y * length, z * length
+
+
+def _places(field: Field, x: Float32, y: Float32) -> tuple[Float32, Float32]:
+    """Columns and rows of points among the centres of the field's pixels."""
+    rows, cols = field.shape
+    scale = np.float32(1 / field.pitch_mm)
+    return x * scale + np.float32(cols / 2 - 0.5), np.float32(rows / 2 - 0.5) - y * scale
+
+
+def _sampled(values: Float32, place: tuple[Any, Any], outside: float | None = None) -> Float32:
+    """(n,) or (n, channels) values at places; beyond the edge those of the edge, or ``outside``."""
+    import cv2
+
+    count = len(place[0])
+    rows = -(-count // _WIDE)
+    maps = [np.zeros(rows * _WIDE, np.float32) for _ in place]
+    for one, given in zip(maps, place, strict=True):
+        one[:count] = given
+    border = cv2.BORDER_REPLICATE if outside is None else cv2.BORDER_CONSTANT
+    x, y = (one.reshape(rows, _WIDE) for one in maps)
+    found: NDArray[Any] = cv2.remap(values, x, y, cv2.INTER_LINEAR, borderMode=border, borderValue=outside or 0)
+    return np.asarray(found.reshape(rows * _WIDE, *values.shape[2:])[:count], np.float32)

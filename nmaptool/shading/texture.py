@@ -1,0 +1,73 @@
+"""Procedural textures in millimetres: the veins of marble, the grain of walnut."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from nmaptool.core.arrays import Float32
+from nmaptool.options.materials import Material
+from nmaptool.shading.field import Field
+
+_CELLS = 128
+_GREY_VEIN = np.array([0.43, 0.44, 0.46], np.float32)
+_LATE_WOOD = np.array([0.062, 0.028, 0.014], np.float32)
+_EARLY_WOOD = np.array([0.33, 0.185, 0.095], np.float32)
+
+
+def colored(field: Field, material: Material) -> Float32:
+    """The material's colour: (3,) float32 if it is the same everywhere, else (h, w, 3)."""
+    plain = np.array(material.color, np.float32)
+    if material.pattern == "none":
+        return plain
+    rows, cols = field.shape
+    x = (np.arange(cols, dtype=np.float32) + np.float32(0.5)) * np.float32(field.pitch_mm)
+    y = (np.arange(rows, 0, -1, dtype=np.float32) - np.float32(0.5)) * np.float32(field.pitch_mm)
+    x, y = (np.ascontiguousarray(v) for v in np.broadcast_arrays(x[None, :], y[:, None]))
+    z = field.centers_mm
+    if material.pattern == "marble":
+        return _marble(x, y, z, plain)
+    return _walnut(x, y, z, plain) if cols >= rows else _walnut(y, x, z, plain)
+
+
+def noise(x: Any, y: Any, seed: int) -> Float32:
+    """Smooth noise from -1 to 1 that varies over about one unit, the same for the same place and seed.
+
+    Parameters
+    ----------
+    x, y : (h, w) float32
+    seed : int
+    """
+    import cv2
+
+    grid = np.random.default_rng(seed).uniform(-1, 1, (_CELLS, _CELLS)).astype(np.float32)
+    u, v = (each % np.float32(_CELLS) for each in (x, y))
+    return np.asarray(cv2.remap(grid, u, v, cv2.INTER_CUBIC, borderMode=cv2.BORDER_WRAP), np.float32)
+
+
+def _marble(x: Any, y: Any, z: Any, plain: Float32) -> Float32:
+    bent_x = x + 6 * noise(x / 17, y / 17, 1) + 1.6 * noise(x / 4.3, y / 4.3, 2)
+    bent_y = y + 6 * noise(x / 17, y / 17, 3) + 1.6 * noise(x / 4.3, y / 4.3, 4) + z
+    across = (bent_x * 0.77 + bent_y * 0.64) / 15
+    along = (bent_y * 0.77 - bent_x * 0.64) / 38
+    vein = np.float32(1) - np.minimum(np.abs(noise(across, along, 5)) * 9, 1)
+    thin = np.float32(1) - np.minimum(np.abs(noise(across * 2.7 + 9, along * 2.1, 6)) * 13, 1)
+    cloud = np.float32(0.5) + np.float32(0.5) * noise(bent_x / 21, bent_y / 21, 7)
+    share = (0.5 * vein * vein + 0.22 * thin * thin + 0.1 * cloud).clip(0, 1) * (0.35 + 0.65 * cloud)
+    return np.asarray(plain + share[..., None].astype(np.float32) * (_GREY_VEIN - plain), np.float32)
+
+
+def _walnut(along: Any, across: Any, z: Any, plain: Float32) -> Float32:
+    # rings around a heart that lies deep below the board and wanders; carving cuts through them
+    bent = across + 2.6 * noise(along / 61, across / 23, 11) + 0.5 * noise(along / 19, across / 7, 12)
+    radius = np.sqrt((bent - 9) ** 2 + (z - 26) ** 2)
+    phase = radius / 2.9 + 0.35 * noise(along / 90, radius / 3, 13)
+    ring = phase - np.floor(phase)
+    late = ring**3 * np.clip((1 - ring) * 9, 0, 1)
+    streak = noise(along / 31, radius / 0.55, 14)
+    fibre = noise(along / 6.5, bent / 0.16, 15)
+    pores = np.clip(noise(along / 3.4, bent / 0.11, 16) - 0.55, 0, 1) * (0.4 + 0.6 * (1 - ring))
+    tone = (0.62 * late + 0.16 * streak + 0.07 * fibre + 0.5 * pores).astype(np.float32)
+    light = plain + np.clip(-tone, 0, 1)[..., None] * (_EARLY_WOOD - plain)
+    return np.asarray(light + np.clip(tone, 0, 1)[..., None] * (_LATE_WOOD - light), np.float32)
