@@ -161,6 +161,7 @@ def _apart(first: np.ndarray, second: np.ndarray, touch: float) -> np.ndarray:
         unit = axis / np.where(usable, length, 1.0)[:, None]
         a, b = (np.einsum("nkc,nc->nk", each, unit) for each in (first, second))
         low, high = (np.stack([pick(a), pick(b)]) for pick in (lambda v: v.min(axis=1), lambda v: v.max(axis=1)))
+        apart |= usable & ((high[0] < low[1] - touch) | (high[1] < low[0] - touch))
         usable &= ((high - low) > touch).any(axis=0)  # both lie in one plane: this axis says nothing
         apart |= usable & ((high[0] <= low[1] + touch) | (high[1] <= low[0] + touch))
     return apart
