@@ -65,6 +65,12 @@ def random_options(seed: int) -> nm.SolidOptions:
     return nm.SolidOptions(outline=str(rng.choice(["auto", "exact", "smooth"])), **back)  # type: ignore[arg-type]
 
 
+def options(**values: str) -> nm.SolidOptions:
+    """Options with lengths as text."""
+    lengths = ("base", "shell", "hollow", "max_error")
+    return nm.SolidOptions(**{name: nm.length(v) if name in lengths else v for name, v in values.items()})  # type: ignore[arg-type]
+
+
 def circle(x: float, y: float, radius: float, corners: int, *, is_hole: bool = False) -> np.ndarray:
     """(n, 2) corners on a circle in mm."""
     angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)
