@@ -92,13 +92,13 @@ def plate(rings, z, rows: int, cols: int, pitch_mm: float = 0.1, raised=None, to
 
 
 def random_plate(seed: int) -> nm.Height:
-    """A star with random corners, for most seeds with a hole, on a grid from 3 to 60 px; random heights."""
+    """A star with random corners, for most seeds with a hole, on a grid from 4 to 60 px; random heights."""
     rng = np.random.default_rng([seed, 2])
-    rows, cols = (int(side) for side in rng.integers(3, 60, 2))
+    rows, cols = (int(side) for side in rng.integers(4, 60, 2))
     pitch_mm = float(rng.choice([0.05, 0.1, 0.5]))
     middle = np.array([cols, rows]) / 2 * pitch_mm
     reach = middle.min() * 0.99
-    least = rng.uniform(0.1, 0.95)
+    least = max(rng.uniform(0.1, 0.95), 1.8 * pitch_mm / reach)  # the middle of a pixel lies inside
     rings = [_star(rng, middle, least * reach, reach, int(rng.integers(5, 40)))]
     if rng.random() < 0.6:
         rings.append(_star(rng, middle, 0.05 * least * reach, 0.2 * least * reach, int(rng.integers(5, 20)))[::-1])
