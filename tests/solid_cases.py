@@ -65,6 +65,12 @@ def random_options(seed: int) -> nm.SolidOptions:
     return nm.SolidOptions(outline=str(rng.choice(["auto", "exact", "smooth"])), **back)  # type: ignore[arg-type]
 
 
+def options(**values: str) -> nm.SolidOptions:
+    """Options with lengths as text."""
+    lengths = ("base", "shell", "hollow", "max_error")
+    return nm.SolidOptions(**{name: nm.length(v) if name in lengths else v for name, v in values.items()})  # type: ignore[arg-type]
+
+
 def circle(x: float, y: float, radius: float, corners: int, *, is_hole: bool = False) -> np.ndarray:
     """(n, 2) corners on a circle in mm."""
     angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)
@@ -86,13 +92,13 @@ def plate(rings, z, rows: int, cols: int, pitch_mm: float = 0.1, raised=None, to
 
 
 def random_plate(seed: int) -> nm.Height:
-    """A star with random corners, for most seeds with a hole, on a grid from 3 to 60 px; random heights."""
+    """A star with random corners, for most seeds with a hole, on a grid from 4 to 60 px; random heights."""
     rng = np.random.default_rng([seed, 2])
-    rows, cols = (int(side) for side in rng.integers(3, 60, 2))
+    rows, cols = (int(side) for side in rng.integers(4, 60, 2))
     pitch_mm = float(rng.choice([0.05, 0.1, 0.5]))
     middle = np.array([cols, rows]) / 2 * pitch_mm
     reach = middle.min() * 0.99
-    least = rng.uniform(0.1, 0.95)
+    least = max(rng.uniform(0.1, 0.95), 1.8 * pitch_mm / reach)  # the middle of a pixel lies inside
     rings = [_star(rng, middle, least * reach, reach, int(rng.integers(5, 40)))]
     if rng.random() < 0.6:
         rings.append(_star(rng, middle, 0.05 * least * reach, 0.2 * least * reach, int(rng.integers(5, 20)))[::-1])
@@ -161,6 +167,7 @@ def _apart(first: np.ndarray, second: np.ndarray, touch: float) -> np.ndarray:
         unit = axis / np.where(usable, length, 1.0)[:, None]
         a, b = (np.einsum("nkc,nc->nk", each, unit) for each in (first, second))
         low, high = (np.stack([pick(a), pick(b)]) for pick in (lambda v: v.min(axis=1), lambda v: v.max(axis=1)))
+        apart |= usable & ((high[0] < low[1] - touch) | (high[1] < low[0] - touch))
         usable &= ((high - low) > touch).any(axis=0)  # both lie in one plane: this axis says nothing
         apart |= usable & ((high[0] <= low[1] + touch) | (high[1] <= low[0] + touch))
     return apart

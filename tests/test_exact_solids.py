@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solid_cases import PLATE, check_solid, circle, crossings, plate, random_options, random_plate
+from scipy.spatial import cKDTree
+from solid_cases import PLATE, check_solid, circle, crossings, options, plate, random_options, random_plate
 
 import nmaptool as nm
 from nmaptool.types.contours import ring_area
 
 BACKS = [{"base": "2mm"}, {"base": "2mm", "hollow": "0.6mm"}, {"shell": "0.8mm"}]
-
-
-def options(**values):
-    lengths = ("base", "shell", "hollow", "max_error")
-    return nm.SolidOptions(**{name: nm.length(v) if name in lengths else v for name, v in values.items()})
 
 
 def downward_area(solid):
@@ -176,20 +172,12 @@ HARD_OUTLINES = {
 def test_every_hard_outline_gives_a_manifold_with_its_area(name, back):
     rings = HARD_OUTLINES[name]
     height = plate(rings, lambda x, y: 0.3 * np.sin(2 * x) * np.cos(3 * y), 100, 100)
-    if not height.domain.any():
-        height = with_domain(height)
     solid = nm.solid(height, options(**back))
     check_solid(solid)
     mesh = solid.to_mesh()
     corners = mesh.vertices[mesh.faces]
     upward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2
     assert upward[upward > 1e-12].sum() == pytest.approx(sum(ring_area(ring) for ring in rings), rel=1e-9)
-
-
-def with_domain(height):
-    domain = height.domain.copy()
-    domain[49, 50] = True
-    return nm.Height(height.z_mm, domain, height.frame, None, height.outline)
 
 
 def test_random_plates_give_manifold_solids(trials):
@@ -201,7 +189,7 @@ def test_no_triangles_of_a_plate_cross(trials):
     checked = 0
     for seed in range(trials(300)):
         height = random_plate(seed)
-        if height.domain.sum() < 200 and height.domain.any():
+        if 0 < height.domain.sum() < 80:
             mesh = nm.solid(height, random_options(seed)).to_mesh()
             assert crossings(mesh.vertices, mesh.faces) == 0, seed
             checked += 1
@@ -253,7 +241,7 @@ def test_a_shell_is_as_thick_as_asked_for_up_to_the_outline():
     front = nm.solid(plate([circle(x0, y0, 4.2, 300)], dome, 100, 100), options()).to_mesh().vertices
     vertices = solid.to_mesh().vertices
     back = vertices[len(front) :]
-    away = np.linalg.norm(front[:, None] - back[None], axis=2).min(axis=0)
+    away = cKDTree(front).query(back)[0]
     assert away.min() > 1.2 - 0.02
     assert away.max() < 1.2 * 1.25
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from nmaptool.core.arrays import Float64
+from nmaptool.solids.exact.plate_walls import walls_to_corners
 from nmaptool.solids.exact.rings import OutlinePoints
 from nmaptool.solids.exact.strip import Strip, outline_area
 from nmaptool.solids.integral import volume_below
 from nmaptool.solids.raised import RaisedFront
 from nmaptool.solids.sheet import Sheet
+from nmaptool.solids.walls import wall_parts
 from nmaptool.types.solid import Body, Faces, Nodes, Part
 
 
@@ -117,11 +120,15 @@ class FlatPlateBack:
         """Between the back and height 0."""
         return self.lowest_mm * outline_area(self.corners)
 
+    @property
+    def xyz_mm(self) -> Float64:
+        """(c, 3) float64: its corners."""
+        return np.column_stack([self.corners.xy_mm, self.z_mm])
+
     def parts(self) -> Iterator[Part]:
         """The triangles, seen from below."""
-        xyz_mm = np.column_stack([self.corners.xy_mm, self.z_mm])
         faces: Faces = self.faces[:, ::-1].astype(np.int32)
-        yield Part(xyz_mm, faces, self.first_point + np.arange(len(xyz_mm)))
+        yield Part(self.xyz_mm, faces, self.first_point + np.arange(len(self.z_mm)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,27 +220,28 @@ class PlatePiece:
 
     def _parts(self) -> Iterator[Part]:
         yield from self.front.parts()
-        yield self._walls()
+        yield from self._walls()
         yield from self.back.parts()
 
-    def _walls(self) -> Part:
-        """Fans from both ends of each edge of the back to the points of the front above it, and a triangle between."""
-        points, back = self.front.strip.points, self.back
+    def _walls(self) -> Iterator[Part]:
+        points, back, first = self.front.strip.points, self.back, self.front.first_point
         count = len(points.xy_mm)
+        front_mm = np.column_stack([points.xy_mm, self.front.z_mm])
         if isinstance(back, FlatPlateBack):
-            foot, foot_after, xy_mm = points.segment, points.corner_after, back.corners.xy_mm
-        else:
-            foot, foot_after, xy_mm = np.arange(count), points.after, points.xy_mm
-        first = np.flatnonzero(np.diff(foot, prepend=-1))
-        pieces = np.diff(first, append=count)
-        # the first half of the pieces sees the foot below its beginning
-        half = pieces - pieces // 2
-        is_early = np.arange(count) - first[foot] < half[foot]
-        apex = np.where(is_early, foot, foot_after[foot])
-        above = points.after[first + half - 1]
-        feet = np.arange(len(first))
-        fans = np.stack([points.after, np.arange(count), count + apex], axis=1)
-        closing = np.stack([above, count + feet, count + foot_after], axis=1)
-        xyz_mm = np.concatenate([np.column_stack([points.xy_mm, self.front.z_mm]), np.column_stack([xy_mm, back.z_mm])])
-        numbers = np.concatenate([self.front.first_point + np.arange(count), back.first_point + feet])
-        return Part(xyz_mm, np.concatenate([fans, closing]).astype(np.int32), numbers)
+            xyz_mm = np.concatenate([front_mm, back.xyz_mm])
+            numbers = np.concatenate([first + np.arange(count), back.first_point + np.arange(len(back.z_mm))])
+            yield Part(xyz_mm, self._walls_to_corners, numbers)
+            return
+        back_mm = np.column_stack([points.xy_mm, back.z_mm])
+        yield from wall_parts(
+            first + np.arange(count),
+            first + points.after,
+            lambda nodes: front_mm[nodes - first],
+            lambda nodes: back_mm[nodes - first],
+            back.first_point - first,
+        )
+
+    @cached_property
+    def _walls_to_corners(self) -> Faces:
+        points, pitch_mm = self.front.strip.points, self.front.rim.placing.pitch_mm
+        return walls_to_corners(points, self.front.z_mm, self.back.lowest_mm, pitch_mm).astype(np.int32)
