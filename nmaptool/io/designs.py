@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,10 +9,9 @@ from nmaptool.io.fonts import read_font
 from nmaptool.io.vector.outline import read_svg_outline
 from nmaptool.io.vector.profile import read_svg_profile
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
+from nmaptool.options.plates.text import is_font_file
 from nmaptool.types.plate import PlateDesign
 from nmaptool.types.recipe_plate import RecipePlate
-
-_FONT_FILE = re.compile(r".*\.(ttf|otf|ttc|otc|woff2?)(#\d+)?", re.IGNORECASE)
 
 
 def read_design(
@@ -55,7 +53,7 @@ def read_design(
     outline = read_svg_outline(Path(folder) / plate.shape) if plate.shape is not None and plate.is_drawn else None
     profile = read_svg_profile(Path(folder) / frame.frame_profile) if frame.is_drawn else None
     names = dict.fromkeys(text.font for text in texts)
-    fonts = {name: read_font(str(Path(folder) / name) if _FONT_FILE.fullmatch(name) else name) for name in names}
+    fonts = {name: read_font(str(Path(folder) / name) if is_font_file(name) else name) for name in names}
     return PlateDesign(plate, frame, tuple(texts), machine, fonts, outline, profile)
 
 

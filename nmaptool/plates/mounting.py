@@ -115,11 +115,10 @@ def _report(
     pitch_mm = height.pitch_mm
     low, high = height.range_mm
     frame = {} if size is None else {"width_mm": size.width_mm, "height_mm": size.height_mm}
-    across, down = height.outline.bounds_mm[1] - height.outline.bounds_mm[0]
     return PlateReport(
         shape=design.plate.shape,
-        width_mm=float(across),
-        height_mm=float(down),
+        width_mm=layout.width_mm,
+        height_mm=layout.height_mm,
         area_mm2=height.outline.area_mm2,
         outline_tolerance_mm=height.outline.tolerance_mm,
         pitch_mm=pitch_mm,

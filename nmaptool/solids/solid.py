@@ -11,6 +11,7 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.grid import touching_vertices
+from nmaptool.core.units import Length
 from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.exact.build import plate_solid
 from nmaptool.solids.flat_back import FlatBack, rectangle_corners
@@ -63,7 +64,7 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     options = options or SolidOptions()
     height = as_height(relief)
     if height.outline is not None:
-        return plate_solid(relief, height, options)
+        return plate_solid(relief, height, _of_plate(options, relief))
     coverage = relief.coverage if isinstance(relief, Relief) else None
     raised = raised_mask(height)
     if raised is not None:
@@ -81,6 +82,18 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     thinned = _thinned([(piece.front, piece.edges, piece.back) for piece in pieces], height, options, facts)
     pieces = [Piece(front, edges, back) for front, edges, back in thinned if back is not None]
     return _solid_of(pieces, facts)
+
+
+def _of_plate(options: SolidOptions, relief: Height | Relief) -> SolidOptions:
+    """Options whose lengths in % refer to the longer side of a plate."""
+    if not isinstance(relief, Relief) or relief.plate is None:
+        return options
+    longer_mm = max(relief.plate.width_mm, relief.plate.height_mm)
+    lengths = {name: getattr(options, name) for name in ("base", "shell", "hollow", "max_error")}
+    shares = {name: each for name, each in lengths.items() if each is not None and each.unit == "%"}
+    return dataclasses.replace(
+        options, **{name: Length(each.value / 100 * longer_mm, "mm") for name, each in shares.items()}
+    )
 
 
 def _solid_of(pieces: Sequence[Piece | RaisedPiece], facts: dict[str, Any]) -> Solid:

@@ -18,6 +18,7 @@ from nmaptool.options.fields import Options, kind_of
 from nmaptool.options.formats import is_recipe
 from nmaptool.options.kinds import Count
 from nmaptool.types.recipe import RELIEF_KEYS, Entry, Recipe, RecipeGroup, RecipeLayer, RecipeRelief
+from nmaptool.types.recipe_plate import RecipePlate
 
 MOST_STEPS = 200
 # of numbers, before the options check them
@@ -46,6 +47,8 @@ class Document:
         The recipe that it was read from and is saved to.
     name : str
         Name for messages.
+    plate : RecipePlate or None
+        The plate that exported files have; the stage shows the relief without it.
     """
 
     layers: tuple[Entry, ...] = ()
@@ -54,13 +57,15 @@ class Document:
     folder: Path = field(default_factory=Path.cwd)
     path: Path | None = None
     name: str = field(default="relief", compare=False)
+    plate: RecipePlate | None = None
 
     @classmethod
     def of(cls, recipe: Recipe, path: Path | None = None) -> Document:
         """Return the document of a recipe that was read from ``path``."""
         relief = recipe.relief or RecipeRelief()
         layers = tuple(_without_line(layer) for layer in recipe.layers)
-        return cls(layers, recipe.canvas, relief, Path(recipe.folder).absolute(), path, Path(recipe.name).name)
+        folder, name = Path(recipe.folder).absolute(), Path(recipe.name).name
+        return cls(layers, recipe.canvas, relief, folder, path, name, recipe.plate)
 
     @property
     def recipe(self) -> Recipe:
@@ -73,7 +78,7 @@ class Document:
         """
         if not self.layers:
             raise InputError("there is nothing to shape yet: drop a normal map, a depth picture or a mesh")
-        return Recipe(self.layers, self.canvas, self.name, str(self.folder), relief=self.relief)
+        return Recipe(self.layers, self.canvas, self.name, str(self.folder), relief=self.relief, plate=self.plate)
 
     @property
     def options(self) -> ReliefOptions:
@@ -121,7 +126,8 @@ class Document:
         layers = tuple(_renamed(layer, new) for layer in self.layers)
         named = {role: name if name is None else new(name) for role, name in vars(self.relief.files).items()}
         relief = RecipeRelief(ReliefFiles(**named), self.relief.options, self.relief.solid)
-        return dataclasses.replace(self, layers=layers, relief=relief)
+        plate = None if self.plate is None else self.plate.renamed(new)
+        return dataclasses.replace(self, layers=layers, relief=relief, plate=plate)
 
 
 def _renamed(entry: Entry, new: Callable[[str], str]) -> Entry:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
 from nmaptool.core.mentions import written_name
 from nmaptool.options.fields import Options
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
+from nmaptool.options.plates.frame import PROFILE
+from nmaptool.options.plates.plate import SHAPE
+from nmaptool.options.plates.text import is_font_file
 from nmaptool.types.shown import OneLine
 
 
@@ -76,6 +79,17 @@ class RecipePlate(OneLine):
         MachineOptions(**self.machine)
         for text in self.texts:
             TextOptions(**text)
+
+    def renamed(self, new: Callable[[str], str]) -> RecipePlate:
+        """The same with other names of its files: drawings and font files."""
+        plate, frame = dict(self.plate), dict(self.frame)
+        for given, name, kind in ((plate, "shape", SHAPE), (frame, "frame_profile", PROFILE)):
+            if given.get(name) is not None and kind.is_file(given[name]):
+                given[name] = new(given[name])
+        texts = (
+            {**text, "font": new(text["font"])} if is_font_file(text.get("font", "")) else text for text in self.texts
+        )
+        return RecipePlate(plate, frame, tuple(texts), self.machine)
 
     def _line(self) -> str:
         given = {**self.plate, **self.frame, **self.machine}

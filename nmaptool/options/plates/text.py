@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +14,18 @@ from nmaptool.options.length_kinds import LengthText, parse_distances
 
 TextPath = Literal["line", "arc", "circle", "ring"]
 TextSide = Literal["top", "bottom"]
+
+
+_FONT_FILE = re.compile(r".*\.(ttf|otf|ttc|otc|woff2?)(#\d+)?", re.IGNORECASE)
+
+
+def is_font_file(font: str) -> bool:
+    """Whether a font is named by its file.
+
+    >>> is_font_file("fonts/title.ttf"), is_font_file("DejaVu Serif:bold")
+    (True, False)
+    """
+    return _FONT_FILE.fullmatch(font) is not None
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,8 @@ from nmaptool.io.output.relief import WrittenRelief, relief_outputs
 from nmaptool.io.recipes.scenes import read_scene
 from nmaptool.options import HeightsAt, ReadOptions
 from nmaptool.options.formats import HEIGHT_FORMATS, MESH_FORMATS, RELIEF_FORMATS
+from nmaptool.plates.plate import plate
+from nmaptool.plates.wording import describe_plate
 from nmaptool.reliefs.relief import relief
 from nmaptool.reliefs.wording import advise
 from nmaptool.solids.solid import solid
@@ -106,7 +108,10 @@ def export(document: Document, path: Path, wanted: Wanted, progress: Progress | 
     if progress is not None:
         progress("reading", 0.0)
     scene = read_scene(document.recipe, progress=progress)
-    result = relief(**scene.inputs, progress=progress)
+    if scene.design is not None:
+        result = plate(**scene.inputs, design=scene.design, progress=progress)
+    else:
+        result = relief(**scene.inputs, progress=progress)
     body = None
     if wanted.kind == "mesh":
         if progress is not None:
@@ -124,8 +129,11 @@ def export(document: Document, path: Path, wanted: Wanted, progress: Progress | 
 def _told(result: Relief, body: Solid | None, warnings: tuple[str, ...]) -> Exported:
     notes = [*advise(result.report)]
     own: tuple[str, ...] = ()
+    if result.plate is not None:
+        notes = [*describe_plate(result.plate), *notes]
+        own = result.plate.warnings
     if body is not None:
         thinned = [count_triangles(body)] if "max_error_mm" in body.facts else []
         notes = [*describe_solid(body), *thinned, *notes]
-        own = warnings_of(body)
+        own = (*own, *warnings_of(body))
     return Exported(tuple(notes), (*warnings, *result.report.warnings, *own))

@@ -15,6 +15,7 @@ from nmaptool.studio.document import Document
 from nmaptool.studio.files.store import plain_name
 from nmaptool.studio.forms.descriptions import plain
 from nmaptool.types.recipe import RecipeRelief
+from nmaptool.types.recipe_plate import RecipePlate
 
 # an own preset also keeps the size
 _OWN = (*COVERED, "width")
@@ -66,6 +67,16 @@ class Presets:
         relief = self._read(name)
         given = {key: value for key, value in {**relief.options, **relief.solid}.items() if key in _OWN}
         return {**ReliefPreset("", {}).values, **given}
+
+    def plate(self, name: str, present: RecipePlate | None, *, is_own: bool) -> RecipePlate | None:
+        """Return the plate that a preset makes; texts and machine of the present one stay."""
+        if is_own:
+            return present
+        preset = RELIEF_PRESETS[name]
+        if not preset.plate:
+            return None
+        texts, machine = ((), {}) if present is None else (present.texts, present.machine)
+        return RecipePlate(preset.plate, preset.frame, texts, machine)
 
     def save(self, name: str, document: Document, *, overwrite: bool = False) -> None:
         """Keep the options of a document under a name.

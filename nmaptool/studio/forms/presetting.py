@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,8 +13,9 @@ from nmaptool.studio.windows import Message
 
 def apply_preset(room: Room, message: Mapping[str, Any]) -> Message | None:
     """Set the options of the preset ``name``, of the user's own if ``is_own``: one step to undo."""
-    values = room.presets.values(_name(message), is_own=message.get("is_own") is True)
-    room.do(room.now.changed(values))
+    name, is_own = _name(message), message.get("is_own") is True
+    changed = room.now.changed(room.presets.values(name, is_own=is_own))
+    room.do(dataclasses.replace(changed, plate=room.presets.plate(name, room.now.plate, is_own=is_own)))
     return None
 
 
