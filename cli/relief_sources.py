@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nmaptool.core.progress import Progress
-from nmaptool.io.designs import design_of
 from nmaptool.options import ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
 from nmaptool.options.fields import Options
 from nmaptool.options.plates import MachineOptions
@@ -94,6 +93,8 @@ class Sources:
 
     def read(self, run: Run, files: Mapping[str, Any], progress: Progress | None) -> Work:
         """Read the inputs."""
+        from nmaptool.io.designs import design_of
+
         if self.recipe is not None:
             work = _read_recipe(run, self.recipe, progress)
         else:

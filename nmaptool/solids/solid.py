@@ -90,10 +90,12 @@ def _of_plate(options: SolidOptions, relief: Height | Relief) -> SolidOptions:
         return options
     longer_mm = max(relief.plate.width_mm, relief.plate.height_mm)
     lengths = {name: getattr(options, name) for name in ("base", "shell", "hollow", "max_error")}
-    shares = {name: each for name, each in lengths.items() if each is not None and each.unit == "%"}
-    return dataclasses.replace(
-        options, **{name: Length(each.value / 100 * longer_mm, "mm") for name, each in shares.items()}
-    )
+    shares: dict[str, Any] = {
+        name: Length(each.value / 100 * longer_mm, "mm")
+        for name, each in lengths.items()
+        if each is not None and each.unit == "%"
+    }
+    return dataclasses.replace(options, **shares)
 
 
 def _solid_of(pieces: Sequence[Piece | RaisedPiece], facts: dict[str, Any]) -> Solid:

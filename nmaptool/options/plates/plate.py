@@ -19,7 +19,7 @@ SHAPES = {
     "rect": "a rectangle",
     "round": "a disc",
     "oval": "an ellipse",
-    "mask": "the motif's own outline, --margin away from it",
+    "mask": "the motif's own outline, at the distance of the margin",
 }
 SHAPE = NameOrFile("shield.svg", SHAPES)
 _ASPECT = re.compile(r"\s*(\d+\.?\d*)\s*[:/x]\s*(\d+\.?\d*)\s*")
