@@ -64,3 +64,7 @@ class Sizes:
         """Width of the band inside the frame that the lettering along the edge takes; 0 without any."""
         edge = [text for text in design.texts if text.text_path != "line"]
         return max((self.text_inset(text) + self.text(text) * (1 + _TEXT_GAP) for text in edge), default=0.0)
+
+    def inset(self, design: PlateDesign, *, is_cover: bool = False) -> float:
+        """Distance of the motif from the edge; of the field that the picture covers with ``is_cover``."""
+        return self.frame(design) + self.band(design) + (0.0 if is_cover else self.margin(design))
