@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.types.contours import Contours
 
-# the nearest edge is at one of the nearest samples of the curves
-_NEAREST = 3
+# points that are searched for at once
+_AT_ONCE = 1_000_000
 # points that are compared with all edges at once
 _BAND = 256
 
@@ -44,7 +44,7 @@ class Curves:
     ----------
     contours : Contours
     spacing_mm : float
-        Spacing of the samples that the search begins with; distances are exact to the polygons.
+        Longest edge that the search uses; distances are exact to the polygons for any.
     """
 
     def __init__(self, contours: Contours, spacing_mm: float) -> None:
@@ -57,48 +57,90 @@ class Curves:
         return tuple(float(np.hypot(*_edges(ring).T).sum()) for ring in self.contours.rings)
 
     @cached_property
-    def _samples(self) -> tuple[Any, Float64, Float64, Float64, NDArray[np.int64]]:
-        """A tree of short edges' middles; their starts, ends, places along their ring, and rings."""
+    def _edges_and_tree(self) -> tuple[Any, _Edges]:
+        """A tree of the ends of short edges, and these edges."""
         from scipy.spatial import cKDTree  # takes long to load
 
-        starts, ends, alongs, rings = [], [], [], []
-        for number, ring in enumerate(self.contours.rings):
-            edge = _edges(ring)
-            length = np.hypot(*edge.T)
-            count = np.maximum(1, np.ceil(length / self._spacing_mm)).astype(np.int64)
-            which = np.repeat(np.arange(len(ring)), count)
-            step = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-            share = step / count[which]
-            start = ring[which] + edge[which] * share[:, None]
-            starts.append(start)
-            ends.append(start + edge[which] / count[which][:, None])
-            before = np.concatenate([[0.0], np.cumsum(length)[:-1]])
-            alongs.append(before[which] + share * length[which])
-            rings.append(np.full(len(which), number))
-        start, end = np.concatenate(starts), np.concatenate(ends)
-        return cKDTree((start + end) / 2), start, end, np.concatenate(alongs), np.concatenate(rings)
+        parts = [_short_edges(ring, number, self._spacing_mm) for number, ring in enumerate(self.contours.rings)]
+        shift = np.cumsum([0, *(len(part.start) for part in parts)])
+        edges = _Edges(
+            *(np.concatenate([getattr(part, name) for part in parts]) for name in ("start", "way", "along", "ring")),
+            np.concatenate([part.before + first for part, first in zip(parts, shift, strict=False)]),
+        )
+        return cKDTree(edges.start), edges
 
     def nearest(self, points_mm: Float64, reach_mm: float = np.inf) -> Nearest:
         """The nearest point of the curves for (n, 2) points, where it is within ``reach_mm``."""
-        tree, start, end, along, ring = self._samples
-        count = min(_NEAREST, len(start))
-        bound = reach_mm + self._spacing_mm
-        _, found = tree.query(points_mm, count, distance_upper_bound=bound, workers=-1)
-        found = found.reshape(len(points_mm), count)
-        out = Nearest(np.full(len(points_mm), np.inf), np.zeros(len(points_mm)), np.full(len(points_mm), -1, np.int64))
-        for each in found.T:
-            (near,) = np.nonzero(each < len(start))
-            at = each[near]
-            edge, way = end[at] - start[at], points_mm[near] - start[at]
-            squared = np.maximum((edge**2).sum(axis=1), 1e-30)
-            share = np.clip((way * edge).sum(axis=1) / squared, 0.0, 1.0)
-            distance = np.hypot(*(way - edge * share[:, None]).T)
-            better = (distance < out.distance_mm[near]) & (distance <= reach_mm)
-            rows, at = near[better], at[better]
-            out.distance_mm[rows] = distance[better]
-            out.along_mm[rows] = along[at] + share[better] * np.sqrt(squared[better])
-            out.ring[rows] = ring[at]
+        count = len(points_mm)
+        out = Nearest(np.full(count, np.inf), np.zeros(count), np.full(count, -1, np.int64))
+        for first in range(0, count, _AT_ONCE):
+            self._search(points_mm, np.arange(first, min(first + _AT_ONCE, count)), reach_mm, out)
         return out
+
+    def _search(self, points_mm: Float64, rows: NDArray[np.intp], reach_mm: float, out: Nearest) -> None:
+        """Find the nearest points for some rows of the points.
+
+        Of the nearest edge, one end is within sqrt(d^2 + s^2 / 4), where d is the distance of the edge and s the
+        longest edge. So the search is over when the ends that were not compared are farther away.
+        """
+        tree, edges = self._edges_and_tree
+        quarter = float((edges.way**2).sum(axis=1).max()) / 4
+        bound = float(np.sqrt(reach_mm**2 + quarter)) * (1 + 1e-12)
+        count = 2
+        while len(rows):
+            count = min(count, len(edges.start))
+            away, found = tree.query(points_mm[rows], count, distance_upper_bound=bound, workers=-1)
+            found, away = found.reshape(len(rows), count), away.reshape(len(rows), count)
+            for ends in found.T:
+                near = ends < len(edges.start)
+                for at in (ends[near], edges.before[ends[near]]):
+                    _compare(points_mm, rows[near], at, edges, reach_mm, out)
+            least = np.sqrt(np.minimum(out.distance_mm[rows], reach_mm) ** 2 + quarter)
+            rows = rows[(away[:, -1] < least * (1 - 1e-12)) & (count < len(edges.start))]
+            count *= 4
+
+
+@dataclass(frozen=True, eq=False)
+class _Edges:
+    """Short edges of rings: their starts, ways to their ends, places along their ring, rings, and the edges before."""
+
+    start: Float64
+    way: Float64
+    along: Float64
+    ring: NDArray[np.int64]
+    before: NDArray[np.int64]
+
+
+def _short_edges(ring: Float64, number: int, spacing_mm: float) -> _Edges:
+    """A ring's edges divided so that none is longer than ``spacing_mm``."""
+    edge = _edges(ring)
+    length = np.hypot(*edge.T)
+    count = np.maximum(1, np.ceil(length / spacing_mm)).astype(np.int64)
+    which = np.repeat(np.arange(len(ring)), count)
+    share = (np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)) / count[which]
+    reached = np.cumsum(length) - length
+    return _Edges(
+        ring[which] + edge[which] * share[:, None],
+        edge[which] / count[which][:, None],
+        reached[which] + share * length[which],
+        np.full(len(which), number),
+        np.arange(-1, len(which) - 1) % len(which),
+    )
+
+
+def _compare(
+    points_mm: Float64, rows: NDArray[np.intp], at: NDArray[np.intp], edges: _Edges, reach_mm: float, out: Nearest
+) -> None:
+    """Keep the nearest point of one edge for each of some points, where it is nearer than that found before."""
+    edge, way = edges.way[at], points_mm[rows] - edges.start[at]
+    squared = np.maximum((edge**2).sum(axis=1), 1e-30)
+    share = np.clip((way * edge).sum(axis=1) / squared, 0.0, 1.0)
+    distance = np.hypot(*(way - edge * share[:, None]).T)
+    better = (distance < out.distance_mm[rows]) & (distance <= reach_mm)
+    rows, at = rows[better], at[better]
+    out.distance_mm[rows] = distance[better]
+    out.along_mm[rows] = edges.along[at] + share[better] * np.sqrt(squared[better])
+    out.ring[rows] = edges.ring[at]
 
 
 def _edges(ring: Float64) -> Float64:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from nmaptool.core.arrays import Float64
-from nmaptool.core.errors import InputError
 from nmaptool.plates.distance import Curves, inside_grid, inside_points
 from nmaptool.plates.polygons import offset, outer_rings
 from nmaptool.types.contours import Contours
 
 _HALVINGS = 48
-# raster that the middle of a drawn field is searched on
-_RASTER = 200
-# points on each side of a motif's hull
-_POINTS = 12
+# raster that the middle of a drawn field is searched on, how often it is searched on a finer one, and differences that
+# its steps explain
+_RASTER = 64
+_ZOOMS = 4
+_LEVEL = 0.05
 
 
 def enclosing_circle(points: Float64) -> tuple[Float64, float]:
@@ -87,45 +87,73 @@ class Drawn:
 def _innermost(contours: Contours) -> Float64:
     """The point farthest from the outline."""
     low, high = contours.bounds_mm
-    x, y = np.linspace(low[0], high[0], _RASTER), np.linspace(low[1], high[1], _RASTER)
-    inside = inside_grid(contours, x, y)
-    points = np.stack(np.meshgrid(x, y), axis=-1)[inside]
-    distance = Curves(contours, float((high - low).max()) / _RASTER).nearest(points).distance_mm
-    # several points may be equally far: their middle
-    best: Float64 = points[distance > distance.max() * (1 - 1e-3)].mean(axis=0)
-    return best
+    curves = Curves(contours, float((high - low).max()) / _RASTER)
+    for _ in range(_ZOOMS):
+        x, y = np.linspace(low[0], high[0], _RASTER), np.linspace(low[1], high[1], _RASTER)
+        points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        away = np.where(inside_grid(contours, x, y).ravel(), curves.nearest(points).distance_mm, 0.0)
+        step = float((high - low).max()) / (_RASTER - 1)
+        best = points[away.argmax()]
+        if _is_level(points, away, step):
+            break
+        low, high = best - 2 * step, best + 2 * step
+    # several points may be equally far, such as along the middle of a bar: their middle, if it is one of them
+    level = points[away > away.max() - _LEVEL * step].mean(axis=0)
+    inside = bool(inside_points(contours, level[None])[0])
+    far = inside and float(curves.nearest(level[None]).distance_mm[0]) >= away.max() - _LEVEL * step
+    return level if far else best
+
+
+def _is_level(points: Float64, away: Float64, step: float) -> bool:
+    """Whether points that lie far apart are equally far from the outline."""
+    return bool((np.ptp(points[away > away.max() - _LEVEL * step], axis=0) > 3 * step).any())
 
 
 def drawn_scale(drawn: Drawn, points: Float64, inset: float) -> float:
-    """The largest factor on points around the origin with which they fit into the field of a drawn shape."""
+    """The largest factor on a convex polygon around the origin with which it fits into the field of a drawn shape.
+
+    The polygon grows until a corner of the field touches one of its edges, or one of its corners an edge of the field.
+
+    Parameters
+    ----------
+    drawn : Drawn
+    points : (n, 2) float64
+        Corners in order, in either direction; the origin may lie on an edge.
+    inset : float
+        Of the field.
+
+    Returns
+    -------
+    float
+        0 if nothing is left of the field.
+    """
     found = drawn.field(inset)
     if found is None:
         return 0.0
     field, middle = found
-    closed = np.concatenate([points, points[:1]])
-    share = np.linspace(0, 1, _POINTS, endpoint=False)[:, None, None]
-    dense = (closed[:-1] * (1 - share) + closed[1:] * share).reshape(-1, 2)
-    low, high = 0.0, 4 * float(drawn.size.max()) / float(np.hypot(*points.T).max())
-    for _ in range(_HALVINGS):
-        factor = (low + high) / 2
-        low, high = (factor, high) if inside_points(field, dense * factor + middle).all() else (low, factor)
-    return low
+    rings = [ring - middle for ring in field.rings]
+    return min(_to_corners(points, np.concatenate(rings)), *(_to_edges(points, ring) for ring in rings))
 
 
-def drawn_for_motif(drawn: Drawn, points_mm: Float64, inset_mm: float) -> float:
-    """The factor on a drawn shape with which its field just holds a motif.
+def _to_corners(points: Float64, corners: Float64) -> float:
+    """The least factor with which a convex polygon reaches one of some corners."""
+    edge = np.roll(points, -1, axis=0) - points
+    normal = np.column_stack([edge[:, 1], -edge[:, 0]])
+    reach = (normal * points).sum(axis=1)
+    normal, reach = normal * np.sign(reach.sum()), reach * np.sign(reach.sum())
+    # a corner outside an edge that the origin lies on is never reached
+    distance = corners @ normal.T
+    tiny = 1e-12 * float(np.abs(reach).max())
+    factor = np.where(reach > tiny, distance / np.maximum(reach, tiny), np.where(distance > 0, np.inf, 0.0))
+    return float(factor.max(axis=1).min())
 
-    Raises
-    ------
-    InputError
-        If no size does.
-    """
-    # the factor f holds the motif if the shape of size 1 with an inset of inset / f holds the motif times 1 / f
-    low, high = 0.0, 64 * float(np.hypot(*points_mm.T).max() + inset_mm) / float(drawn.size.min())
-    for _ in range(_HALVINGS // 2):
-        factor = (low + high) / 2
-        fits = drawn_scale(drawn, points_mm, inset_mm / factor) >= 1 / factor
-        low, high = (low, factor) if fits else (factor, high)
-    if drawn_scale(drawn, points_mm, inset_mm / high) < 1 / high:
-        raise InputError("the drawn shape is too narrow for the motif; use a wider shape or a smaller `margin`")
-    return high
+
+def _to_edges(points: Float64, ring: Float64) -> float:
+    """The least factor with which a corner of a polygon reaches an edge of a ring, along the ray from the origin."""
+    start, way = ring[:, None], (np.roll(ring, -1, axis=0) - ring)[:, None]
+    turn = points[:, 0] * way[..., 1] - points[:, 1] * way[..., 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor = (start[..., 0] * way[..., 1] - start[..., 1] * way[..., 0]) / turn
+        share = (start[..., 0] * points[:, 1] - start[..., 1] * points[:, 0]) / turn
+    hit = (factor > 0) & (share >= 0) & (share <= 1)
+    return float(np.where(hit, factor, np.inf).min())

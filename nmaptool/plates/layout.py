@@ -10,7 +10,7 @@ import numpy as np
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.plates import shapes
-from nmaptool.plates.fitting import Drawn, drawn_for_motif, ellipse_for, enclosing_circle
+from nmaptool.plates.fitting import Drawn, drawn_scale, ellipse_for, enclosing_circle
 from nmaptool.plates.sizes import Sizes
 from nmaptool.types.contours import Contours
 from nmaptool.types.plate import PlateDesign
@@ -19,6 +19,8 @@ from nmaptool.types.plate import PlateDesign
 _FILLS = 0.98
 _STEPS = 200
 _LARGEST_MM = 1e6
+# the smallest motif by the width of its plate
+_SMALLEST = 1e-4
 _MOST_ELONGATED = 2.0
 
 
@@ -58,6 +60,7 @@ class _Motif:
         low, high = self.hull.min(axis=0), self.hull.max(axis=0)
         self.box = high - low
         self.middle: Float64 = (low + high) / 2
+        self._pitches: dict[tuple[float, float], float] = {}
 
     @cached_property
     def circle(self) -> tuple[Float64, float]:
@@ -78,8 +81,9 @@ class _Motif:
     def size(self, pitch_mm: float, sizes: Sizes) -> tuple[float, float]:
         """Width and height of the plate that just holds the motif, for pixels of a given size."""
         design, plate = self.design, self.design.plate
-        inset = sizes.frame(design) + sizes.band(design) + (0.0 if self.is_cover else sizes.margin(design))
+        inset = sizes.inset(design, is_cover=self.is_cover)
         w, h = self.box * pitch_mm + 2 * inset
+        h += sizes.strip(design) if not self.is_cover else 0.0
         aspect = plate.proportion
         if plate.is_drawn:
             return self._drawn_size(pitch_mm, inset)
@@ -95,14 +99,20 @@ class _Motif:
         return float(w), float(h)
 
     def _drawn_size(self, pitch_mm: float, inset: float) -> tuple[float, float]:
-        if self.is_cover:
-            low, high = self.drawn.contours.bounds_mm
-            shape = high - low
-            factor = float(((self.box * pitch_mm + 2 * inset) / shape).min())
-        else:
-            factor = drawn_for_motif(self.drawn, (self.hull - self.middle) * pitch_mm, inset)
-        width, height = self.drawn.size * factor
+        """Of a plate that the picture covers."""
+        low, high = self.drawn.contours.bounds_mm
+        width, height = self.drawn.size * float(((self.box * pitch_mm + 2 * inset) / (high - low)).min())
         return width, height
+
+    def drawn_plate(self, width_mm: float, pitch_mm: float) -> tuple[float, Sizes, float]:
+        """Height and sizes of a drawn plate, and the largest pixels with which the motif fits into its field."""
+        factor = width_mm / float(self.drawn.size[0])
+        sizes = Sizes(float(self.drawn.size.max()) * factor, pitch_mm)
+        inset = sizes.inset(self.design)
+        key = (factor, inset)
+        if key not in self._pitches:
+            self._pitches[key] = drawn_scale(self.drawn, self.hull - self.middle, inset / factor) * factor
+        return float(self.drawn.size[1]) * factor, sizes, self._pitches[key]
 
 
 def lay_out(motif: Mask, design: PlateDesign, *, pitch_mm: float | None, width_mm: float | None) -> Layout:
@@ -130,16 +140,18 @@ def lay_out(motif: Mask, design: PlateDesign, *, pitch_mm: float | None, width_m
             raise UsageError("`fill='cover'`: is not for `shape='mask'`, whose edge follows the motif")
         is_cover = False
     found = _Motif(motif, design, is_cover)
+    is_drawn = design.plate.is_drawn and not is_cover
     if width_mm is None:
         assert pitch_mm is not None
-        width, height, sizes = _grown(found, pitch_mm)
+        width, height, sizes = _grown_drawn(found, pitch_mm) if is_drawn else _grown(found, pitch_mm)
     else:
-        pitch_mm, width, height, sizes = _fitted(found, width_mm)
-    if design.plate.is_drawn and not is_cover:
-        inset = sizes.frame(design) + sizes.band(design) + sizes.margin(design)
-        middle = found.anchor * pitch_mm - found.drawn.field_middle(width, inset)
+        fitted = _fitted_drawn if is_drawn else _fitted
+        pitch_mm, width, height, sizes = fitted(found, width_mm)
+    if is_drawn:
+        middle = found.anchor * pitch_mm - found.drawn.field_middle(width, sizes.inset(design))
     else:
         middle = found.anchor * pitch_mm
+        middle[1] -= sizes.strip(design) / 2 if not is_cover else 0.0
     return Layout(pitch_mm, width, height, middle, is_cover, sizes)
 
 
@@ -167,7 +179,7 @@ def _fitted(motif: _Motif, width_mm: float) -> tuple[float, float, float, Sizes]
 
     from scipy import optimize  # takes long to load
 
-    smallest = 1e-4 * width_mm / float(motif.box.max())
+    smallest = _SMALLEST * width_mm / float(motif.box.max())
     try:
         too_wide = over(smallest) > 0
     except InputError:
@@ -177,6 +189,34 @@ def _fitted(motif: _Motif, width_mm: float) -> tuple[float, float, float, Sizes]
     pitch_mm = float(optimize.brentq(over, smallest, largest, xtol=1e-12, rtol=1e-12))
     _, height, sizes = _grown(motif, pitch_mm)
     return pitch_mm, width_mm, height, sizes
+
+
+def _grown_drawn(motif: _Motif, pitch_mm: float) -> tuple[float, float, Sizes]:
+    """As `_grown`, for a drawn shape."""
+    from scipy import optimize  # takes long to load
+
+    low = high = float(motif.box.max()) * pitch_mm
+    while motif.drawn_plate(high, pitch_mm)[2] < pitch_mm:
+        low, high = high, 2 * high
+        if high > _LARGEST_MM:
+            _refuse(motif, Sizes(low, pitch_mm), low)
+    while low > _SMALLEST * high and motif.drawn_plate(low, pitch_mm)[2] > pitch_mm:
+        low /= 2
+    width = float(optimize.brentq(lambda w: motif.drawn_plate(w, pitch_mm)[2] - pitch_mm, low, high, rtol=1e-10))
+    return width, *motif.drawn_plate(width, pitch_mm)[:2]
+
+
+def _fitted_drawn(motif: _Motif, width_mm: float) -> tuple[float, float, float, Sizes]:
+    """As `_fitted`, for a drawn shape."""
+    from scipy import optimize  # takes long to load
+
+    largest = 4 * width_mm / float(motif.box.min())
+    smallest = _SMALLEST * width_mm / float(motif.box.max())
+    if motif.drawn_plate(width_mm, smallest)[2] < smallest:
+        _refuse(motif, Sizes(width_mm, smallest), width_mm)
+    found = optimize.brentq(lambda p: motif.drawn_plate(width_mm, p)[2] - p, smallest, largest, rtol=1e-12)
+    pitch_mm = float(found)
+    return pitch_mm, width_mm, *motif.drawn_plate(width_mm, pitch_mm)[:2]
 
 
 def _refuse(motif: _Motif, sizes: Sizes, width_mm: float) -> None:
@@ -194,8 +234,7 @@ def outline_of(layout: Layout, motif: Mask, design: PlateDesign, spacing_mm: flo
     """The outline of the plate, without holes and loop, in mm from the lower left corner of the picture."""
     plate, sizes = design.plate, layout.sizes
     if plate.shape == "mask":
-        inset = sizes.frame(design) + sizes.band(design) + sizes.margin(design)
-        return shapes.motif_outline(motif, layout.pitch_mm, inset, spacing_mm)
+        return shapes.motif_outline(motif, layout.pitch_mm, sizes.inset(design), spacing_mm)
     if plate.is_drawn:
         assert design.outline is not None
         found = shapes.scaled_to(design.outline, layout.width_mm, spacing_mm)

@@ -109,6 +109,9 @@ def _placed(text: TextOptions, layout: Layout, outline: Contours, design: PlateD
         across, down = text.middle
         x = left + layout.sizes.along_mm(across, layout.width_mm)
         y = top - layout.sizes.along_mm(down, layout.height_mm)
+        if text.text_at is None and layout.sizes.strip(design) and not layout.is_cover:
+            below = layout.sizes.margin(design) + layout.sizes.strip(design)
+            y = top - layout.height_mm + layout.sizes.frame(design) + below / 2
         contours = straight(lines, text.text_rotate).moved(float(x), float(y))
         length = max(line.advance_mm for line in lines if line is not None)
     else:

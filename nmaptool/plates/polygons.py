@@ -26,14 +26,15 @@ def contours_of(found: Any, tolerance_mm: float) -> Contours:
     return Contours(tuple(ring for ring in rings if len(ring) > 2 and ring_area(ring)), tolerance_mm)
 
 
-def offset(contours: Contours, by_mm: float) -> Contours:
-    """Curves moved outwards (or inwards, if negative) by a distance, with round corners outside."""
+def offset(contours: Contours, by_mm: float, *, is_sharp: bool = False) -> Contours:
+    """Curves moved outwards (or inwards, if negative) by a distance, with round or sharp corners outside."""
     import manifold3d
 
     if by_mm == 0:
         return contours
     count = max(8, int(np.ceil(np.pi / np.sqrt(2 * min(_JOIN_MM / abs(by_mm), 0.1)))))
-    found = section(contours).offset(by_mm, manifold3d.JoinType.Round, circular_segments=count)
+    join = manifold3d.JoinType.Miter if is_sharp else manifold3d.JoinType.Round
+    found = section(contours).offset(by_mm, join, circular_segments=count)
     return contours_of(found.simplify(_JOIN_MM / 10), contours.tolerance_mm + circle_tolerance(abs(by_mm), count))
 
 
@@ -44,7 +45,7 @@ def outer_rings(contours: Contours) -> Contours:
 
 def circle(x_mm: float, y_mm: float, radius_mm: float, spacing_mm: float) -> Float64:
     """(n, 2) corners on a circle, counter-clockwise."""
-    count = max(48, int(np.ceil(2 * np.pi * radius_mm / spacing_mm)))
+    count = 4 * max(12, int(np.ceil(np.pi / 2 * radius_mm / spacing_mm)))  # so that it is exactly as wide and high
     angle = np.arange(count) * (2 * np.pi / count)
     return np.column_stack([x_mm + radius_mm * np.cos(angle), y_mm + radius_mm * np.sin(angle)])
 

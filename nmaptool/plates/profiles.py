@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,15 +51,14 @@ def slope(depth_mm: Float64, slope_mm: float, pitch_mm: float) -> Float64:
     return averaged(lambda depth: np.clip((depth + half) / (2 * half), 0, 1), depth_mm, half, pitch_mm)
 
 
-def averaged(profile: object, depth_mm: Float64, reach_mm: float, pitch_mm: float) -> Float64:
+def averaged(profile: Callable[[Float64], Float64], depth_mm: Float64, reach_mm: float, pitch_mm: float) -> Float64:
     """A profile, constant beyond ``reach_mm`` on both sides of 0, averaged over two pixels."""
-    assert callable(profile)
     step = pitch_mm / _FINE
-    fine = np.arange(-reach_mm - 3 * pitch_mm, reach_mm + 3 * pitch_mm + step, step)
-    total = np.concatenate([[0.0], np.cumsum(profile(fine + step / 2) * step)])[:-1]
-    mean = (np.interp(fine + pitch_mm, fine, total) - np.interp(fine - pitch_mm, fine, total)) / (2 * pitch_mm)
-    usable = slice(_FINE, -_FINE - 1)
-    out: Float64 = np.interp(depth_mm, fine[usable], mean[usable])
+    # one step more than two pixels beyond the reach, so that both ends are means of constants
+    count = int(np.ceil(reach_mm / step)) + 2 * _FINE + 1
+    samples = profile((np.arange(-count, count) + 0.5) * step)
+    mean = np.convolve(samples, np.full(2 * _FINE, 0.5 / _FINE), "valid")
+    out: Float64 = np.interp(depth_mm, (np.arange(len(mean)) + _FINE - count) * step, mean)
     return out
 
 

@@ -20,16 +20,23 @@ def disc(diameter_mm: float, spacing_mm: float) -> Contours:
 
 
 def ellipse(width_mm: float, height_mm: float, spacing_mm: float) -> Contours:
-    """An ellipse, with corners at equal distances."""
+    """An ellipse, with corners at equal distances, and closer at its ends if they are sharp."""
     a, b = width_mm / 2, height_mm / 2
     angle = np.linspace(0.0, 2 * np.pi, 4 * _SAMPLES + 1)
-    x, y = a * np.cos(angle), b * np.sin(angle)
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
-    count = max(48, int(np.ceil(along[-1] / spacing_mm)))
+    length = np.hypot(np.diff(a * np.cos(angle)), np.diff(b * np.sin(angle)))
+    middle = (angle[1:] + angle[:-1]) / 2
+    curvature = a * b / np.hypot(a * np.sin(middle), b * np.cos(middle)) ** 3
+    # where the curve is sharper than a circle of the same area, edges are shorter, so that they are as near to it
+    along = np.concatenate([[0.0], np.cumsum(length * np.sqrt(np.maximum(1.0, curvature * np.sqrt(a * b))))])
+    count = 4 * max(12, int(np.ceil(along[-1] / spacing_mm / 4)))  # so that it is exactly as wide and high
     chosen = np.interp(np.arange(count) * along[-1] / count, along, angle)
     ring = np.column_stack([a * np.cos(chosen), b * np.sin(chosen)])
-    sharpest = min(a, b) ** 2 / max(a, b)  # radius of curvature at the ends of the longer axis
-    return Contours((ring,), float((along[-1] / count) ** 2 / (8 * sharpest)))
+    # farthest from an edge is the point halfway between the angles of its ends
+    half = (chosen + np.append(chosen[1:], 2 * np.pi)) / 2
+    away = np.column_stack([a * np.cos(half), b * np.sin(half)]) - ring
+    edge = np.roll(ring, -1, axis=0) - ring
+    distance = np.abs(edge[:, 0] * away[:, 1] - edge[:, 1] * away[:, 0]) / np.hypot(*edge.T)
+    return Contours((ring,), float(distance.max()))
 
 
 def rectangle(width_mm: float, height_mm: float, corner_mm: float, spacing_mm: float) -> Contours:
@@ -108,7 +115,7 @@ def pixel_contours(motif: Mask, pitch_mm: float) -> Contours:
     if not rings:
         raise InputError("`shape='mask'`: the motif is empty or smaller than a pixel")
     inner = contours_of(section(Contours(tuple(rings))), 0.0)
-    return offset(inner, pitch_mm / 4)
+    return offset(inner, pitch_mm / 4, is_sharp=True)
 
 
 def corner_points(motif: Mask) -> Float64:

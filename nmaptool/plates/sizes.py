@@ -14,6 +14,9 @@ _TEXT_SIZE = Length(7.0, "%")
 # distances of lettering along the edge, as shares of its size
 _TEXT_INSET = 0.6
 _TEXT_GAP = 0.5
+# distance of the lines of a straight text, and the space around it, by its size
+_LINE = 1.6
+_STRIP = 0.8
 
 
 @dataclass(frozen=True)
@@ -64,3 +67,15 @@ class Sizes:
         """Width of the band inside the frame that the lettering along the edge takes; 0 without any."""
         edge = [text for text in design.texts if text.text_path != "line"]
         return max((self.text_inset(text) + self.text(text) * (1 + _TEXT_GAP) for text in edge), default=0.0)
+
+    def inset(self, design: PlateDesign, *, is_cover: bool = False) -> float:
+        """Distance of the motif from the edge; of the field that the picture covers with ``is_cover``."""
+        return self.frame(design) + self.band(design) + (0.0 if is_cover else self.margin(design))
+
+    def strip(self, design: PlateDesign) -> float:
+        """Height of the strip below the motif of a rect plate that a straight text without a place takes."""
+        found = [text for text in design.texts if text.text_path == "line" and text.text_at is None]
+        if design.plate.shape != "rect" or not found:
+            return 0.0
+        lines = [1 + _LINE * (len(text.wording.splitlines()) - 1) for text in found]
+        return max(self.text(text) * (count + _STRIP) for text, count in zip(found, lines, strict=True))

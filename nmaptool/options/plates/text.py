@@ -51,7 +51,8 @@ class TextOptions(Options, group="Text"):
     text_sunk:
         Cut the letters into the plate instead of raising them.
     text_at:
-        Middle of a straight text: across,down from the upper left corner of the plate. Default: 50%,85%.
+        Middle of a straight text: across,down from the upper left corner of the plate. Default: below the motif of a
+        rect plate, which makes room for it; 50%,85% of others.
     text_inset:
         Distance of letters on the edge from the frame, or from the edge of a plate without one. Default: 0.6 of their
         size.
