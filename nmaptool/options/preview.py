@@ -141,7 +141,7 @@ class PreviewOptions(Options, group="Picture"):
     """
 
     material: str = option("clay", Choice("bronze", material_choices))
-    light: tuple[str, ...] = option(("135,38", "15,22,0.3"), Lights())
+    light: tuple[str, ...] = option(("135,38", "15,22,0.25"), Lights())
     view: View = option("top", choice_of(View))
     section: str | None = option(None, SectionText())
     turntable: bool = option(False, Switch())
