@@ -40,7 +40,6 @@ def seen_light(field: Field, lights: Sequence[Light]) -> tuple[SeenLight, SeenLi
 
     At the edge between them, each is continued from its own side, so that neither has a fringe of the other.
     """
-
     import cv2
 
     def sky() -> Float32:
