@@ -87,7 +87,16 @@ assert state() == before
 
 
 COMPOSE = ("blend", "convert", "depth", "pack", "paste", "split", "stack", "transform", "unpack")
-COMMANDS = ("bake", "compare", "compose", *(f"compose {name}" for name in COMPOSE), "inspect", "preview", "relief", "smooth")
+COMMANDS = (
+    "bake",
+    "compare",
+    "compose",
+    *(f"compose {name}" for name in COMPOSE),
+    "inspect",
+    "preview",
+    "relief",
+    "smooth",
+)
 
 
 @pytest.mark.parametrize("arguments", ["--help", "--version", *(f"{command} --help" for command in COMMANDS)])

@@ -14,15 +14,16 @@ from nmaptool.options.materials import Material
 from nmaptool.options.preview import Light
 from nmaptool.shading.field import Field
 from nmaptool.shading.relief_form import ReliefForm, normals, relief_form
-from nmaptool.shading.surface import Facets, irradiance, radiance
+from nmaptool.shading.surface import Facets, radiance
+from nmaptool.shading.table import table_light
 from nmaptool.shading.viewpoint import Viewpoint
 
 # pixels over which the direction of a wall is smoothed, and from which it takes its light
 _WALL_PX, _BESIDE_PX = 7.0, 4.0
 # OpenCV limits the sides of a picture of samples
 _WIDE = 4096
-# the table is darker far from the piece
-_FADES, _DARKEST = 0.75, 0.45
+# the table is darkest here, in longer sides
+_FADES = 0.75
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,16 +87,11 @@ def shade_hits(hits: Hits, around: Surroundings, camera: Viewpoint) -> Float32:
 
 
 def _table(at: tuple[Float32, Float32, Float32], around: Surroundings, camera: Viewpoint) -> Float32:
-    x, y, _ = at
-    place = _places(around.field, x, y)
-    up = np.float32(0), np.float32(0), np.float32(1)
+    place = _places(around.field, at[0], at[1])
     lit = [_sampled(each, place, outside=1) for each in around.form.table.lit]
     sky = _sampled(around.form.table.sky, place, outside=1)
-    level = Facets(up, up, up, lit, sky, sky, around.backdrop)
-    size = np.float32(_FADES * max(around.field.shape) * around.field.pitch_mm)
-    fade = np.clip(np.hypot(x, y) / size - np.float32(0.35), 0, 1)
-    fade = 1 - np.float32(1 - _DARKEST) * fade * fade * (3 - 2 * fade)
-    return np.asarray(irradiance(level, around.lights, around.backdrop) * around.backdrop * fade[..., None], np.float32)
+    far_mm = _FADES * max(around.field.shape) * around.field.pitch_mm
+    return table_light(np.stack(at[:2], axis=1), lit, sky, around.lights, around.backdrop, far_mm)
 
 
 def _top(at: tuple[Float32, Float32, Float32], around: Surroundings, camera: Viewpoint) -> Float32:

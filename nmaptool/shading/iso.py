@@ -22,7 +22,7 @@ from nmaptool.options.preview import Light
 from nmaptool.shading.field import Field
 from nmaptool.shading.hits import Hits, shade_hits, surroundings
 from nmaptool.shading.tone import dithered
-from nmaptool.shading.viewpoint import AZIMUTH_DEG, ELEVATION_DEG, Viewpoint, viewpoint
+from nmaptool.shading.viewpoint import AZIMUTH_DEG, ELEVATION_DEG, Viewpoint, around_points, viewpoint
 
 Indices: TypeAlias = NDArray[np.intp]
 # samples across a pixel, and steps across a pixel of the field
@@ -143,12 +143,7 @@ def _camera(field: Field, size_px: int, azimuth_deg: float, elevation_deg: float
     points = _outline_points(field)
     if not is_steady:
         return viewpoint(points, size_px, azimuth_deg, elevation_deg)
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    radius = float(np.hypot(*(points - middle)[:, :2].T).max())
-    turn = np.linspace(0, math.tau, 72, endpoint=False)
-    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1) * radius + middle[:2]
-    points = np.concatenate([np.column_stack([ring, np.full(72, z)]) for z in (points[:, 2].min(), points[:, 2].max())])
-    return viewpoint(points, size_px, azimuth_deg, elevation_deg)
+    return viewpoint(around_points(points), size_px, azimuth_deg, elevation_deg)
 
 
 def _march(field: Field, camera: Viewpoint, plane: _Plane, band: slice) -> Hits:

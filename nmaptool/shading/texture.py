@@ -18,17 +18,35 @@ _EARLY_WOOD = np.array([0.33, 0.185, 0.095], np.float32)
 
 def colored(field: Field, material: Material) -> Float32:
     """The material's colour: (3,) float32 if it is the same everywhere, else (h, w, 3)."""
-    plain = np.array(material.color, np.float32)
-    if material.pattern == "none":
-        return plain
     rows, cols = field.shape
     x = (np.arange(cols, dtype=np.float32) + np.float32(0.5)) * np.float32(field.pitch_mm)
     y = (np.arange(rows, 0, -1, dtype=np.float32) - np.float32(0.5)) * np.float32(field.pitch_mm)
     x, y = (np.ascontiguousarray(v) for v in np.broadcast_arrays(x[None, :], y[:, None]))
-    z = field.centers_mm
+    return pattern(material, x, y, field.centers_mm, is_tall=rows > cols)
+
+
+def pattern(material: Material, x: Any, y: Any, z: Any, *, is_tall: bool = False) -> Float32:
+    """The material's colour at points of a picture.
+
+    Parameters
+    ----------
+    material : Material
+    x, y, z : (h, w) float32
+        In mm.
+    is_tall : bool
+        Whether grain runs along y.
+
+    Returns
+    -------
+    (3,) or (h, w, 3) float32
+        One colour if it is the same everywhere.
+    """
+    plain = np.array(material.color, np.float32)
+    if material.pattern == "none":
+        return plain
     if material.pattern == "marble":
         return _marble(x, y, z, plain)
-    return _walnut(x, y, z, plain) if cols >= rows else _walnut(y, x, z, plain)
+    return _walnut(y, x, z, plain) if is_tall else _walnut(x, y, z, plain)
 
 
 def noise(x: Any, y: Any, seed: int) -> Float32:
