@@ -5,8 +5,7 @@ import pytest
 from preview_cases import cone, disc
 
 import nmaptool as nm
-from nmaptool.core.errors import InputError, UsageError
-from nmaptool.shading.mesh_front import mesh_front
+from nmaptool.core.errors import UsageError
 
 
 @pytest.mark.parametrize(
@@ -90,32 +89,6 @@ def test_a_normal_map_and_a_relief_give_the_same_picture():
     y, x = np.mgrid[1:-1:48j, -1:1:64j]
     normal_map = nm.NormalMap.from_array(np.dstack([x, y, np.ones_like(x)]), np.hypot(x, y) < 0.9, 0.5, "dome")
     np.testing.assert_array_equal(nm.preview(normal_map), nm.preview(nm.relief(normal_map)))
-
-
-def test_a_mesh_shows_what_its_heights_show():
-    height = cone()
-    mesh = nm.solid(height, nm.SolidOptions(base=nm.length("2mm"))).to_mesh()
-    front, thick = mesh_front(mesh, 120)
-    assert thick == pytest.approx(2, abs=1e-3)
-    assert front.frame.shape == (80, 120)
-    assert front.domain.mean() > 0.97
-    inside = front.vertex_mask
-    assert np.abs(front.z_mm - (height.z_mm + 2))[inside].max() < 0.1
-    pictures = [nm.preview(each, nm.PreviewOptions(size=360)).astype(int) for each in (height, mesh)]
-    assert np.abs(pictures[0] - pictures[1])[20:-20, 20:-20].mean() < 4
-
-
-@pytest.mark.parametrize(
-    ("vertices", "message"),
-    [
-        ([[0, 0, 0], [1, 0, 0], [2, 0, 1]], "is so thin that no pixel of a preview from above"),
-        ([[0, 0, 0], [0, 0, 1], [0, 1e-9, 2]], "is so thin that no pixel"),
-    ],
-)
-def test_meshes_without_an_upper_side_are_refused(vertices, message):
-    mesh = nm.Mesh.from_arrays(vertices, [[0, 1, 2]], name="edge.stl")
-    with pytest.raises(InputError, match=f"edge.stl: {message}"):
-        nm.preview(mesh)
 
 
 def test_values_without_a_preview_are_refused():

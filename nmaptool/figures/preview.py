@@ -28,11 +28,12 @@ _NAMES = {Height: "Height", Relief: "Relief", NormalMap: "NormalMap", Mesh: "Mes
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """What a preview shows: heights, a soft outline, and the thickness below the lowest point."""
+    """What a preview shows: heights, a soft outline, the thickness below the lowest point, a mesh that is no relief."""
 
     height: Height
     coverage: Float32 | None
     base_mm: float | None
+    mesh: Mesh | None = None
 
     def field(self, size_px: int | None) -> Field:
         return field_of(self.height, size_px, self.coverage, self.base_mm)
@@ -96,12 +97,12 @@ def film(relief: Previewed, options: PreviewOptions) -> Iterator[Srgb]:
         if options.turntable:
             # the piece turns, while the camera and the lamps stay where they are
             lights = [_turned(light, -turn) for light in options.lights]
-            yield _perspective(field, options, lights, size, -turn, is_steady=True)
+            yield _perspective(piece, field, options, lights, size, -turn, is_steady=True)
         else:
             first, *rest = options.lights
             lights = [_turned(first, -turn), *rest]
             if options.view == "iso":
-                yield _perspective(field, options, lights, size, 0.0)
+                yield _perspective(piece, field, options, lights, size, 0.0)
             else:
                 yield _from_above(field, options, lights)
 
@@ -127,15 +128,25 @@ def piece_of(relief: Previewed, options: PreviewOptions) -> Any:
         return _Piece(relief, None, base_mm)
     if isinstance(relief, Mesh):
         from nmaptool.meshes.clean import clean_mesh
-        from nmaptool.shading.mesh_front import mesh_front
+        from nmaptool.shading.mesh_front import lattice_of, mesh_front
 
         size = {} if options.size is None else {"longer_px": options.size}
-        height, thick_mm = mesh_front(clean_mesh(relief)[0], **size)
-        return _Piece(height, None, thick_mm if base_mm is None else base_mm)
+        mesh = _standing(clean_mesh(relief)[0], options.up)
+        height, thick_mm = mesh_front(mesh, **size)
+        is_relief = lattice_of(mesh.vertices_mm) is not None
+        return _Piece(height, None, thick_mm if base_mm is None else base_mm, None if is_relief else mesh)
     raise UsageError(
         f"the relief must be a {', '.join(list(_NAMES.values())[:-1])} or Mesh, found "
         f"{type(relief).__name__}; read one with read_previewed"
     )
+
+
+def _standing(mesh: Mesh, up: str) -> Mesh:
+    """The mesh with z up."""
+    if up == "z":
+        return mesh
+    x, y, z = mesh.vertices.T
+    return dataclasses.replace(mesh, vertices=np.column_stack([x, -z, y]))
 
 
 def _still(piece: _Piece, options: PreviewOptions) -> Srgb:
@@ -148,7 +159,7 @@ def _still(piece: _Piece, options: PreviewOptions) -> Srgb:
         return section_figure(section(piece.height, *parse_section(options.section)), back_mm, options.size)
     field = piece.field(options.size)
     if options.view == "iso":
-        return _perspective(field, options, options.lights, max(field.shape), 0.0)
+        return _perspective(piece, field, options, options.lights, max(field.shape), 0.0)
     return _from_above(field, options, options.lights)
 
 
@@ -164,13 +175,25 @@ def _from_above(field: Field, options: PreviewOptions, lights: Any) -> Srgb:
 
 
 def _perspective(
-    field: Field, options: PreviewOptions, lights: Any, size: int, turn: float, *, is_steady: bool = False
+    piece: _Piece,
+    field: Field,
+    options: PreviewOptions,
+    lights: Any,
+    size: int,
+    turn: float,
+    *,
+    is_steady: bool = False,
 ) -> Srgb:
-    from nmaptool.shading.iso import iso_view
     from nmaptool.shading.viewpoint import AZIMUTH_DEG
 
-    material = MATERIALS[options.material]
-    return iso_view(field, material, lights, _backdrop(options), size, AZIMUTH_DEG + turn, is_steady=is_steady)
+    scene = MATERIALS[options.material], lights, _backdrop(options), size, AZIMUTH_DEG + turn
+    if piece.mesh is not None:
+        from nmaptool.shading.mesh_view import mesh_view
+
+        return mesh_view(piece.mesh, *scene, is_steady=is_steady)
+    from nmaptool.shading.iso import iso_view
+
+    return iso_view(field, *scene, is_steady=is_steady)
 
 
 def _turned(light: Light, degrees: float) -> Light:

@@ -32,6 +32,8 @@ class Material:
         Colour in recesses.
     patina : float
         0 to 1: how fully recesses take that colour.
+    tarnish : float
+        0 to 1: how far level places count as recesses; edges are worn clean.
     spread_mm : float
         How far light travels below the surface.
     pattern : str
@@ -47,6 +49,7 @@ class Material:
     gloss: float = 0.04
     recess: Color = (0.0, 0.0, 0.0)
     patina: float = 0.0
+    tarnish: float = 0.0
     spread_mm: float = 0.0
     pattern: Pattern = "none"
     backdrop: Color = (0.045, 0.047, 0.05)
@@ -55,7 +58,7 @@ class Material:
 MATERIALS: dict[str, Material] = {
     "clay": Material(
         "is grey modelling clay, dull and even, which shows every form",
-        color=(0.5, 0.435, 0.375),
+        color=(0.47, 0.395, 0.325),
         roughness=0.62,
         gloss=0.035,
         recess=(0.36, 0.31, 0.265),
@@ -63,38 +66,40 @@ MATERIALS: dict[str, Material] = {
     ),
     "plaster": Material(
         "is white plaster",
-        color=(0.82, 0.80, 0.765),
+        color=(0.78, 0.76, 0.725),
         roughness=0.85,
         gloss=0.02,
         spread_mm=0.08,
     ),
     "bronze": Material(
         "is cast bronze with a dark patina in the recesses and bright edges",
-        color=(0.76, 0.46, 0.22),
-        roughness=0.34,
+        color=(0.74, 0.44, 0.2),
+        roughness=0.3,
         metal=True,
-        recess=(0.105, 0.062, 0.036),
-        patina=0.9,
+        recess=(0.085, 0.05, 0.03),
+        patina=0.92,
+        tarnish=0.5,
     ),
     "silver": Material(
         "is struck silver, darker in the recesses",
         color=(0.93, 0.915, 0.88),
-        roughness=0.27,
+        roughness=0.23,
         metal=True,
         recess=(0.2, 0.19, 0.18),
-        patina=0.7,
+        patina=0.75,
+        tarnish=0.1,
     ),
     "gold": Material(
         "is struck gold",
         color=(1.0, 0.71, 0.29),
-        roughness=0.26,
+        roughness=0.22,
         metal=True,
         recess=(0.55, 0.3, 0.085),
         patina=0.6,
     ),
     "marble": Material(
         "is white marble with grey veins, a little translucent",
-        color=(0.83, 0.82, 0.80),
+        color=(0.76, 0.75, 0.73),
         roughness=0.3,
         gloss=0.04,
         spread_mm=0.45,
@@ -102,11 +107,11 @@ MATERIALS: dict[str, Material] = {
     ),
     "walnut": Material(
         "is carved walnut with its grain along the longer side, oiled",
-        color=(0.2, 0.105, 0.052),
-        roughness=0.42,
-        gloss=0.04,
-        recess=(0.07, 0.034, 0.017),
-        patina=0.5,
+        color=(0.235, 0.118, 0.055),
+        roughness=0.4,
+        gloss=0.022,
+        recess=(0.06, 0.027, 0.012),
+        patina=0.55,
         pattern="walnut",
         backdrop=(0.20, 0.195, 0.185),
     ),

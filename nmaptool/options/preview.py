@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal
 
 from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length, Offset, offset
+from nmaptool.options.bake import Up
 from nmaptool.options.fields import Options, choice_of, option
 from nmaptool.options.kinds import Choice, Count, Kind, Switch, Text
 from nmaptool.options.length_kinds import LengthText
@@ -121,6 +122,8 @@ class PreviewOptions(Options, group="Picture"):
         left. A third number is its strength, 1 for the usual first light. Repeat the flag for several lights.
     view:
         "top": from straight above, to scale. "iso": a perspective picture of the piece with its thickness.
+    up:
+        Axis of a mesh that points up from the table: "z" for reliefs, "y" for most figures.
     section:
         Plot a cut instead: y=50% from left to right through the middle, x=12mm from bottom to top at 12 mm from the
         left. The axes are in mm.
@@ -141,8 +144,9 @@ class PreviewOptions(Options, group="Picture"):
     """
 
     material: str = option("clay", Choice("bronze", material_choices))
-    light: tuple[str, ...] = option(("135,38", "15,22,0.3"), Lights())
+    light: tuple[str, ...] = option(("135,38", "15,22,0.25"), Lights())
     view: View = option("top", choice_of(View))
+    up: Up = option("z", choice_of(Up))
     section: str | None = option(None, SectionText())
     turntable: bool = option(False, Switch())
     light_sweep: bool = option(False, Switch())

@@ -26,12 +26,13 @@ class _Box:
 
 
 _BOXES = (
-    _Box(0, 47, 2.3, 9.0, is_key=True),
-    _Box(-100, 34, 0.55, 14.0),
+    _Box(0, 47, 2.7, 9.0, is_key=True),
+    _Box(-80, 47, 0.75, 34.0),
+    _Box(-105, 28, 0.3, 12.0),
     _Box(165, 24, 0.5, 16.0),
     _Box(75, 20, 0.28, 14.0),
 )
-_ZENITH, _HORIZON, _FLOOR = 0.46, 0.2, 0.07
+_ZENITH, _HORIZON, _FLOOR = 0.3, 0.2, 0.2
 
 
 def mirrored(toward: tuple[Any, Any, Any], roughness: float, azimuth_deg: float, key_share: Any) -> Float32:

@@ -13,18 +13,17 @@ from nmaptool.core.arrays import Float32, Mask
 from nmaptool.options.materials import Material
 from nmaptool.options.preview import Light
 from nmaptool.shading.field import Field
-from nmaptool.shading.recesses import recess_share
-from nmaptool.shading.seen_light import SeenLight, seen_light
-from nmaptool.shading.surface import Facets, irradiance, radiance
-from nmaptool.shading.texture import colored
+from nmaptool.shading.relief_form import ReliefForm, normals, relief_form
+from nmaptool.shading.surface import Facets, radiance
+from nmaptool.shading.table import table_light
 from nmaptool.shading.viewpoint import Viewpoint
 
 # pixels over which the direction of a wall is smoothed, and from which it takes its light
-_WALL_PX, _BESIDE_PX = 3.0, 2.5
+_WALL_PX, _BESIDE_PX = 7.0, 4.0
 # OpenCV limits the sides of a picture of samples
 _WIDE = 4096
-# the table is darker far from the piece
-_FADES, _DARKEST = 0.75, 0.45
+# the table is darkest here, in longer sides
+_FADES = 0.75
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,38 +51,26 @@ class Surroundings:
     Attributes
     ----------
     field, material, lights, backdrop
-    form : (h, w, 4) float32
-        Slopes to the right and up, share of the sky, recess.
-    piece, table : SeenLight
+    form : ReliefForm
     wall : (h, w, 2) float32
         Direction out of the piece, near its outline.
-    color : (h, w, 3) or (3,) float32
     """
 
     field: Field
     material: Material
     lights: Sequence[Light]
     backdrop: Float32
-    form: Float32
-    piece: SeenLight
-    table: SeenLight
+    form: ReliefForm
     wall: Float32
-    color: Float32
 
 
 def surroundings(field: Field, material: Material, lights: Sequence[Light], backdrop: Float32) -> Surroundings:
     """Return what the colours of a field's points depend on, besides the camera."""
     import cv2
 
-    piece, table = seen_light(field, lights)
-    z = field.z_mm
-    across, up = z[:, 1:] - z[:, :-1], z[:-1] - z[1:]
-    scale = np.float32(0.5 / field.pitch_mm)
-    p, q = (across[:-1] + across[1:]) * scale, (up[:, :-1] + up[:, 1:]) * scale
-    form = np.dstack([p, q, piece.sky, recess_share(field, piece.sky)])
     soft = cv2.GaussianBlur(field.coverage, (0, 0), _WALL_PX, borderType=cv2.BORDER_CONSTANT)
     wall = np.dstack([-cv2.Sobel(soft, cv2.CV_32F, 1, 0), cv2.Sobel(soft, cv2.CV_32F, 0, 1)])
-    return Surroundings(field, material, lights, backdrop, form, piece, table, wall, colored(field, material))
+    return Surroundings(field, material, lights, backdrop, relief_form(field, material, lights), wall)
 
 
 def shade_hits(hits: Hits, around: Surroundings, camera: Viewpoint) -> Float32:
@@ -100,26 +87,25 @@ def shade_hits(hits: Hits, around: Surroundings, camera: Viewpoint) -> Float32:
 
 
 def _table(at: tuple[Float32, Float32, Float32], around: Surroundings, camera: Viewpoint) -> Float32:
-    x, y, _ = at
-    place = _places(around.field, x, y)
-    zero, one = np.float32(0), np.float32(1)
-    lit = [_sampled(each, place, outside=1) for each in around.table.lit]
-    sky = _sampled(around.table.sky, place, outside=1)
-    level = Facets((zero, zero, one), (zero, zero, one), lit, sky, sky, around.backdrop)
-    size = np.float32(_FADES * max(around.field.shape) * around.field.pitch_mm)
-    fade = np.clip(np.hypot(x, y) / size - np.float32(0.35), 0, 1)
-    fade = 1 - np.float32(1 - _DARKEST) * fade * fade * (3 - 2 * fade)
-    return np.asarray(irradiance(level, around.lights, around.backdrop) * around.backdrop * fade[..., None], np.float32)
+    place = _places(around.field, at[0], at[1])
+    lit = [_sampled(each, place, outside=1) for each in around.form.table.lit]
+    sky = _sampled(around.form.table.sky, place, outside=1)
+    far_mm = _FADES * max(around.field.shape) * around.field.pitch_mm
+    return table_light(np.stack(at[:2], axis=1), lit, sky, around.lights, around.backdrop, far_mm)
 
 
 def _top(at: tuple[Float32, Float32, Float32], around: Surroundings, camera: Viewpoint) -> Float32:
-    place = _places(around.field, at[0], at[1])
-    form = _sampled(around.form, place)
-    p, q = form[..., 0], form[..., 1]
-    nz = 1 / np.sqrt(1 + p * p + q * q)
-    lit = [_sampled(each, place) for each in around.piece.lit]
-    color = _color(around, place)
-    facets = Facets((-p * nz, -q * nz, nz), _to_eye(at, camera), lit, form[..., 2], form[..., 3], color)
+    form, place = around.form, _places(around.field, at[0], at[1])
+    sharp = normals(_sampled(form.slopes, place))
+    facets = Facets(
+        sharp,
+        sharp if form.soft_slopes is form.slopes else normals(_sampled(form.soft_slopes, place)),
+        _to_eye(at, camera),
+        [_sampled(each, place) for each in form.piece.lit],
+        _sampled(form.piece.sky, place),
+        _sampled(form.recess, place),
+        _color(around, place),
+    )
     return radiance(facets, around.material, around.lights)
 
 
@@ -130,22 +116,21 @@ def _wall(at: tuple[Float32, Float32, Float32], around: Surroundings, camera: Vi
     length = np.maximum(np.hypot(out[..., 0], out[..., 1]), np.float32(1e-6))
     nx, ny = out[..., 0] / length, out[..., 1] / length
     beside = (place[0] + np.float32(_BESIDE_PX) * nx, place[1] - np.float32(_BESIDE_PX) * ny)
-    lit = [_sampled(each, beside) for each in around.table.lit]
-    sky = _sampled(around.table.sky, beside)
+    lit = [_sampled(each, beside) for each in around.form.table.lit]
+    sky = _sampled(around.form.table.sky, beside)
     top = _sampled(field.centers_mm, place)
     share = ((at[2] - np.float32(field.back_mm)) / np.maximum(top - np.float32(field.back_mm), np.float32(1e-6))).clip(
         0, 1
     )
-    # half the sky, and less of it near the table
-    sky = sky * (np.float32(0.3) + np.float32(0.35) * share)
-    facets = Facets(
-        (nx, ny, np.zeros_like(nx)), _to_eye(at, camera), lit, sky, np.zeros_like(sky), _color(around, place)
-    )
+    # half the sky, less of it near the table, and light from the table
+    sky = sky * (np.float32(0.5) + np.float32(0.4) * share)
+    across = nx, ny, np.zeros_like(nx)
+    facets = Facets(across, across, _to_eye(at, camera), lit, sky, np.zeros_like(sky), _color(around, place))
     return radiance(facets, around.material, around.lights)
 
 
 def _color(around: Surroundings, place: tuple[Float32, Float32]) -> Float32:
-    return around.color if around.color.ndim == 1 else _sampled(around.color, place)
+    return around.form.color if around.form.color.ndim == 1 else _sampled(around.form.color, place)
 
 
 def _to_eye(at: tuple[Float32, Float32, Float32], camera: Viewpoint) -> tuple[Float32, Float32, Float32]:

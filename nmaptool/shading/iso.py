@@ -21,8 +21,8 @@ from nmaptool.options.materials import Material
 from nmaptool.options.preview import Light
 from nmaptool.shading.field import Field
 from nmaptool.shading.hits import Hits, shade_hits, surroundings
-from nmaptool.shading.tone import displayed
-from nmaptool.shading.viewpoint import AZIMUTH_DEG, ELEVATION_DEG, Viewpoint, viewpoint
+from nmaptool.shading.tone import dithered
+from nmaptool.shading.viewpoint import AZIMUTH_DEG, ELEVATION_DEG, Viewpoint, around_points, viewpoint
 
 Indices: TypeAlias = NDArray[np.intp]
 # samples across a pixel, and steps across a pixel of the field
@@ -70,7 +70,7 @@ def iso_view(
 
     def draw(band: slice) -> None:
         hits = _march(field, camera, plane, band)
-        picture[band] = displayed(shade_hits(hits, around, camera))
+        picture[band] = dithered(shade_hits(hits, around, camera))
 
     for_each_band(plane.cols, _BAND, draw)
     upright = np.ascontiguousarray(picture.swapaxes(0, 1)[::-1])
@@ -143,12 +143,7 @@ def _camera(field: Field, size_px: int, azimuth_deg: float, elevation_deg: float
     points = _outline_points(field)
     if not is_steady:
         return viewpoint(points, size_px, azimuth_deg, elevation_deg)
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    radius = float(np.hypot(*(points - middle)[:, :2].T).max())
-    turn = np.linspace(0, math.tau, 72, endpoint=False)
-    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1) * radius + middle[:2]
-    points = np.concatenate([np.column_stack([ring, np.full(72, z)]) for z in (points[:, 2].min(), points[:, 2].max())])
-    return viewpoint(points, size_px, azimuth_deg, elevation_deg)
+    return viewpoint(around_points(points), size_px, azimuth_deg, elevation_deg)
 
 
 def _march(field: Field, camera: Viewpoint, plane: _Plane, band: slice) -> Hits:
@@ -170,11 +165,13 @@ def _march(field: Field, camera: Viewpoint, plane: _Plane, band: slice) -> Hits:
     z = cv2.remap(field.z_mm, col, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     half = np.float32(0.5)
     cover = cv2.remap(field.coverage, col - half, row - half, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
-    z = np.where(cover >= _OPAQUE, z, np.float32(field.back_mm))
-    slope = np.asarray((z - np.float32(eye[2])) / far.astype(np.float32), np.float32)
+    on = cover >= _OPAQUE
+    z = np.where(on, z, np.float32(field.back_mm))
+    ahead = _at_edges(far.astype(np.float32), step, cover, on)
+    slope = np.asarray((z - np.float32(eye[2])) / ahead, np.float32)
     first = _first_seen(np.maximum.accumulate(slope, axis=1), plane)
     up = (plane.bottom + (np.arange(plane.rows) + 0.5) * plane.per_row).astype(np.float32)
-    distance, on_piece, on_wall = _distances(first, (slope, cover), (far[0], step), up, field.back_mm - float(eye[2]))
+    distance, on_piece, on_wall = _distances(first, (slope, ahead, on), up, field.back_mm - float(eye[2]))
     z_mm = np.where(on_piece, np.float32(eye[2]) + up * distance, np.float32(field.back_mm))
     sideways = distance * across.astype(np.float32)[:, None]
     x_mm, y_mm = (
@@ -205,23 +202,30 @@ def _first_seen(highest: Float32, plane: _Plane) -> Indices:
     return np.asarray(np.cumsum(per_row, axis=1)[:, : plane.rows])
 
 
+def _at_edges(far: Float32, step: float, cover: Float32, on: Mask) -> Float32:
+    """Distances of the samples; those beside an edge of the piece are moved to it."""
+    ahead = np.broadcast_to(far, cover.shape).copy()
+    for sign, here, there in ((-1, np.s_[:, 1:], np.s_[:, :-1]), (1, np.s_[:, :-1], np.s_[:, 1:])):
+        beside = on[here] & ~on[there]
+        inside, outside = cover[here][beside], cover[there][beside]
+        ahead[here][beside] += np.float32(sign * step) * (inside - np.float32(_OPAQUE)) / (inside - outside)
+    return ahead
+
+
 def _distances(
-    first: Indices, samples: tuple[Float32, Float32], way: tuple[float, float], up: Float32, back_mm: float
+    first: Indices, samples: tuple[Float32, Float32, Mask], up: Float32, back_mm: float
 ) -> tuple[Float32, Mask, Mask]:
     """Distance ahead of what each place of the picture plane sees; whether that is the piece, and a wall of it."""
-    slope, cover = samples
-    start, step = way
-    count = slope.shape[1]
-    offset = np.arange(len(slope))[:, None] * count
+    slope, ahead, on = (each.ravel() for each in samples)
+    count = samples[0].shape[1]
+    offset = np.arange(len(first))[:, None] * count
     here = np.minimum(first, count - 1) + offset
     before = np.maximum(first - 1, 0) + offset
-    half = np.float32(_OPAQUE)
-    now, then = cover.ravel().take(here), cover.ravel().take(before)
-    on_piece = (now >= half) & (first < count)
-    on_wall = on_piece & (then < half)
-    low, high = slope.ravel().take(before), slope.ravel().take(here)
+    on_piece = on.take(here) & (first < count)
+    on_wall = on_piece & ~on.take(before)
+    low, high, near, far = slope.take(before), slope.take(here), ahead.take(before), ahead.take(here)
     with np.errstate(divide="ignore", invalid="ignore"):
-        part = np.where(on_wall, (half - then) / (now - then), (up - low) / (high - low)).clip(0, 1)
-        distance = np.float32(start) + np.float32(step) * (first - 1 + np.where(np.isfinite(part), part, 0))
-        distance = np.where(on_piece, distance, np.float32(back_mm) / up)
-    return distance.astype(np.float32), on_piece, on_wall
+        part = ((up - low) / (high - low)).clip(0, 1)
+        part[on_wall | ~np.isfinite(part)] = 1
+        distance = np.where(on_piece, near + part * (far - near), np.float32(back_mm) / up)
+    return np.asarray(distance, np.float32), on_piece, on_wall

@@ -6,15 +6,24 @@ import math
 
 import numpy as np
 
+from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
+from nmaptool.core.grid import touching_vertices
 from nmaptool.render.numpy_raster import visible_faces
 from nmaptool.types.height import Height
-from nmaptool.types.mesh import Mesh
+from nmaptool.types.mesh import Faces, Mesh
 from nmaptool.types.picture import Frame
 
 _LONGER_SIDE = 1000
 # samples are moved by this share of a pixel, so that they do not fall on the edges of a regular mesh
 _NUDGE = 1e-4
+# a mesh with this share of its vertices on a lattice, to this share of its spacing, is a relief
+_MOSTLY, _ON_LATTICE = 0.8, 0.01
+_SMALLEST_PX, _LARGEST_PX = 12, 6000
+# values that differ by less than this share of their range are the same
+_SAME = 2e-5
+# values that at least this share of the points of the most frequent one have are those of the lattice
+_COMMON = 0.2
 
 
 def mesh_front(mesh: Mesh, longer_px: int = _LONGER_SIDE) -> tuple[Height, float]:
@@ -25,7 +34,7 @@ def mesh_front(mesh: Mesh, longer_px: int = _LONGER_SIDE) -> tuple[Height, float
     mesh : Mesh
         Cleaned, in its own units.
     longer_px : int
-        Pixels on the longer side.
+        Pixels on the longer side, unless the vertices lie on a lattice: its spacing is then the size of a pixel.
 
     Returns
     -------
@@ -44,31 +53,64 @@ def mesh_front(mesh: Mesh, longer_px: int = _LONGER_SIDE) -> tuple[Height, float
     longer = float((high - low)[:2].max())
     if longer <= 0:
         raise InputError(f"{mesh.name}: is a line along z; a preview from above would be empty")
-    pitch = longer / longer_px
-    cols, rows = (max(1, math.ceil(float(side) / pitch - 1e-6)) for side in (high - low)[:2])
+    lattice = lattice_of(points)
+    pitch = longer / longer_px if lattice is None else lattice
+    cols, rows = (max(1, math.ceil(float(side) / pitch - 1e-3)) for side in (high - low)[:2])
     # heights are sampled at the corners of the pixels
-    placed = np.column_stack(
-        [
-            (points[:, 0] - low[0]) / pitch + 0.5 + _NUDGE,
-            rows - (points[:, 1] - low[1]) / pitch + 0.5 - _NUDGE,
-            points[:, 2] - low[2],
-        ]
-    )
+    places = np.column_stack([(points[:, 0] - low[0]) / pitch, rows - (points[:, 1] - low[1]) / pitch])
+    z_mm = np.full((rows + 1, cols + 1), -np.inf)
+    if lattice is not None:
+        _set_nodes(z_mm, places, points[:, 2] - low[2])
+    nudge = _NUDGE if lattice is None else 0.0
+    placed = np.column_stack([places[:, 0] + 0.5 + nudge, places[:, 1] + 0.5 - nudge, points[:, 2] - low[2]])
     seen = visible_faces(placed, mesh.faces, rows + 1, cols + 1)
     at = np.nonzero(seen >= 0)
-    if not len(at[0]):
-        raise InputError(f"{mesh.name}: is so thin that no pixel of a preview from above sees it")
-    z_mm = np.zeros(seen.shape)
-    z_mm[at] = _heights(placed, mesh.faces[seen[at]], at[1] + 0.5, at[0] + 0.5)
-    corners = seen >= 0
-    domain = corners[:-1, :-1] & corners[1:, :-1] & corners[:-1, 1:] & corners[1:, 1:]
+    row, col = (np.asarray(place, np.float64) + 0.5 for place in at)
+    z_mm[at] = np.maximum(z_mm[at], _heights(placed, mesh.faces[seen[at]], col, row))
+    known = np.isfinite(z_mm)
+    domain = known[:-1, :-1] & known[1:, :-1] & known[:-1, 1:] & known[1:, 1:]
     if not domain.any():
         raise InputError(f"{mesh.name}: is so thin that no pixel of a preview from above lies inside it")
-    height = Height(z_mm, domain, Frame(rows, cols, pitch))
+    height = Height(np.where(touching_vertices(domain), z_mm, 0), domain, Frame(rows, cols, pitch))
     return height, max(height.range_mm[0], 1e-3 * longer)
 
 
-def _heights(points: np.ndarray, faces: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def lattice_of(points: Float64) -> float | None:
+    """The spacing of a square grid on which most points lie, seen from above; None if there is none.
+
+    Reliefs have their vertices on one, so their heights are found again without loss.
+    """
+    spacings = [_spacing(points[:, axis]) for axis in (0, 1)]
+    spacing = min(spacings)
+    if not spacing > 0:
+        return None
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    if not _SMALLEST_PX <= float((high - low).max()) / spacing <= _LARGEST_PX:
+        return None
+    steps = (points[:, :2] - low) / spacing
+    off = np.abs(steps - np.round(steps)).max(axis=1)
+    return spacing if np.mean(off < _ON_LATTICE) > _MOSTLY else None
+
+
+def _spacing(values: Float64) -> float:
+    """The usual distance between the values that many points have; 0 if they are all the same."""
+    ordered = np.sort(values)
+    # rounding in the file separates values that are the same
+    starts = np.flatnonzero(np.diff(ordered, prepend=-np.inf) > _SAME * (ordered[-1] - ordered[0]))
+    counts = np.diff(starts, append=len(ordered))
+    common = ordered[starts][counts >= _COMMON * counts.max()]
+    return float(np.median(np.diff(common))) if len(common) > 1 else 0.0
+
+
+def _set_nodes(z_mm: Float64, places: Float64, heights: Float64) -> None:
+    """Set the heights of the vertices that lie on the lattice: the highest of each."""
+    nearest = np.round(places)
+    on = np.abs(places - nearest).max(axis=1) < _ON_LATTICE
+    col, row = nearest[on].astype(np.intp).T
+    np.maximum.at(z_mm, (row, col), heights[on])
+
+
+def _heights(points: Float64, faces: Faces, x: Float64, y: Float64) -> Float64:
     """Heights of points of faces, at places across."""
     a, b, c = (points.take(faces[:, k], axis=0) for k in range(3))
     wb = (x - a[:, 0]) * (c[:, 1] - a[:, 1]) - (y - a[:, 1]) * (c[:, 0] - a[:, 0])

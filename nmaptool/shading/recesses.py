@@ -14,7 +14,7 @@ _STEEP = 0.22
 _OPEN_SKY, _CLOSED_SKY = 0.96, 0.55
 
 
-def recess_share(field: Field, sky: Float32) -> Float32:
+def recess_share(field: Field, sky: Float32, tarnish: float = 0.0) -> Float32:
     """(h, w) float32, 0 to 1: how much each pixel lies in a recess.
 
     Parameters
@@ -22,6 +22,8 @@ def recess_share(field: Field, sky: Float32) -> Float32:
     field : Field
     sky : (h, w) float32
         Share of the sky that each pixel sees.
+    tarnish : float
+        What a level place counts; edges count less.
     """
     import cv2
 
@@ -32,5 +34,5 @@ def recess_share(field: Field, sky: Float32) -> Float32:
     around = cv2.resize(around, z_mm.shape[::-1], interpolation=cv2.INTER_LINEAR) if sigma > 4 else around
     depth = (around - z_mm) * np.float32(1 / (_STEEP * sigma * field.pitch_mm))
     hidden = (np.float32(_OPEN_SKY) - sky) * np.float32(1 / (_OPEN_SKY - _CLOSED_SKY))
-    share = (np.clip(hidden, 0, 1) + np.clip(depth, -1, 1)).clip(0, 1)
+    share = (np.float32(tarnish) + np.clip(hidden, 0, 1) + np.clip(depth, -1, 1)).clip(0, 1)
     return np.asarray(share * share * (3 - 2 * share), np.float32)

@@ -69,12 +69,12 @@ def section(height: Height, axis: Axis, place: Offset) -> Section:
     # rows of the arrays now run along the constant axis, from 0 up
     row = min(int(at_px), side - 1)
     part = at_px - row
-    lines: list[Float64] = [(1 - part) * sheet[row] + part * sheet[row + 1] for sheet in sheets]
+    lines = [np.asarray((1 - part) * sheet[row] + part * sheet[row + 1]) for sheet in sheets]
     on_motif = raised[row]
     left, right = (np.where(on_motif, lines[0][cut], lines[1][cut]) for cut in (slice(None, -1), slice(1, None)))
     z = np.stack([left, right], axis=1)
     z[~domain[row]] = np.nan
-    along: Float64 = np.arange(len(lines[0])) * pitch
+    along = np.arange(len(lines[0]), dtype=np.float64) * pitch
     ends = np.stack([along[:-1], along[1:]], axis=1).ravel()
     if height.outline is not None:
         ends, flat = _within(height.outline, axis, at_px * pitch, along, lines[1])

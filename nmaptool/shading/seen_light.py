@@ -16,7 +16,9 @@ from nmaptool.shading.shadows import lit_share
 
 _WHOLE = 0.999
 # pixels by which values are continued beyond the edge
-_BEYOND_PX = 5
+_BEYOND_PX = 8
+# so near to the edge, the light on both sides is mixed
+_MIXED_PX = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +40,7 @@ def seen_light(field: Field, lights: Sequence[Light]) -> tuple[SeenLight, SeenLi
 
     At the edge between them, each is continued from its own side, so that neither has a fringe of the other.
     """
+    import cv2
 
     def sky() -> Float32:
         return sky_share(mean_of_corners(field.placed_mm), field.pitch_mm)
@@ -50,7 +53,9 @@ def seen_light(field: Field, lights: Sequence[Light]) -> tuple[SeenLight, SeenLi
     if field.is_whole:
         both = SeenLight(found[0], found[1:])
         return both, both
-    sides = (field.coverage > _WHOLE, field.coverage < 1 - _WHOLE)
+    # pixels beside the edge have corners beyond it, and the sky is found on a coarser grid
+    box = np.ones((2 * _MIXED_PX + 1,) * 2, np.uint8)
+    sides = (cv2.erode(field.coverage, box) > _WHOLE, cv2.dilate(field.coverage, box) < 1 - _WHOLE)
     piece, table = ([_continued(each, side) for each in found] for side in sides)
     return SeenLight(piece[0], piece[1:]), SeenLight(table[0], table[1:])
 

@@ -18,7 +18,7 @@ from nmaptool.shading.lights import direction, power
 # colours of the lamps and of the sky
 _LAMP = np.array([1.0, 0.972, 0.93], np.float32)
 _SKY = np.array([0.93, 0.965, 1.0], np.float32)
-_KEY, _AMBIENT = 0.52, 0.24
+_KEY, _AMBIENT = 0.62, 0.14
 # light of the lamps that a metal mirrors, besides that of the studio
 _GLINT = 0.5
 
@@ -31,6 +31,8 @@ class Facets:
     ----------
     normal : three arrays
         x, y and z of unit normals.
+    soft_normal : three arrays
+        The same for light that is scattered, which has travelled below the surface of a translucent material.
     view : three arrays or floats
         Unit vectors to the viewer.
     lit : sequence of array
@@ -44,6 +46,7 @@ class Facets:
     """
 
     normal: tuple[Any, Any, Any]
+    soft_normal: tuple[Any, Any, Any]
     view: tuple[Any, Any, Any]
     lit: Sequence[Float32]
     sky: Float32
@@ -78,10 +81,10 @@ def irradiance(facets: Facets, lights: Sequence[Light], color: Float32) -> Float
     lamps = np.zeros(facets.sky.shape, np.float32)
     for light, lit in zip(lights, facets.lit, strict=True):
         toward = direction(light).astype(np.float32)
-        lamps += np.float32(_KEY * power(light)) * lit * np.clip(_dot(facets.normal, toward), 0, None)
+        lamps += np.float32(_KEY * power(light)) * lit * np.clip(_dot(facets.soft_normal, toward), 0, None)
     # light that bounces between the walls of a recess brightens it, and takes on its colour
     sky = facets.sky[..., None]
-    bounced = sky / (1 - np.float32(0.8) * color * (1 - sky))
+    bounced = sky / (1 - np.float32(0.6) * color * (1 - sky))
     return np.asarray(lamps[..., None] * _LAMP + bounced * (np.float32(_AMBIENT) * _SKY), np.float32)
 
 
@@ -100,7 +103,7 @@ def _glossy(facets: Facets, material: Material, lights: Sequence[Light]) -> Floa
         out = studio * hidden
     else:
         fresnel = material.gloss + (1 - material.gloss) * (1 - facing) ** 5 * (1 - material.roughness)
-        out = studio * hidden * fresnel
+        out = studio * hidden * fresnel * np.float32(0.7)
     share = np.float32(_GLINT if material.metal else material.gloss)
     for light, lit in zip(lights, facets.lit, strict=True):
         out += share * np.float32(power(light)) * lit * _glint(normal, view, facing, direction(light), alpha)

@@ -18,17 +18,35 @@ _EARLY_WOOD = np.array([0.33, 0.185, 0.095], np.float32)
 
 def colored(field: Field, material: Material) -> Float32:
     """The material's colour: (3,) float32 if it is the same everywhere, else (h, w, 3)."""
-    plain = np.array(material.color, np.float32)
-    if material.pattern == "none":
-        return plain
     rows, cols = field.shape
     x = (np.arange(cols, dtype=np.float32) + np.float32(0.5)) * np.float32(field.pitch_mm)
     y = (np.arange(rows, 0, -1, dtype=np.float32) - np.float32(0.5)) * np.float32(field.pitch_mm)
     x, y = (np.ascontiguousarray(v) for v in np.broadcast_arrays(x[None, :], y[:, None]))
-    z = field.centers_mm
+    return pattern(material, x, y, field.centers_mm, is_tall=rows > cols)
+
+
+def pattern(material: Material, x: Any, y: Any, z: Any, *, is_tall: bool = False) -> Float32:
+    """The material's colour at points of a picture.
+
+    Parameters
+    ----------
+    material : Material
+    x, y, z : (h, w) float32
+        In mm.
+    is_tall : bool
+        Whether grain runs along y.
+
+    Returns
+    -------
+    (3,) or (h, w, 3) float32
+        One colour if it is the same everywhere.
+    """
+    plain = np.array(material.color, np.float32)
+    if material.pattern == "none":
+        return plain
     if material.pattern == "marble":
         return _marble(x, y, z, plain)
-    return _walnut(x, y, z, plain) if cols >= rows else _walnut(y, x, z, plain)
+    return _walnut(y, x, z, plain) if is_tall else _walnut(x, y, z, plain)
 
 
 def noise(x: Any, y: Any, seed: int) -> Float32:
@@ -47,15 +65,19 @@ def noise(x: Any, y: Any, seed: int) -> Float32:
 
 
 def _marble(x: Any, y: Any, z: Any, plain: Float32) -> Float32:
-    bent_x = x + 6 * noise(x / 17, y / 17, 1) + 1.6 * noise(x / 4.3, y / 4.3, 2)
-    bent_y = y + 6 * noise(x / 17, y / 17, 3) + 1.6 * noise(x / 4.3, y / 4.3, 4) + z
-    across = (bent_x * 0.77 + bent_y * 0.64) / 15
-    along = (bent_y * 0.77 - bent_x * 0.64) / 38
-    vein = np.float32(1) - np.minimum(np.abs(noise(across, along, 5)) * 9, 1)
-    thin = np.float32(1) - np.minimum(np.abs(noise(across * 2.7 + 9, along * 2.1, 6)) * 13, 1)
-    cloud = np.float32(0.5) + np.float32(0.5) * noise(bent_x / 21, bent_y / 21, 7)
-    share = (0.5 * vein * vein + 0.22 * thin * thin + 0.1 * cloud).clip(0, 1) * (0.35 + 0.65 * cloud)
-    return np.asarray(plain + share[..., None].astype(np.float32) * (_GREY_VEIN - plain), np.float32)
+    # veins run along one direction and wander; carving cuts through them
+    bent_x = x + 7 * noise(x / 26, y / 26, 1) + 1.5 * noise(x / 6.1, y / 6.1, 2)
+    bent_y = y + 7 * noise(x / 26, y / 26, 3) + 1.5 * noise(x / 6.1, y / 6.1, 4) + z
+    across, along = (bent_x * 0.8 + bent_y * 0.6), (bent_y * 0.8 - bent_x * 0.6)
+    cloud = np.float32(0.5) + np.float32(0.5) * noise(across / 17, along / 29, 7)
+    share: Any = 0
+    for seed, wide, long, sharp, depth in ((5, 21, 64, 4.5, 0.8), (6, 13, 41, 8.0, 0.5)):
+        away = np.abs(noise(across / wide, along / long, seed))
+        # a crisp line in a soft shade of its own
+        line, shade = (np.maximum(1 - away * factor, 0) for factor in (sharp, sharp / 3))
+        share = share + depth * (0.6 * line**3 + 0.4 * shade**2) * cloud
+    share += 0.1 * cloud
+    return np.asarray(plain + share.clip(0, 1)[..., None].astype(np.float32) * (_GREY_VEIN - plain), np.float32)
 
 
 def _walnut(along: Any, across: Any, z: Any, plain: Float32) -> Float32:
@@ -68,6 +90,6 @@ def _walnut(along: Any, across: Any, z: Any, plain: Float32) -> Float32:
     streak = noise(along / 31, radius / 0.55, 14)
     fibre = noise(along / 6.5, bent / 0.16, 15)
     pores = np.clip(noise(along / 3.4, bent / 0.11, 16) - 0.55, 0, 1) * (0.4 + 0.6 * (1 - ring))
-    tone = (0.62 * late + 0.16 * streak + 0.07 * fibre + 0.5 * pores).astype(np.float32)
+    tone = (0.75 * late + 0.24 * streak + 0.16 * fibre + 0.9 * pores).astype(np.float32)
     light = plain + np.clip(-tone, 0, 1)[..., None] * (_EARLY_WOOD - plain)
     return np.asarray(light + np.clip(tone, 0, 1)[..., None] * (_LATE_WOOD - light), np.float32)

@@ -73,7 +73,6 @@ def viewpoint(
     size_px: int,
     azimuth_deg: float = AZIMUTH_DEG,
     elevation_deg: float = ELEVATION_DEG,
-    frame_mm: Float64 | None = None,
 ) -> Viewpoint:
     """Return a camera that sees all of the points.
 
@@ -85,8 +84,6 @@ def viewpoint(
         Longer side of the picture.
     azimuth_deg, elevation_deg : float
         Where the camera stands, seen from the piece.
-    frame_mm : (m, 3) float64, optional
-        Points that set the size of the picture. Default: ``corners_mm``.
     """
     a, e = math.radians(azimuth_deg), math.radians(elevation_deg)
     middle = (corners_mm.min(axis=0) + corners_mm.max(axis=0)) / 2
@@ -95,7 +92,7 @@ def viewpoint(
     right = np.array([-math.sin(a), math.cos(a), 0.0])
     eye = middle + _DISTANCE * radius * back
     plain = Viewpoint(eye, -back, right, np.cross(back, right), 1.0, (0.0, 0.0), 1, 1)
-    seen = plain.project(corners_mm if frame_mm is None else frame_mm)[:, :2]
+    seen = plain.project(corners_mm)[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)
     span = (high - low) * (1 + 2 * _MARGIN)
     focal = size_px / float(span.max())
@@ -103,3 +100,13 @@ def viewpoint(
     center = (low + high) / 2 * focal
     place = (cols / 2 - float(center[0]), rows / 2 - float(center[1]))
     return Viewpoint(eye, -back, right, np.cross(back, right), focal, place, rows, cols)
+
+
+def around_points(points_mm: Float64) -> Float64:
+    """(n, 3) points of the upright cylinder around points: what a turning piece fills."""
+    middle = (points_mm.min(axis=0) + points_mm.max(axis=0)) / 2
+    radius = float(np.hypot(*(points_mm - middle)[:, :2].T).max())
+    turn = np.linspace(0, math.tau, 72, endpoint=False)
+    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1) * radius + middle[:2]
+    ends = points_mm[:, 2].min(), points_mm[:, 2].max()
+    return np.concatenate([np.column_stack([ring, np.full(len(ring), z)]) for z in ends])
