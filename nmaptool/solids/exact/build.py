@@ -8,11 +8,10 @@ import numpy as np
 
 from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.curved_back import hollow_back, shell_back
-from nmaptool.solids.exact.inner import inside_of, pixels_near
 from nmaptool.solids.exact.plate import CurvedPlateBack, FlatPlateBack, PlateBack, PlateFront, PlatePiece
 from nmaptool.solids.exact.rings import outline_points
 from nmaptool.solids.exact.sampling import heights_along, heights_at
-from nmaptool.solids.exact.surface import Pixels, front_of, pixels_of, rings_px
+from nmaptool.solids.exact.surface import Pixels, front_of, pixels_of
 from nmaptool.solids.exact.thinned_plate import thinned_plate
 from nmaptool.solids.exact.triangulate import triangulated
 from nmaptool.solids.piece import base_below, in_mm
@@ -60,13 +59,10 @@ def plate_solid(relief: Height | Relief, height: Height, options: SolidOptions) 
 def _back_of(front: PlateFront, pixels: Pixels, height: Height, options: SolidOptions, is_plane: bool) -> PlateBack:
     """The back that the options ask for."""
     whole, points, pitch_mm = pixels.whole, front.strip.points, height.pitch_mm
-    inner, rings = whole.shape.mask, rings_px(front.strip.points, height)
-    # pixels that the outline passes through, or that lie inside
-    over = inside_of(rings, inner.shape) | pixels_near(rings, inner.shape, 1e-6)
     first = front.node_count + len(front.z_mm)
     if options.shell is not None:
         thickness_mm = in_mm(options.shell, height)
-        z_mm = shell_back(whole.z_mm, over, thickness_mm, pitch_mm)
+        z_mm = shell_back(whole.z_mm, pixels.over, thickness_mm, pitch_mm)
         z_along = np.minimum(heights_at(z_mm, points.xy_mm, pitch_mm), front.z_mm - thickness_mm)
         moved = whole.z_of_moved - (whole.z_mm - z_mm).ravel()[whole.shape.vertex_of(whole.shape.moved)]
         sheet = Sheet(z_mm, whole.shape, whole.placing, -1, first, moved, diagonals_of=whole)
@@ -74,7 +70,8 @@ def _back_of(front: PlateFront, pixels: Pixels, height: Height, options: SolidOp
     lowest_mm = front.bounds_mm[0, 2]
     base_mm = base_below(height, options, 0.0 if is_plane else lowest_mm, lowest_mm)
     if options.hollow is not None:
-        z_mm = hollow_back(whole.z_mm, over, in_mm(options.hollow, height), base_mm, pitch_mm, inner)
+        wall_mm = in_mm(options.hollow, height)
+        z_mm = hollow_back(whole.z_mm, pixels.over, wall_mm, base_mm, pitch_mm, whole.shape.mask)
         moved = z_mm.ravel()[whole.shape.vertex_of(whole.shape.moved)]
         sheet = Sheet(z_mm, whole.shape, whole.placing, -1, first, moved, diagonals_of=whole)
         return CurvedPlateBack(sheet, front.strip, np.full(len(front.z_mm), -base_mm))

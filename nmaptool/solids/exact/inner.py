@@ -13,6 +13,8 @@ from nmaptool.core.grid import touching_corners, touching_vertices
 # distance of the pixels from the outline, and between the points of the outline that are looked at, in px
 _CLEAR_PX = 0.25
 _STEP_PX = 0.25
+# a ring along a line of the grid passes through the pixels on both sides
+_TOUCH_PX = 1e-6
 
 
 def inner_mask(rings_px: Sequence[Float64], shape: tuple[int, int]) -> Mask:
@@ -35,13 +37,23 @@ def inner_mask(rings_px: Sequence[Float64], shape: tuple[int, int]) -> Mask:
         If a ring winds around itself.
     """
     # between two points that are looked at, the outline lies at most half a step from one of them
-    mask = inside_of(rings_px, shape) & ~pixels_near(rings_px, shape, _CLEAR_PX + _STEP_PX / 2)
+    return joined_at_sides(inside_of(rings_px, shape) & ~pixels_near(rings_px, shape, _CLEAR_PX + _STEP_PX / 2))
+
+
+def joined_at_sides(mask: Mask) -> Mask:
+    """(H, W) bool: a mask without pixels that touch others at a corner only."""
+    mask = mask.copy()
     while True:
         falling, rising = touching_corners(mask)
         if not (falling.any() or rising.any()):
             return mask
         mask[1:, 1:] &= ~falling
         mask[1:, :-1] &= ~rising
+
+
+def pixels_over(rings_px: Sequence[Float64], shape: tuple[int, int]) -> Mask:
+    """(H, W) bool: the pixels inside rings, and those that the rings pass through; otherwise as for `inner_mask`."""
+    return inside_of(rings_px, shape) | pixels_near(rings_px, shape, _TOUCH_PX)
 
 
 def vertices_between(rings_px: Sequence[Float64], inner: Mask) -> Mask:

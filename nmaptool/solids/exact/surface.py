@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,8 @@ from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.grid import dilated
 from nmaptool.options.solid import SolidOptions
-from nmaptool.solids.exact.inner import inner_mask, inside_of, vertices_between
+from nmaptool.solids.exact.flat_rim import bent_nearby, without_flat_rim
+from nmaptool.solids.exact.inner import inner_mask, inside_of, pixels_over, vertices_between
 from nmaptool.solids.exact.plate import PlateFront
 from nmaptool.solids.exact.rings import OutlinePoints
 from nmaptool.solids.exact.strip import strip_between
@@ -39,6 +41,8 @@ class Pixels:
         The outline of these pixels, in edges of single pixels.
     between : (k,) int64
         Nodes of the grid between them and the outline.
+    over : (H, W) bool
+        The pixels inside the outline, also in part.
     deviation_px : float
         How far foot lines moved.
     """
@@ -46,6 +50,7 @@ class Pixels:
     surface: Sheet | RaisedFront
     edges: OutlineEdges
     between: Nodes
+    over: Mask
     deviation_px: float
 
     @property
@@ -67,8 +72,14 @@ def pixels_of(relief: Height | Relief, height: Height, points: OutlinePoints, op
     InputError
         If the outline crosses itself or is not that of the domain, or a raised motif comes near to it.
     """
-    inner = _inner_of(height, points)
-    between = np.flatnonzero(vertices_between(rings_px(points, height), inner))
+    rings = _rings_px(points, height)
+    over, inner = pixels_over(rings, height.frame.shape), _inner_of(height, rings)
+    if options.shell is None and options.hollow is None and (options.max_error or options.triangles):
+        bent = bent_nearby([height.z_mm], over)
+        inner = without_flat_rim(inner, bent)
+        between = np.flatnonzero(vertices_between(rings, inner) & bent)
+    else:
+        between = np.flatnonzero(vertices_between(rings, inner))
     coverage = relief.coverage if isinstance(relief, Relief) else None
     motif = relief.foreground & height.domain if isinstance(relief, Relief) else np.zeros_like(inner)
     raised = height.raised if height.raised is not None and height.raised.any() else None
@@ -76,7 +87,7 @@ def pixels_of(relief: Height | Relief, height: Height, points: OutlinePoints, op
         _check_clear(raised, inner)
         is_smooth = _is_smooth(raised, coverage, options)
         front, deviation_px = raised_front(height, coverage, is_smooth, motif & ~raised, inner)
-        return Pixels(front, front.border(), between, deviation_px)
+        return Pixels(front, front.border(), between, over, deviation_px)
     shape = Shape(inner, find_splits(inner), keeps_heights=True)
     deviation_px = 0.0
     if motif.any() and (height.domain & ~motif).any() and _is_smooth(motif, coverage, options):
@@ -84,7 +95,7 @@ def pixels_of(relief: Height | Relief, height: Height, points: OutlinePoints, op
         shape = moved_within(foot, inner, np.zeros(0, np.int64))
         deviation_px = float(np.hypot(*shape.by_px.T).max(initial=0.0))
     sheet = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0))
-    return Pixels(sheet, outline_edges(inner, shape.splits), between, deviation_px)
+    return Pixels(sheet, outline_edges(inner, shape.splits), between, over, deviation_px)
 
 
 def front_of(pixels: Pixels, points: OutlinePoints, z_mm: Float64) -> PlateFront:
@@ -92,14 +103,14 @@ def front_of(pixels: Pixels, points: OutlinePoints, z_mm: Float64) -> PlateFront
     return PlateFront(pixels.surface, strip_between(points, pixels.rim, pixels.edges, pixels.between), z_mm)
 
 
-def rings_px(points: OutlinePoints, height: Height) -> list[Float64]:
+def _rings_px(points: OutlinePoints, height: Height) -> list[Float64]:
     """The rings of an outline in px, x to the right and y down from the upper left corner of the picture."""
     flip = np.array([1.0, -1.0])
     return [ring / height.pitch_mm * flip + (0, height.frame.rows) for ring in points.rings]
 
 
-def _inner_of(height: Height, points: OutlinePoints) -> Mask:
-    rings, shape = rings_px(points, height), height.frame.shape
+def _inner_of(height: Height, rings: Sequence[Float64]) -> Mask:
+    shape = height.frame.shape
     inner = inner_mask(rings, shape)
     inside = inside_of(rings, shape)
     beyond = int(np.count_nonzero(dilated(inside, 1) < height.domain) + np.count_nonzero(inner & ~height.domain))

@@ -11,10 +11,11 @@ from nmaptool.core.arrays import Mask
 from nmaptool.core.errors import UsageError
 from nmaptool.core.grid import touching_vertices
 from nmaptool.options.solid import SolidOptions
+from nmaptool.solids.exact.flat_rim import STRIP_PX, bent_nearby
 from nmaptool.solids.exact.plate import CurvedPlateBack, FlatPlateBack, PlateBack, PlateFront, PlatePiece
 from nmaptool.solids.exact.sampling import heights_inward
 from nmaptool.solids.exact.surface import Pixels, front_of
-from nmaptool.solids.exact.thinning import STRIP_PX, InnerThinning, PointThinning, bent_nearby
+from nmaptool.solids.exact.thinning import InnerThinning, PointThinning
 from nmaptool.solids.piece import in_mm
 from nmaptool.solids.raised import InsetFront, RaisedFront
 from nmaptool.solids.sheet import Sheet
@@ -58,15 +59,16 @@ def thinned_plate(
         kind = "shell" if options.shell is not None else "hollow"
         raise UsageError(f"`{name}` and `{kind}` do not go together with a raised motif; leave one of them out")
     heights = [pixels.rim.z_mm] if curved is None else [pixels.rim.z_mm, curved.sheet.z_mm]
-    between = pixels.between[bent_nearby(heights).ravel()[pixels.between]]
+    bent = bent_nearby(heights, pixels.over)
+    between = pixels.between[bent.ravel()[pixels.between]]
     pixels = dataclasses.replace(pixels, between=between)
     pieces: list[Thinnable] = [_points_thinning(pixels, front, back, height)]
     if isinstance(surface, RaisedFront):
         kept = touching_vertices(surface.motif.shape.mask) & touching_vertices(surface.plate.shape.mask)
         pieces.append(Thinning(surface.motif, surface.motif_edges, kept=kept))
-        pieces.append(InnerThinning(surface.plate, surface.plate_edges, kept=kept))
+        pieces.append(InnerThinning(surface.plate, surface.plate_edges, None, bent, kept=kept))
     elif surface.shape.mask.any():
-        pieces.append(InnerThinning(surface, pixels.edges, None if curved is None else curved.sheet))
+        pieces.append(InnerThinning(surface, pixels.edges, None if curved is None else curved.sheet, bent))
     error_mm = None if options.max_error is None else in_mm(options.max_error, height)
     limit = wanted = options.triangle_count
     while True:

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
-from nmaptool.core.grid import dilated
 from nmaptool.solids.exact.rings import OutlinePoints
 from nmaptool.solids.outline import OutlineEdges
 from nmaptool.solids.sheet import Sheet
 from nmaptool.solids.simplify import Steps
 from nmaptool.solids.thinned_sheet import Thinning
-
-# the strip is flat where heights bend less, in mm
-_FLAT_MM = 1e-9
-# the strip is nowhere wider, in px
-STRIP_PX = 3
 
 
 class InnerThinning(Thinning):
@@ -31,16 +24,18 @@ class InnerThinning(Thinning):
         The outline that the strips join, in edges of single pixels.
     back : Sheet, optional
         A curved back, which has a strip of its own.
+    bent : (H+1, W+1) bool
+        Where the strips are not flat: vertices of the outline stay there.
     kept : (H+1, W+1) bool, optional
-        Vertices that stay, besides those of the outline where the strip is not flat.
+        Other vertices that stay.
     """
 
     def __init__(
-        self, front: Sheet, edges: OutlineEdges, back: Sheet | None = None, *, kept: Mask | None = None
+        self, front: Sheet, edges: OutlineEdges, back: Sheet | None, bent: Mask, *, kept: Mask | None = None
     ) -> None:
         joined = np.zeros(front.z_mm.shape, bool)
         joined.ravel()[edges.start] = True
-        joined &= bent_nearby([front.z_mm] if back is None else [front.z_mm, back.z_mm])
+        joined &= bent
         super().__init__(front, edges, back, kept=joined if kept is None else joined | kept)
         self._sheets = 1 if back is None else 2
 
@@ -54,17 +49,6 @@ class InnerThinning(Thinning):
         """Triangles at any error, with one of each strip for each vertex of the outline."""
         front, edges, back = self.with_mesh(self._thinner.at(np.inf))
         return front.face_count + (0 if back is None else back.face_count) + self._sheets * len(edges.start)
-
-
-def bent_nearby(heights: Sequence[Float64]) -> Mask:
-    """(H+1, W+1) bool: vertices with places nearby where slopes of (H+1, W+1) heights change."""
-    bent = np.zeros(heights[0].shape, bool)
-    for z_mm in heights:
-        for along in (0, 1):
-            z = np.moveaxis(z_mm, along, 0)
-            np.moveaxis(bent, along, 0)[1:-1] |= np.abs(z[:-2] - 2 * z[1:-1] + z[2:]) > _FLAT_MM
-        bent[1:, 1:] |= np.abs(z_mm[1:, 1:] - z_mm[1:, :-1] - z_mm[:-1, 1:] + z_mm[:-1, :-1]) > _FLAT_MM
-    return dilated(bent, STRIP_PX)
 
 
 @dataclass(frozen=True, eq=False)

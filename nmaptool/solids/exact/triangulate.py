@@ -11,7 +11,8 @@ from nmaptool.core.errors import InputError
 from nmaptool.core.grid import found_in
 from nmaptool.types.solid import Nodes
 
-_PASSES = 200
+# so many passes make narrow strips even; wide ones lie in flat places, where triangles may be pointed
+_PASSES, _MOST_PASSES = 24, 400
 # smaller differences between angles (their sines) are the rounding of numbers
 _ROUNDING = 1e-9
 
@@ -70,9 +71,11 @@ def _cross(first: Float64, second: Float64) -> Float64:
 
 
 def _turned(points: Float64, faces: Nodes) -> Nodes:
-    """The same area with edges turned until no corner lies within the circle through a neighbouring triangle."""
+    """The same area with edges turned towards no corner within the circle through a neighbouring triangle."""
     faces = faces.copy()
-    for _ in range(_PASSES):
+    for number in range(_MOST_PASSES):
+        if number >= _PASSES and (_areas(points, faces) > 0).all():
+            break
         first, second = _pairs(faces, len(points))
         a, c = faces.ravel()[first], np.roll(faces, -2, axis=1).ravel()[first]
         b, d = faces.ravel()[second], np.roll(faces, -2, axis=1).ravel()[second]
@@ -141,10 +144,14 @@ def _pairs(faces: Nodes, count: int) -> tuple[Nodes, Nodes]:
 
 def _excess(u: Float64, v: Float64, s: Float64, t: Float64) -> Float64:
     """Sine of the sum of the angles between u and v and between s and t: negative where they exceed a half turn."""
-    sine = _cross(u, v) * (s * t).sum(axis=1) + (u * v).sum(axis=1) * _cross(s, t)
-    scale = np.sqrt((u * u).sum(axis=1) * (v * v).sum(axis=1) * (s * s).sum(axis=1) * (t * t).sum(axis=1))
-    found: Float64 = sine / scale
+    sine = _cross(u, v) * _dot(s, t) + _dot(u, v) * _cross(s, t)
+    found: Float64 = sine / np.sqrt(_dot(u, u) * _dot(v, v) * _dot(s, s) * _dot(t, t))
     return found
+
+
+def _dot(first: Float64, second: Float64) -> Float64:
+    product: Float64 = first[:, 0] * second[:, 0] + first[:, 1] * second[:, 1]
+    return product
 
 
 def _apart(first: Nodes, second: Nodes, excess: Float64, count: int) -> Nodes:
