@@ -67,4 +67,21 @@ nmap bake "$samples/gate.ply" -o "$gallery/gate" --overwrite
 nmap relief "$gallery/gate/original.exr" --edge auto --height 4mm --base 3mm --triangles 100k \
     -o "$gallery/gate.3mf" -o "$gallery/gate.stl" --preview "$gallery/gate.png" --overwrite
 
+echo "== plates: a coin with a legend and a rope, an oval cameo, a pendant with a loop, a plaque with a text"
+cp "$samples/coin.toml" "$gallery/coin.toml"
+nmap relief "$gallery/coin.toml" -o "$gallery/coin.stl" -o "$gallery/coin.3mf" --overwrite
+nmap relief "$gallery/portrait/original.exr" --detail "$gallery/portrait/detail.exr" --preset cameo --width 40mm \
+    --max-error 0.005mm -o "$gallery/cameo.stl" --save-recipe "$gallery/cameo.toml" --overwrite
+nmap relief "$samples/shell.png" --preset pendant --width 28mm --max-error 0.004mm -o "$gallery/shell_pendant.stl" --overwrite
+nmap relief "$gallery/vase/original.exr" --detail "$gallery/vase/detail.exr" --preset plaque --width 70mm \
+    --text "Vasa antiqua" --text-size 4mm --max-error 0.01mm -o "$gallery/vase_plaque.stl" --overwrite
+
+echo "== their pictures in gold, marble, bronze and walnut, and a section of the coin"
+nmap preview "$gallery/coin.stl" --material gold -o "$gallery/coin_gold.png" --overwrite
+nmap preview "$gallery/cameo.stl" --material marble -o "$gallery/cameo_marble.png" --overwrite
+nmap preview "$gallery/shell_pendant.stl" --material bronze -o "$gallery/pendant_bronze.png" --overwrite
+nmap preview "$gallery/vase_plaque.stl" --material walnut -o "$gallery/plaque_walnut.png" --overwrite
+nmap preview "$gallery/coin.stl" --view iso --material silver -o "$gallery/coin_iso.png" --overwrite
+nmap preview "$gallery/coin.stl" --section y=50% -o "$gallery/coin_section.png" --overwrite
+
 echo "== done: open the previews, contact sheets (sheet.png) and meshes in $(cd "$gallery" && pwd)"
