@@ -9,12 +9,19 @@ from bench.page import RESULTS, sections_of
 from nmaptool.io.pictures.formats import READ_FORMATS
 from nmaptool.options import BLEND_MODES
 from nmaptool.options.formats import NORMAL_MAP_FORMATS, RELIEF_FORMATS, WORKSPACE_FORMATS
+from nmaptool.options.plates import MACHINES
 from nmaptool.options.presets import DEPTH_PRESETS
+from nmaptool.options.relief_presets import RELIEF_PRESETS
 
 README = Path(__file__).parents[1] / "README.md"
 _LIST = re.compile(r"(<!-- list: ([a-z ]+) -->\n)(.*?)(<!-- end of list -->)", re.DOTALL)
 
-_HEADS = {"mode": "what it does", "--from": "what it reads"}
+_HEADS = {
+    "mode": "what it does",
+    "--from": "what it reads",
+    "--preset": "what it makes",
+    "--for": "machine, and values",
+}
 
 
 def lists() -> dict[str, str]:
@@ -30,8 +37,12 @@ def lists() -> dict[str, str]:
     pictures = "\n".join(
         ["| file | what is read |", "|---|---|", *(f"| {one.name} | {one.description} |" for one in READ_FORMATS)]
     )
+    made = _rows("--preset", ((name, preset.description) for name, preset in RELIEF_PRESETS.items()))
+    machines = _rows("--for", ((name, f"{one.description}: {one.listed}") for name, one in MACHINES.items()))
     return {
         "speed": speed(),
+        "presets": made,
+        "machines": machines,
         "blend modes": _rows("mode", modes),
         "depth pictures": depths,
         "pictures": pictures + "\n",

@@ -23,8 +23,7 @@ def describe_machine(run: Run, machine: MachineOptions, relief: Relief) -> None:
         from nmaptool.options.plates import MACHINES
 
         chosen = MACHINES[machine.for_]
-        values = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in chosen.values.items())
-        run.say(f"  {machine.for_}, {chosen.description}: {values}, unless given")
+        run.say(f"  {machine.for_}, {chosen.description}: {chosen.listed}, unless given")
     if relief.plate is None and machine.finest is not None:
         from nmaptool.plates.fineness import finer_share
 

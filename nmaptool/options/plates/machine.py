@@ -26,6 +26,11 @@ class Machine:
     description: str
     values: Mapping[str, str]
 
+    @property
+    def listed(self) -> str:
+        """The values as text, such as "pitch 0.1mm, base 2mm"."""
+        return ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in self.values.items())
+
 
 MACHINES: dict[str, Machine] = {
     "fdm-0.4": Machine(
