@@ -7,14 +7,14 @@ from pathlib import Path
 from bench.checks import checks_in
 from bench.page import RESULTS, sections_of
 from nmaptool.io.pictures.formats import READ_FORMATS
-from nmaptool.options import BLEND_MODES
+from nmaptool.options import BLEND_MODES, MATERIALS
 from nmaptool.options.formats import NORMAL_MAP_FORMATS, RELIEF_FORMATS, WORKSPACE_FORMATS
 from nmaptool.options.presets import DEPTH_PRESETS
 
 README = Path(__file__).parents[1] / "README.md"
 _LIST = re.compile(r"(<!-- list: ([a-z ]+) -->\n)(.*?)(<!-- end of list -->)", re.DOTALL)
 
-_HEADS = {"mode": "what it does", "--from": "what it reads"}
+_HEADS = {"mode": "what it does", "--from": "what it reads", "--material": "what it is"}
 
 
 def lists() -> dict[str, str]:
@@ -33,6 +33,7 @@ def lists() -> dict[str, str]:
     return {
         "speed": speed(),
         "blend modes": _rows("mode", modes),
+        "materials": _rows("--material", ((name, material.description) for name, material in MATERIALS.items())),
         "depth pictures": depths,
         "pictures": pictures + "\n",
         **written,
