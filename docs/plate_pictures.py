@@ -79,7 +79,7 @@ def main() -> None:
     plaque = on_plate("plaque", vase.original, vase.detail, "70mm", [name])
     pieces = ((struck, "gold"), (cameo, "marble"), (pendant, "bronze"), (plaque, "walnut"))
     save("plates.jpg", row([nm.preview(each, nm.PreviewOptions(material=material)) for each, material in pieces]))
-    save("materials.jpg", row([nm.preview(struck, nm.PreviewOptions(material=each)) for each in nm.MATERIALS]))
+    save("coin-materials.jpg", row([nm.preview(struck, nm.PreviewOptions(material=each)) for each in nm.MATERIALS]))
     standing = nm.PreviewOptions(material="silver", view="iso", size=900)
     save("coin-iso.jpg", nm.preview(struck, standing))
 

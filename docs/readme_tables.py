@@ -7,7 +7,7 @@ from pathlib import Path
 from bench.checks import checks_in
 from bench.page import RESULTS, sections_of
 from nmaptool.io.pictures.formats import READ_FORMATS
-from nmaptool.options import BLEND_MODES
+from nmaptool.options import BLEND_MODES, MATERIALS
 from nmaptool.options.formats import NORMAL_MAP_FORMATS, RELIEF_FORMATS, WORKSPACE_FORMATS
 from nmaptool.options.plates import MACHINES
 from nmaptool.options.presets import DEPTH_PRESETS
@@ -19,8 +19,9 @@ _LIST = re.compile(r"(<!-- list: ([a-z ]+) -->\n)(.*?)(<!-- end of list -->)", r
 _HEADS = {
     "mode": "what it does",
     "--from": "what it reads",
+    "--material": "what it is",
     "--preset": "what it makes",
-    "--for": "machine, and values",
+    "--for": "for",
 }
 
 
@@ -44,6 +45,7 @@ def lists() -> dict[str, str]:
         "presets": made,
         "machines": machines,
         "blend modes": _rows("mode", modes),
+        "materials": _rows("--material", ((name, material.description) for name, material in MATERIALS.items())),
         "depth pictures": depths,
         "pictures": pictures + "\n",
         **written,

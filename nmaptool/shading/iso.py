@@ -26,11 +26,11 @@ from nmaptool.shading.viewpoint import AZIMUTH_DEG, ELEVATION_DEG, Viewpoint, ar
 
 Indices: TypeAlias = NDArray[np.intp]
 # samples across a pixel, and steps across a pixel of the field
-_SAMPLES, _STEPS = 2, 1.25
+_SAMPLES, _STEPS = 2, 1.0
 _OPAQUE = 0.5
 _BAND = 96
-# the table reaches so far around the piece, in its longer sides
-_TABLE = 0.3
+# shadows on the table are found so far around the piece, in its longer sides
+_NEAR, _FAR = 0.04, 0.22
 
 
 def iso_view(
@@ -118,7 +118,10 @@ def _plane(camera: Viewpoint) -> tuple[_Plane, Float64]:
 
 def _on_table(field: Field, lights: Sequence[Light]) -> Field:
     """The field with room around it for its shadow."""
-    margin = math.ceil(_TABLE * max(field.shape))
+    rise = float(field.centers_mm.max()) - field.back_mm
+    lengths = [rise / math.tan(math.radians(light.elevation_deg)) / field.pitch_mm for light in lights]
+    longer = max(field.shape)
+    margin = math.ceil(min(max(1.1 * max(lengths, default=0.0), _NEAR * longer), _FAR * longer))
     return replace(
         field,
         z_mm=np.pad(field.z_mm, margin, mode="edge"),
