@@ -57,6 +57,25 @@ def test_no_vertex_of_the_full_front_lies_further_off_than_the_error(rings, z, e
     assert len(faces) < {0.001: 0.8, 0.02: 0.3, 0.1: 0.25}[error_mm] * len(full)
 
 
+@pytest.mark.parametrize(("rings", "most"), [(BOX, 400), (RINGS, 361 * 4 + 300)], ids=["box", "round"])
+def test_flat_plates_need_few_triangles(rings, most):
+    solid = nm.solid(plate(rings, 1.0, 100, 100), options(base="2mm", max_error="0.001mm"))
+    check_solid(solid)
+    # each corner has a triangle of the strip, two of the wall and one of the back
+    assert solid.face_count < most
+    assert solid.facts["max_error_mm"] == 0
+
+
+def test_heights_far_outside_do_not_matter():
+    inside = plate(RINGS, 1.0, 100, 100)
+    away = np.hypot(*(np.mgrid[100:-1:-1, :101] * 0.1 - np.array([Y0, X0])[:, None, None])) > 4.2 + 0.2
+    other = dataclasses.replace(inside, z_mm=np.where(away, 0.0, 1.0))
+    for given in ({}, {"max_error": "0.001mm"}):
+        first, second = (nm.solid(each, options(base="2mm", **given)) for each in (inside, other))
+        assert first.face_count == second.face_count
+        assert first.volume_mm3 == second.volume_mm3
+
+
 def test_a_limit_of_triangles_holds_with_an_exact_outline():
     for given in ({"base": "2mm"}, {"base": "2mm", "hollow": "0.5mm"}, {"shell": "0.6mm"}, {}):
         for rings in (RINGS, BOX):

@@ -14,7 +14,7 @@ from nmaptool.solids.exact.inner import joined_at_sides
 _FLAT_MM = 1e-9
 # the strip between flat blocks and the outline is at most as wide as a block, otherwise as this, in px
 STRIP_PX = 3
-_BLOCK_PX = 16
+_BLOCK_PX = 8
 
 
 def bent_nearby(heights: Sequence[Float64], over: Mask) -> Mask:
