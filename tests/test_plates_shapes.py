@@ -63,7 +63,7 @@ def test_the_stated_tolerance_is_the_greatest_distance_from_the_curve():
 
 def test_corners_that_do_not_fit_are_refused():
     with pytest.raises(
-        nm.InputError, match="`corner='11mm'`: the plate is 30 x 20 mm, so its corners .* 10 mm at most"
+        nm.InputError, match=r"`corner='11mm'`: the plate is 30 x 20 mm, so its corners .* 10 mm at most"
     ):
         shapes.rectangle(30.0, 20.0, 11.0, 0.2)
     with pytest.raises(nm.InputError, match=r"`corner='30mm'`: the plate is 40 x 20 mm.* 10 mm at most"):

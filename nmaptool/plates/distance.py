@@ -64,7 +64,10 @@ class Curves:
         parts = [_short_edges(ring, number, self._spacing_mm) for number, ring in enumerate(self.contours.rings)]
         shift = np.cumsum([0, *(len(part.start) for part in parts)])
         edges = _Edges(
-            *(np.concatenate([getattr(part, name) for part in parts]) for name in ("start", "way", "along", "ring")),
+            np.concatenate([part.start for part in parts]),
+            np.concatenate([part.way for part in parts]),
+            np.concatenate([part.along for part in parts]),
+            np.concatenate([part.ring for part in parts]),
             np.concatenate([part.before + first for part, first in zip(parts, shift, strict=False)]),
         )
         return cKDTree(edges.start), edges

@@ -93,12 +93,12 @@ def _innermost(contours: Contours) -> Float64:
         points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         away = np.where(inside_grid(contours, x, y).ravel(), curves.nearest(points).distance_mm, 0.0)
         step = float((high - low).max()) / (_RASTER - 1)
-        best = points[away.argmax()]
+        best: Float64 = points[away.argmax()]
         if _is_level(points, away, step):
             break
         low, high = best - 2 * step, best + 2 * step
     # several points may be equally far, such as along the middle of a bar: their middle, if it is one of them
-    level = points[away > away.max() - _LEVEL * step].mean(axis=0)
+    level: Float64 = points[away > away.max() - _LEVEL * step].mean(axis=0)
     inside = bool(inside_points(contours, level[None])[0])
     far = inside and float(curves.nearest(level[None]).distance_mm[0]) >= away.max() - _LEVEL * step
     return level if far else best

@@ -10,7 +10,8 @@ import numpy as np
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
 from nmaptool.plates.board import Board
-from nmaptool.plates.profiles import Cross, beads, length_of, plain_profile, rope, slope
+from nmaptool.plates.patterns import beads, rope
+from nmaptool.plates.profiles import Cross, plain_profile, slope
 from nmaptool.types.contours import Contours
 from nmaptool.types.plate import PlateDesign
 
@@ -70,11 +71,8 @@ def frame_heights(board: Board, outline: Contours, design: PlateDesign, size: Fr
     cross = Cross(size.width_mm, min(size.slope_mm, size.width_mm / 2), board.pitch_mm)
     clipped = np.clip(depth_mm, -margin_mm, size.width_mm + margin_mm)
     name = design.frame.frame_profile
-    if name == "rope":
-        share = rope(cross, clipped, field.along_mm(), length_of(outline))
-    elif name == "bead":
-        points = np.stack(np.meshgrid(board.x_mm, board.y_mm), axis=-1)
-        share = beads(cross, clipped, points, outline)
+    if name in ("rope", "bead"):
+        share = (rope if name == "rope" else beads)(cross, clipped, board, outline)
     else:
         share = plain_profile(name, design.profile if design.frame.is_drawn else None, cross, clipped)
     shows = slope(clipped - (size.width_mm - cross.slope_mm / 2), cross.slope_mm, board.pitch_mm)
