@@ -225,7 +225,7 @@ def _refuse(motif: _Motif, sizes: Sizes, width_mm: float) -> None:
     parts |= {} if motif.is_cover else {"margin": sizes.margin(design)}
     named = ", ".join(f"{name} {value:.4g} mm" for name, value in parts.items() if value)
     raise InputError(
-        f"{named or 'the edge'} on each side leave no room for the motif on a plate {width_mm:.4g} mm wide; make the "
+        f"no room is left for the motif on a plate {width_mm:.4g} mm wide: {named or 'nothing'} on each side; make the "
         "plate wider, or these smaller"
     )
 
