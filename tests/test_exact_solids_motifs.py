@@ -121,7 +121,20 @@ def test_a_raised_motif_stands_on_a_plate(given):
         assert solid.face_count <= 6000
 
 
-@pytest.mark.parametrize("back", [{"base": "2mm", "hollow": "0.5mm"}, {"shell": "0.6mm"}], ids=str)
+HOLLOW, SHELL = {"base": "2mm", "hollow": "0.5mm"}, {"shell": "0.6mm"}
+THINNED = [("plain", {"base": "2mm"}), ("plain", HOLLOW), ("plain", SHELL), ("plain", {})]
+
+
+@pytest.mark.parametrize(("kind", "back"), [*THINNED, ("raised", {"base": "2mm"}), ("raised", {})], ids=str)
+def test_a_limit_that_is_too_low_is_refused_with_the_lowest_one(kind, back):
+    height = plate(RINGS, waves, 100, 100) if kind == "plain" else raised_plate(block())
+    with pytest.raises(nm.InputError, match=r"the outline alone needs [0-9,]+ triangles") as refused:
+        nm.solid(height, options(triangles="100", **back))
+    lowest = str(refused.value).split("needs ")[1].split(" ")[0].replace(",", "")
+    assert nm.solid(height, options(triangles=lowest, **back)).face_count == int(lowest)
+
+
+@pytest.mark.parametrize("back", [HOLLOW, SHELL], ids=str)
 def test_a_raised_motif_stands_on_a_curved_back(back):
     solid = nm.solid(raised_plate(block()), options(**back))
     check_solid(solid)

@@ -154,8 +154,8 @@ class Solid(OneLine):
     bounds_mm : (2, 3) float64
         Least and greatest x, y and z.
     volume_mm3 : float
-        Of the closed bodies, from the heights: the sum over the pixels of mean thickness times area; NaN for an open
-        surface.
+        Of the closed bodies, from the heights: mean thickness times area, summed over the pixels and over the
+        triangles along an exact outline; NaN for an open surface.
     facts : mapping of str to float
         What was measured on the way, such as "max_error_mm".
     """

@@ -12,7 +12,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.grid import touching_vertices
 from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.exact.flat_rim import STRIP_PX, bent_nearby
-from nmaptool.solids.exact.plate import CurvedPlateBack, FlatPlateBack, PlateBack, PlateFront, PlatePiece
+from nmaptool.solids.exact.plate import CurvedPlateBack, FlatPlateBack, PlateBack, PlateFront
 from nmaptool.solids.exact.sampling import heights_inward
 from nmaptool.solids.exact.surface import Pixels, front_of
 from nmaptool.solids.exact.thinning import InnerThinning, PointThinning
@@ -70,14 +70,8 @@ def thinned_plate(
     elif surface.shape.mask.any():
         pieces.append(InnerThinning(surface, pixels.edges, None if curved is None else curved.sheet, bent))
     error_mm = None if options.max_error is None else in_mm(options.max_error, height)
-    limit = wanted = options.triangle_count
-    while True:
-        found, reached_mm = thin_pieces(pieces, error_mm, limit, options.triangles)
-        result = _rebuilt(pixels, front, back, found)
-        faces = result[0].face_count if result[1] is None else PlatePiece(result[0], result[1]).face_count
-        if limit is None or wanted is None or faces <= wanted:
-            return (*result, reached_mm)
-        limit -= faces - wanted
+    found, reached_mm = thin_pieces(pieces, error_mm, options.triangle_count, options.triangles)
+    return (*_rebuilt(pixels, front, back, found), reached_mm)
 
 
 def _points_thinning(pixels: Pixels, front: PlateFront, back: PlateBack | None, height: Height) -> PointThinning:
@@ -91,6 +85,9 @@ def _points_thinning(pixels: Pixels, front: PlateFront, back: PlateBack | None, 
         sheets, each = 2, 4
     elif back is not None:
         each, other = 2, back.face_count + len(back.z_mm)
+    if isinstance(pixels.surface, RaisedFront):
+        # two below each edge of the motif, which counts as an edge of the strip, too
+        other += len(pixels.surface.walls.start)
     other += sheets * (strip.least_faces + 2 * len(pixels.between))
     return PointThinning(strip.points, np.concatenate(layers, axis=1), each, other)
 
