@@ -106,7 +106,7 @@ def crests(z, depth, at, low):
 
 @pytest.mark.parametrize("profile", ["rope", "bead"])
 def test_patterns_of_a_round_frame_repeat_a_whole_number_of_times(profile):
-    z, _, depth, board = framed("round", profile)
+    z, _, _, board = framed("round", profile)
     middle = 0.6 * WIDTH
     angle = np.linspace(0, 2 * np.pi, 7201)[:-1]
     x = (20 - middle) * np.cos(angle) + board.left * PITCH
@@ -222,7 +222,7 @@ def test_frames_that_leave_no_room_are_refused():
     normals, _ = ball(40, 40, 2.0)
     with pytest.raises(nm.InputError, match="no room for the motif inside frame 21 mm on each side"):
         made(design("round", frame="21mm", fill="cover"), (normals, None))
-    with pytest.raises(nm.InputError, match="no room for the motif inside frame 12 mm, margin 1.6 mm"):
+    with pytest.raises(nm.InputError, match=r"no room for the motif inside frame 12 mm, margin 1.6 mm"):
         made(design("star.svg", frame="12mm"))
     with pytest.raises(
         nm.InputError, match=r"`frame='14mm'`: a frame 14 mm wide leaves nothing inside a plate of 40 x"

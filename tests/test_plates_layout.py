@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plate_cases import ball, depth_of, design, made, solid, star
+from plate_cases import ball, depth_of, design, made, solid
 from solid_cases import check_solid
 
 import nmaptool as nm
