@@ -66,7 +66,7 @@ def test_the_rim_of_a_hole_is_half_round():
 
 def test_a_rim_is_a_fifth_of_its_hole_unless_it_is_given():
     assert made(design("round", hole="4mm@50%,6mm")).plate.holes[0]["rim_mm"] == pytest.approx(0.8)
-    relief = made(design("round", hole="4mm@50%,6mm", hole_rim="0mm"))
+    relief = made(design("rect", aspect="1:2", hole="4mm@50%,6mm", hole_rim="0mm"))
     assert relief.plate.holes[0]["rim_mm"] == 0
     away = vertices(relief, holes(relief)[0])
     assert (relief.z_mm[away < 3] == 0).all()
@@ -140,8 +140,8 @@ def test_a_loop_and_a_hole_together():
 def test_holes_outside_the_plate_or_too_near_its_edge_are_refused():
     with pytest.raises(
         nm.InputError,
-        match=r"`hole='4mm@50%,-3mm'`: the hole of 4 mm has its middle 3 mm outside the plate of 40 x 40 mm; it must lie "
-        r"2.2 mm inside, so move it inwards or make it smaller",
+        match=r"`hole='4mm@50%,-3mm'`: the hole of 4 mm has its middle 3 mm outside the plate of 40 x 40 mm; it must "
+        r"lie 2.2 mm inside, so move it inwards or make it smaller",
     ):
         made(design("round", hole="4mm@50%,-3mm"))
     with pytest.raises(

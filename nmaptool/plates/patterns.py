@@ -115,7 +115,7 @@ def bead_centres(line: Contours, spacing_mm: float) -> Float64:
 
 
 def _evenly(ring: Float64, spacing_mm: float) -> Float64:
-    """Points at equal distances of at least ``spacing_mm`` between the corners of a ring; without corners from the top on."""
+    """Points at equal distances between the corners of a ring, at least ``spacing_mm`` apart; else from the top on."""
     way = np.roll(ring, -1, axis=0) - ring
     before = np.roll(way, 1, axis=0)
     turn = np.arctan2(before[:, 0] * way[:, 1] - before[:, 1] * way[:, 0], (before * way).sum(axis=1))
