@@ -216,13 +216,13 @@ def test_the_relief_does_not_show_under_the_frame():
 
 
 def test_frames_that_leave_no_room_are_refused():
-    message = r"a plate 40 mm wide has no room for the motif inside frame 21 mm, margin 1.6 mm on each side; make the"
+    message = r"no room is left for the motif on a plate 40 mm wide: frame 21 mm, margin 1.6 mm on each side; make the"
     with pytest.raises(nm.InputError, match=message):
         made(design("round", frame="21mm"))
     normals, _ = ball(40, 40, 2.0)
-    with pytest.raises(nm.InputError, match="no room for the motif inside frame 21 mm on each side"):
+    with pytest.raises(nm.InputError, match="40 mm wide: frame 21 mm on each side"):
         made(design("round", frame="21mm", fill="cover"), (normals, None))
-    with pytest.raises(nm.InputError, match=r"no room for the motif inside frame 12 mm, margin 1.6 mm"):
+    with pytest.raises(nm.InputError, match=r"40 mm wide: frame 12 mm, margin 1.6 mm"):
         made(design("star.svg", frame="12mm"))
     with pytest.raises(
         nm.InputError, match=r"`frame='14mm'`: a frame 14 mm wide leaves nothing inside a plate of 40 x"

@@ -61,7 +61,9 @@ def test_the_rim_of_a_hole_is_half_round():
     # half as high as wide
     assert relief.z_mm[rim] == pytest.approx(np.sqrt(1 - (away[rim] - 1) ** 2), abs=0.02)
     assert (relief.z_mm[(away > 2.1) & (away < 2.5)] == 0).all()
-    assert relief.plate.holes == ({"diameter_mm": pytest.approx(4), "rim_mm": pytest.approx(2), "loop": False},)
+    facts = {"diameter_mm": 4.0, "across_mm": 20.0, "down_mm": 6.0, "rim_mm": 2.0}
+    (found,) = relief.plate.holes
+    assert found == {"loop": False} | {name: pytest.approx(value) for name, value in facts.items()}
 
 
 def test_a_rim_is_a_fifth_of_its_hole_unless_it_is_given():
@@ -103,7 +105,12 @@ def test_a_loop_is_part_of_the_plate_with_one_hole(shape):
     check_solid(found)
     assert genus(found) == 1
     assert len(found.bodies) == 1
-    assert relief.plate.holes[0]["loop"]
+    (facts,) = relief.plate.holes
+    assert facts["loop"]
+    assert facts["diameter_mm"] == pytest.approx(4)
+    assert facts["down_mm"] < -2
+    assert relief.plate.width_mm == pytest.approx(plain.plate.width_mm)
+    assert relief.plate.height_mm == pytest.approx(plain.plate.height_mm)  # without the loop
 
 
 @pytest.mark.parametrize("shape", SHAPES)

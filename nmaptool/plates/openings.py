@@ -141,8 +141,11 @@ def beside_loop(board: Board, loop: Opening, depth_mm: Float64, slope_mm: float)
         Width of the slope at the outer side of the frame.
     """
     x, y = np.meshgrid(board.x_mm - loop.x_mm, board.y_mm - loop.y_mm)
-    near = np.hypot(x, y) < loop.radius_mm + 3 * loop.rim_mm
-    return np.where(near, slope(depth_mm - slope_mm / 2, slope_mm, board.pitch_mm), 1.0)
+    # the rounded notches end three rims from the eye; the edge of the frame runs out before
+    share = np.clip((loop.radius_mm - np.hypot(x, y)) / loop.rim_mm + 3, 0, 1)
+    near = share * share * (3 - 2 * share)
+    out: Float64 = 1 - near * (1 - slope(depth_mm - slope_mm / 2, slope_mm, board.pitch_mm))
+    return out
 
 
 def rim_heights(board: Board, opening: Opening, height_mm: float) -> Float64:
