@@ -85,7 +85,7 @@ def test_texts_are_reported():
     assert first["path"] == "line"
     assert first["size_mm"] == 4
     assert second["size_mm"] == 3
-    (letters, arc), _, _ = placed((TEXT, {**ARC, "text_sunk": True}))
+    (letters, _), _, _ = placed((TEXT, {**ARC, "text_sunk": True}))
     low, high = letters.contours.bounds_mm
     assert (high - low)[1] == pytest.approx(4, rel=0.06)  # O is a little higher than the capitals
     assert first["length_mm"] == pytest.approx((high - low)[0], rel=0.05)
