@@ -163,3 +163,13 @@ def test_a_loop_larger_than_the_plate_is_still_one_piece():
     relief = made(design("round", loop="30mm"))
     check_solid(solid(relief))
     assert genus(solid(relief)) == 1
+
+
+def test_rims_leave_what_lies_below_the_plate_beside_them():
+    text = {"text": "ANNO", "text_at": "50%,88%", "text_size": "3mm", "text_height": "0.4mm", "text_sunk": True}
+    sunk = made(design("round", (text,), loop="3mm", margin="9mm"))
+    assert sunk.plate.lowest_mm == pytest.approx(-0.4, abs=1e-9)
+    engraved = made(design("round", hole="2mm@50%,50%", engrave=True))
+    assert engraved.plate.lowest_mm < -0.9
+    assert engraved.plate.top_mm == pytest.approx(0.2, rel=0.05)  # of the rim
+    check_solid(solid(engraved))

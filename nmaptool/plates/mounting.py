@@ -69,7 +69,8 @@ def mounted(
     for opening in openings:
         if opening.rim_mm > 0:
             high = max(size.height_mm if size is not None else 0.0, _RIM_HEIGHT * opening.rim_mm)
-            z_mm = np.maximum(z_mm, rim_heights(board, opening, min(high, opening.rim_mm)))
+            rim = rim_heights(board, opening, min(high, opening.rim_mm))
+            z_mm = np.where(rim > 0, np.maximum(z_mm, rim), z_mm)  # elsewhere, heights may be below the plate
     raised = None if relief.height.raised is None else board_cut(relief.height.raised, board, 0).astype(bool)
     domain = board.pixels_inside(cut)
     height = Height(z_mm, domain, Frame(board.rows, board.cols, board.pitch_mm), raised, cut)
