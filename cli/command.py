@@ -16,7 +16,7 @@ from typing import Any, get_type_hints
 from nmaptool.core.text import listed
 from nmaptool.io.meshes.headers import NAMES
 from nmaptool.io.pictures.formats import format_names
-from nmaptool.options.fields import Options, kind_of
+from nmaptool.options.fields import Options, kind_of, read_values
 from nmaptool.options.kinds import Count, Kind
 from nmaptool_cli.flags import flags_of
 from nmaptool_cli.mentions import flag_of
@@ -36,21 +36,31 @@ class Command:
     classes : tuple of type of Options
     per_input : PerInput or None
         Flags that are given once for all inputs or once for each.
+    completed : tuple of type of Options
+        Those of the classes whose flags change the values of a preset or recipe: they need not make sense alone.
     """
 
-    def __init__(self, function: Function, classes: tuple[type[Options], ...], per_input: PerInput | None) -> None:
+    def __init__(
+        self,
+        function: Function,
+        classes: tuple[type[Options], ...],
+        per_input: PerInput | None,
+        completed: tuple[type[Options], ...] = (),
+    ) -> None:
         self.function = function
         self.classes = (*classes, RunOptions)
         self.per_input = per_input
+        self.completed = completed
 
     def __call__(self, *files: Any, **words: Any) -> int | None:
         """Run the command with the parsed arguments."""
         given: dict[type[Options], Options] = {}
-        named: dict[type[Options], tuple[str, ...]] = {}
+        named: dict[type[Options], dict[str, Any]] = {}
         for options in self.classes:
             names = [field.name for field in dataclasses.fields(options)]
-            named[options] = tuple(name for name in names if name in words)
-            given[options] = options(**{name: words.pop(name) for name in named[options]})
+            named[options] = read_values(options, {name: words.pop(name) for name in names if name in words})
+            if options not in self.completed:
+                given[options] = options(**named[options])
         return self.function(Run(given, named, words, self.per_input), *files)
 
     def parameters(self) -> Iterator[inspect.Parameter]:
@@ -88,14 +98,16 @@ class Command:
         return frozenset(flag for flag, kind in self.kinds.items() if isinstance(kind, Count))
 
 
-def command(*classes: type[Options], per_input: PerInput | None = None) -> Callable[[Function], Any]:
+def command(
+    *classes: type[Options], per_input: PerInput | None = None, completed: tuple[type[Options], ...] = ()
+) -> Callable[[Function], Any]:
     """Make a command with the flags of these classes from a function of a `Run` and its file names.
 
     The result is a plain function, as the parser requires; `command_of` returns its `Command`.
     """
 
     def make(function: Function) -> Any:
-        made = Command(function, classes, per_input)
+        made = Command(function, classes, per_input, completed)
 
         @functools.wraps(function)
         def call(*files: Any, **words: Any) -> int | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container
 
 from nmaptool.core.extension import extension_is_missing
 from nmaptool.options import FilterOptions, ReliefOptions, SplitOptions, TrainOptions
@@ -16,9 +16,8 @@ WARNING = (
 _WITH_LOOPS = (ReliefOptions, SplitOptions, TrainOptions)
 
 
-def loop_warnings(given: Mapping[type[Options], Options]) -> tuple[str, ...]:
+def loop_warnings(classes: Container[type[Options]], filtering: Options | None = None) -> tuple[str, ...]:
     """The warning, if a command with these options runs the loops and they should be compiled."""
-    filtering = given.get(FilterOptions)
     over_surface = isinstance(filtering, FilterOptions) and filtering.neighborhood == "surface"
-    runs_loops = over_surface or any(options in given for options in _WITH_LOOPS)
+    runs_loops = over_surface or any(options in classes for options in _WITH_LOOPS)
     return (WARNING,) if runs_loops and extension_is_missing() else ()

@@ -1,43 +1,55 @@
-"""The plate of `nmap relief`: what the machine, a recipe, the preset and the flags say about it."""
+"""The plate of `nmap relief`: what a recipe, the preset and the flags say about it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nmaptool.core.errors import UsageError
-from nmaptool.options.fields import Options
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
+from nmaptool.options.plates.frame import PROFILE
+from nmaptool.options.plates.plate import SHAPE
+from nmaptool.options.plates.text import is_font_file
 from nmaptool.options.relief_presets import PresetOptions
 from nmaptool_cli.run import Run
 
 if TYPE_CHECKING:
     import nmaptool as nm
 
-
-def machine_values(run: Run, options: type[Options], own: Mapping[str, Any] | None = None) -> dict[str, Any]:
-    """What the machine sets; one that is given as a flag replaces that of a recipe."""
-    machine = run[MachineOptions].for_ or (own or {}).get("for_")
-    return MachineOptions.values_of(machine, options)
+# flags that name files, and what tells a file from a name
+_FILES = {"shape": SHAPE.is_file, "frame_profile": PROFILE.is_file, "font": is_font_file}
 
 
-def plate_of(run: Run, recipe: nm.RecipePlate | None) -> nm.RecipePlate:
-    """The plate, with the values of the machine, a recipe, the preset and the flags; the last ones count.
+def plate_of(run: Run, recipe: nm.Recipe | None) -> nm.RecipePlate:
+    """The plate, with the values of a recipe, the preset and the flags; the last ones count.
+
+    A preset that makes a plate replaces the plate and the frame of a recipe, but not its texts and its machine. The
+    machine sets what is left.
 
     Raises
     ------
     UsageError
-        If a frame or text is given without a plate.
+        If a frame or text is given without a plate, or values contradict each other.
     """
     import nmaptool as nm
 
-    own = recipe or nm.RecipePlate()
-    plate = {**own.plate, **run[PresetOptions].values_of(PlateOptions), **run.named(PlateOptions)}
-    if plate.get("emboss"):
-        plate["engrave"] = False
-    frame = {**own.frame, **run[PresetOptions].values_of(FrameOptions), **run.named(FrameOptions)}
-    machine = {**machine_values(run, MachineOptions, own.machine), **own.machine, **run.named(MachineOptions)}
-    texts = _texts(run, own.texts)
+    own = nm.RecipePlate() if recipe is None else recipe.plate or nm.RecipePlate()
+    preset = run[PresetOptions]
+    if preset.values_of(PlateOptions):
+        own = nm.RecipePlate(preset.values_of(PlateOptions), preset.values_of(FrameOptions), own.texts, own.machine)
+    is_elsewhere = recipe is not None
+    flags = {
+        options: _absolute(run.named(options)) if is_elsewhere else run.named(options)
+        for options in (PlateOptions, FrameOptions, TextOptions, MachineOptions)
+    }
+    plate = {**own.plate, **flags[PlateOptions]}
+    for name, other in (("emboss", "engrave"), ("engrave", "emboss")):
+        if flags[PlateOptions].get(name):
+            plate[other] = flags[PlateOptions].get(other, False)
+    frame = {**own.frame, **flags[FrameOptions]}
+    machine = {**own.machine, **flags[MachineOptions]}
+    texts = _texts(own.texts, flags[TextOptions])
     if plate.get("shape") is None:
         given = next((name for name, value in frame.items() if value is not None), None) or ("text" if texts else None)
         if given is not None:
@@ -45,11 +57,18 @@ def plate_of(run: Run, recipe: nm.RecipePlate | None) -> nm.RecipePlate:
     return nm.RecipePlate(plate, frame, texts, machine)
 
 
-def _texts(run: Run, own: tuple[Mapping[str, Any], ...]) -> tuple[dict[str, Any], ...]:
+def _absolute(flags: Mapping[str, Any]) -> dict[str, Any]:
+    """Flags for a recipe: their files are relative to the current folder, those of the recipe to its own."""
+    return {
+        name: str(Path(value).absolute()) if name in _FILES and _FILES[name](value) else value
+        for name, value in flags.items()
+    }
+
+
+def _texts(own: tuple[Mapping[str, Any], ...], flags: Mapping[str, Any]) -> tuple[Mapping[str, Any], ...]:
     """A text on the command line replaces those of a recipe; without one, its other flags change all of them."""
-    named = run.named(TextOptions)
-    if "text" in named:
-        return (named,)
-    if named and not own:
-        raise UsageError(f"`{next(iter(named))}`: needs a text, such as `text='ANNO MMXXVI'`")
-    return tuple({**text, **named} for text in own)
+    if "text" in flags:
+        return (flags,)
+    if flags and not own:
+        raise UsageError(f"`{next(iter(flags))}`: needs a text, such as `text='ANNO MMXXVI'`")
+    return tuple({**text, **flags} for text in own)

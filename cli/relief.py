@@ -7,7 +7,7 @@ import dataclasses
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options import HeightsAt, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
@@ -72,19 +72,23 @@ class ReliefOutputs(ReportOutputs):
         """The outputs that hold triangles."""
         return [path for path in self.output if path.suffix.lower() in MESH_FORMATS]
 
-    def plan(self, prints_json: bool, solid: SolidOptions, recipe: str | None) -> Outputs[WrittenRelief]:
+    def plan(self, prints_json: bool, solid: Mapping[str, Any], recipe: str | None) -> Outputs[WrittenRelief]:
         """The files to write."""
         from nmaptool.io.output.relief import relief_outputs
 
         refuse_stream("a relief or a preview is written to a file, such as -o relief.stl", *self.output, self.preview)
         if not (self.output or self.preview or self.report or prints_json or self.save_recipe):
             raise UsageError("no output given: add one, such as -o relief.stl --preview relief.png")
-        if solid != SolidOptions() and not self.meshes:
-            given = next(f.name for f in dataclasses.fields(solid) if getattr(solid, f.name) != f.default)
-            raise UsageError(f"`{given}`: is for meshes; name one, such as -o relief.3mf")
-        saved = None if self.save_recipe is None or str(self.save_recipe) == STREAM else self.save_recipe
+        if solid and not (self.meshes or self.is_recipe_only):
+            raise UsageError(f"`{next(iter(solid))}`: is for meshes; name one, such as -o relief.3mf")
+        saved = None if self.prints_recipe else self.save_recipe
         written = None if saved is None or recipe is None else (saved, recipe)
         return relief_outputs(self.output, preview=self.preview, at=self.at, recipe=written, **self.shared)
+
+    @property
+    def prints_recipe(self) -> bool:
+        """Whether the recipe goes to standard output."""
+        return self.save_recipe is not None and str(self.save_recipe) == STREAM
 
     @property
     def is_recipe_only(self) -> bool:
@@ -95,6 +99,7 @@ class ReliefOutputs(ReportOutputs):
 @command(
     *(ReliefFiles, ReliefOutputs, PresetOptions, ReliefOptions),
     *(PlateOptions, FrameOptions, TextOptions, SolidOptions, MachineOptions, ReadOptions),
+    completed=(ReliefOptions, PlateOptions, FrameOptions, TextOptions, SolidOptions, MachineOptions),
 )
 def relief(run: Run, map: str, /) -> None:
     """Make a relief in millimetres from one or two normal maps, or from a recipe.
@@ -115,9 +120,9 @@ def relief(run: Run, map: str, /) -> None:
     from nmaptool_cli.wording.reliefs import describe_relief
     from nmaptool_cli.wording.solids import describe_solid
 
-    given, outputs, sources = _begin(run, map)
+    given, outputs, sources, recipe = _begin(run, map)
     if given.is_recipe_only and not run.options.json:
-        _save_recipe(run, outputs)
+        _save_recipe(run, outputs, sources, recipe, map)
         return
     with run.work() as (files, progress), _named_inputs(sources.files):
         work = sources.read(run, files, progress)
@@ -125,7 +130,7 @@ def relief(run: Run, map: str, /) -> None:
         solid = nm.solid(result, sources.solid) if given.meshes else None
     run.say(*work.notes)
     describe_relief(run, work.maps, result)
-    describe_machine(run, work.machine, result)
+    describe_machine(run, work.machine, sources.solid, result)
     if result.plate is not None:
         describe_plate(run, result.plate)
     if solid is not None:
@@ -139,6 +144,8 @@ def relief(run: Run, map: str, /) -> None:
     if given.dry_run:
         run.say("  nothing written (--dry-run)")
         run.finish(dataclasses.replace(outputs, targets=(), report=None), WrittenRelief(result), metadata)
+        if given.prints_recipe and recipe is not None:
+            print_recipe(recipe)
         return
     written = [f"{path}{_png_range(path, result) if path in given.output else ''}" for path in outputs.paths]
 
@@ -146,24 +153,32 @@ def relief(run: Run, map: str, /) -> None:
         return dataclasses.replace(value, progress=progress)
 
     run.finish(outputs, WrittenRelief(result, solid), metadata, written=written, watched=watched)
+    if given.prints_recipe and recipe is not None:
+        print_recipe(recipe)
 
 
-def _begin(run: Run, name: str) -> tuple[ReliefOutputs, Outputs[WrittenRelief], Sources]:
-    """Check everything that can be checked before the work."""
+def _begin(run: Run, name: str) -> tuple[ReliefOutputs, Outputs[WrittenRelief], Sources, str | None]:
+    """Check everything that can be checked before the work; the recipe to save, if one is wanted, comes last."""
     given = run[ReliefOutputs]
     sources = recipe_sources(run, name) if is_recipe(name) else map_sources(run)
     recipe = None if given.save_recipe is None else recipe_text(run, name, sources, given.save_recipe)
-    outputs = given.plan(run.options.json, run[SolidOptions], recipe)
+    outputs = given.plan(run.options.json, run.named(SolidOptions), recipe)
     run.begin(outputs, **{sources.role: name}, **sources.inputs)
-    if recipe is not None and str(given.save_recipe) == STREAM:
-        print_recipe(recipe)
-    return given, outputs, sources
+    if given.prints_recipe and run.options.json:
+        raise UsageError("`save_recipe` and `json` both print to standard output; save the recipe in a file")
+    return given, outputs, sources, recipe
 
 
-def _save_recipe(run: Run, outputs: Outputs[WrittenRelief]) -> None:
-    """Write the recipe alone."""
-    dataclasses.replace(outputs, prepare=lambda value, _: value).write(cast("WrittenRelief", None))
-    run.say(*(f"wrote {path}" for path in outputs.paths))
+def _save_recipe(run: Run, outputs: Outputs[WrittenRelief], sources: Sources, recipe: str | None, name: str) -> None:
+    """Write the recipe alone; the files that it names must be there."""
+    sources.check_files(name)
+    if run[ReliefOutputs].prints_recipe:
+        print_recipe(recipe or "")
+    elif run[ReliefOutputs].dry_run:
+        run.say("nothing written (--dry-run)")
+    else:
+        dataclasses.replace(outputs, prepare=lambda value, _: value).write(cast("WrittenRelief", None))
+        run.say(*(f"wrote {path}" for path in outputs.paths))
     run.speak()
 
 

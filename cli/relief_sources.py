@@ -9,17 +9,21 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nmaptool.core.errors import InputError
 from nmaptool.core.progress import Progress
 from nmaptool.options import ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
 from nmaptool.options.fields import Options
 from nmaptool.options.plates import MachineOptions
 from nmaptool.options.relief_presets import PresetOptions
 from nmaptool_cli.inputs import read_grey, read_map
-from nmaptool_cli.plate_sources import machine_values, plate_of
+from nmaptool_cli.plate_sources import plate_of
 from nmaptool_cli.run import Run
 
 if TYPE_CHECKING:
     import nmaptool as nm
+
+# flags of the solid that take the place of others of a preset or recipe
+_INSTEAD = {"shell": ("base", "hollow"), "base": ("shell",), "triangles": ("max_error",), "max_error": ("triangles",)}
 
 
 @dataclass
@@ -91,6 +95,17 @@ class Sources:
     plate: nm.RecipePlate
     recipe: nm.Recipe | None = None
 
+    def check_files(self, original: str) -> None:
+        """Refuse files that do not exist, and fonts and drawings that cannot be used."""
+        from nmaptool.io.designs import design_of
+        from nmaptool.io.pictures.normal_maps import split_layer
+
+        names = self.inputs.get("files", ()) if self.recipe is not None else (original,)
+        for name in (*names, *(file for file in self.files.values() if file is not None)):
+            if not Path(split_layer(name)[0]).is_file():
+                raise InputError(f"{name}: no such file")
+        design_of(self.plate, "" if self.recipe is None else self.recipe.folder)
+
     def read(self, run: Run, files: Mapping[str, Any], progress: Progress | None) -> Work:
         """Read the inputs."""
         from nmaptool.io.designs import design_of
@@ -99,15 +114,14 @@ class Sources:
             work = _read_recipe(run, self.recipe, progress)
         else:
             work = dataclasses.replace(_read_maps(run, self.options, files), design=design_of(self.plate))
-        return dataclasses.replace(work, machine=MachineOptions(**self.plate.machine))
+        return dataclasses.replace(work, machine=self.plate.machine_options)
 
 
 def map_sources(run: Run) -> Sources:
     """The sources of a relief of maps."""
     files = asdict(run[ReliefFiles])
-    options = ReliefOptions(**_given(run, ReliefOptions))
-    solid = SolidOptions(**_solid(run, {}))
-    return Sources("original", files, files, options, solid, plate_of(run, None))
+    options, plate = ReliefOptions(**_given(run, ReliefOptions)), plate_of(run, None)
+    return Sources("original", files, files, options, SolidOptions(**_solid(run, {}, plate)), plate)
 
 
 def _given(run: Run, options: type[Options]) -> dict[str, Any]:
@@ -115,16 +129,14 @@ def _given(run: Run, options: type[Options]) -> dict[str, Any]:
     return {**run[PresetOptions].values_of(options), **run.named(options)}
 
 
-def _solid(run: Run, own: Mapping[str, Any]) -> dict[str, Any]:
-    """What the machine, a recipe, the preset and the flags say about the solid, the last one first."""
-    preset = {name: value for name, value in _given(run, SolidOptions).items() if value is not None}
-    given = {**own, **preset, **run.named(SolidOptions)}
-    machine = machine_values(run, SolidOptions)
-    if given.get("triangles") is not None:
-        machine.pop("max_error", None)
-    if given.get("shell") is not None:
-        machine.pop("base", None)
-    return {**machine, **given}
+def _solid(run: Run, own: Mapping[str, Any], plate: nm.RecipePlate) -> dict[str, Any]:
+    """What a recipe, the preset, the flags and the machine say about the solid."""
+    given = {**own, **run[PresetOptions].values_of(SolidOptions)}
+    flags = run.named(SolidOptions)
+    for name in flags:
+        for other in _INSTEAD.get(name, ()):
+            given.pop(other, None)
+    return plate.solid_values({**given, **flags})
 
 
 def recipe_sources(run: Run, name: str) -> Sources:
@@ -136,12 +148,12 @@ def recipe_sources(run: Run, name: str) -> Sources:
     own = recipe.relief or nm.RecipeRelief()
     # flags are relative to the current folder, names in the recipe to its own
     flags = {role: str(Path(file).absolute()) for role, file in run.named(ReliefFiles).items() if file is not None}
+    plate = plate_of(run, recipe)
     relief = nm.RecipeRelief(
         dataclasses.replace(own.files, **flags),
         {**own.options, **_given(run, ReliefOptions)},
-        _solid(run, own.solid),
+        _solid(run, own.solid, plate),
     )
-    plate = plate_of(run, recipe.plate)
     recipe = dataclasses.replace(recipe, relief=relief, plate=plate)
     place = Path(recipe.folder)
     files = {role: None if file is None else str(place / file) for role, file in asdict(relief.files).items()}

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 from nmaptool._version import __version__
 from nmaptool.core.extension import kernels_in_use
 from nmaptool.core.progress import Progress
+from nmaptool.options import FilterOptions
 from nmaptool.options.fields import Options, option
 from nmaptool.options.kinds import Switch
 from nmaptool_cli.mentions import in_flags
@@ -55,9 +56,9 @@ class Run:
     Parameters
     ----------
     given : mapping
-        The options, by their class.
+        The options, by their class, but not those whose flags only complete a preset or recipe.
     named : mapping
-        The names of the options that are on the command line, by class.
+        The options that are on the command line, by class.
     words : mapping
         Values of the flags that may be given once for each input.
     per_input : PerInput or None
@@ -67,7 +68,7 @@ class Run:
     def __init__(
         self,
         given: Mapping[type[Options], Options],
-        named: Mapping[type[Options], tuple[str, ...]],
+        named: Mapping[type[Options], Mapping[str, Any]],
         words: Mapping[str, Any],
         per_input: PerInput | None,
     ) -> None:
@@ -87,8 +88,7 @@ class Run:
 
     def named(self, options: type[Options]) -> dict[str, Any]:
         """The options of a class that are on the command line."""
-        given = self[options]
-        return {name: getattr(given, name) for name in self._named[options]}
+        return dict(self._named[options])
 
     def per_input(self, count: int) -> list[Any]:
         """The options of each of ``count`` inputs."""
@@ -172,7 +172,7 @@ class Run:
             report = outputs.write(value, report)
         if done is not None:
             done()
-        self.warn(*loop_warnings(self._given))
+        self.warn(*loop_warnings(self._named, self._given.get(FilterOptions)))
         for name in outputs.names if written is None else written:
             self.say(f"  wrote {'the map to standard output' if name == STDOUT else name}")
         self.speak()

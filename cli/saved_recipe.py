@@ -30,11 +30,22 @@ def recipe_text(run: Run, name: str, sources: Sources, place: Path) -> str:
     UsageError
         If a map comes from standard input, or the recipe would go to another folder than the one it was read from.
     """
+    import nmaptool as nm
     from nmaptool.composition.recipe_toml import to_toml
 
-    folder = Path.cwd() if str(place) == STREAM else place.absolute().parent
-    recipe = _of_maps(run, name, sources, folder) if sources.recipe is None else _of_recipe(sources.recipe, folder)
-    return to_toml(recipe)
+    own = Path.cwd() if sources.recipe is None else Path(sources.recipe.folder or ".").absolute()
+    folder = own if str(place) == STREAM else place.absolute().parent
+    recipe, files = _of_maps(run, name, sources, folder) if sources.recipe is None else _of_recipe(sources, folder)
+    relief = nm.RecipeRelief(
+        files,
+        {key: value for key, value in _changed(sources.options, ReliefOptions).items() if key in RELIEF_KEYS},
+        _changed(sources.solid, SolidOptions),
+    )
+    # files of flags are relative to the current folder for maps, and absolute for a recipe
+    named = sources.plate.renamed(
+        lambda file: _relative(file, folder) if sources.recipe is None or Path(file).is_absolute() else file
+    )
+    return to_toml(dataclasses.replace(recipe, relief=relief, plate=_plate(named)))
 
 
 def print_recipe(text: str) -> None:
@@ -43,53 +54,51 @@ def print_recipe(text: str) -> None:
         stream.write(text.encode())
 
 
-def _of_maps(run: Run, name: str, sources: Sources, folder: Path) -> nm.Recipe:
+def _of_maps(run: Run, name: str, sources: Sources, folder: Path) -> tuple[nm.Recipe, ReliefFiles]:
     import nmaptool as nm
 
     if name == STREAM:
         raise UsageError("`save_recipe`: a recipe names its map; give a file instead of standard input")
     reading = {key: value for key, value in run.named(ReadOptions).items() if key in READ_KEYS}
     files = {role: None if file is None else _relative(file, folder) for role, file in sources.files.items()}
-    relief = nm.RecipeRelief(
-        ReliefFiles(**{f.name: files.get(f.name) for f in fields(ReliefFiles)}),
-        {name: value for name, value in _changed(sources.options, ReliefOptions).items() if name in RELIEF_KEYS},
-        _changed(sources.solid, SolidOptions),
-    )
-    layer = nm.RecipeLayer(_relative(name, folder), read=reading)
-    return nm.Recipe((layer,), relief=relief, plate=_plate(sources.plate))
+    return nm.Recipe((nm.RecipeLayer(_relative(name, folder), read=reading),)), ReliefFiles(**files)
 
 
-def _of_recipe(recipe: nm.Recipe, folder: Path) -> nm.Recipe:
+def _of_recipe(sources: Sources, folder: Path) -> tuple[nm.Recipe, ReliefFiles]:
+    recipe = sources.recipe
+    assert recipe is not None  # the caller asks only then
+    assert recipe.relief is not None  # made of the flags
     if folder != Path(recipe.folder or ".").absolute():
         raise UsageError(
             f"`save_recipe`: file names in {recipe.name} are relative to its folder; save the new recipe beside it"
         )
-    plate = None if recipe.plate is None else _plate(recipe.plate)
-    return dataclasses.replace(recipe, plate=plate)
+    files = {
+        role: _relative(file, folder) if file is not None and Path(file).is_absolute() else file
+        for role, file in vars(recipe.relief.files).items()
+    }
+    return recipe, ReliefFiles(**files)
 
 
 def _plate(plate: nm.RecipePlate) -> nm.RecipePlate:
     import nmaptool as nm
 
-    texts = tuple(_given(text, TextOptions) for text in plate.texts)
     return nm.RecipePlate(
-        _given(plate.plate, PlateOptions),
-        _given(plate.frame, FrameOptions),
-        texts,
-        _given(plate.machine, MachineOptions),
+        _changed(PlateOptions(**plate.plate), PlateOptions),
+        _changed(FrameOptions(**plate.frame), FrameOptions),
+        tuple(_changed(TextOptions(**text), TextOptions) for text in plate.texts),
+        _changed(plate.machine_options, MachineOptions),
     )
 
 
-def _given(values: Mapping[str, Any], options: type[Options]) -> dict[str, Any]:
-    """Values that differ from the defaults, read."""
-    return _changed(options(**values), options)
-
-
 def _changed(made: Options, options: type[Options]) -> dict[str, Any]:
+    """The values that are not the defaults."""
     default = options()
-    found = {f.name: getattr(made, f.name) for f in fields(options)}
+    found: Mapping[str, Any] = {f.name: getattr(made, f.name) for f in fields(options)}
     return {name: value for name, value in found.items() if value != getattr(default, name)}
 
 
 def _relative(file: str, folder: Path) -> str:
-    return Path(os.path.relpath(file, folder)).as_posix()
+    try:
+        return Path(os.path.relpath(file, folder)).as_posix()
+    except ValueError:  # on another drive of Windows
+        return Path(file).absolute().as_posix()

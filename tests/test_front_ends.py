@@ -19,6 +19,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.mentions import options_in, written_name
 from nmaptool.options.fields import Options, kind_of
 from nmaptool.options.kinds import Choice, Count, Number, Positive, Switch, Weight
+from nmaptool.types.recipe_plate import PLATE_TABLES
 from nmaptool_cli.guard import run_guarded
 from nmaptool_cli.mentions import flag_of, in_flags
 
@@ -32,7 +33,13 @@ RECIPES = {
     nm.ReadOptions: '[[layer]]\nfile = "a.png"\n\n[layer.read]\n{}\n',
     nm.ReliefOptions: '[[layer]]\nfile = "a.png"\n\n[relief]\n{}\n',
     nm.SolidOptions: '[[layer]]\nfile = "a.png"\n\n[relief]\n{}\n',
+    nm.PlateOptions: '[[layer]]\nfile = "a.png"\n\n[plate]\n{}\n',
+    nm.FrameOptions: '[[layer]]\nfile = "a.png"\n\n[frame]\n{}\n',
+    nm.TextOptions: '[[layer]]\nfile = "a.png"\n\n[[text]]\n{}\ntext = "ANNO"\n',
+    nm.MachineOptions: '[[layer]]\nfile = "a.png"\n\n[machine]\n{}\n',
 }
+# the keys of plates differ from the names of their options
+TABLES = {table.options: table for table in PLATE_TABLES.values()}
 # options of these classes that a recipe does not have
 ONLY_ELSEWHERE = {(nm.ReadOptions, "max_megapixels"), (nm.ReliefOptions, "memory_limit")}
 
@@ -137,9 +144,11 @@ def test_a_recipe_names_the_line_and_the_key(
     options: type[Options], name: str, value: Any, written: str, tmp_path: pathlib.Path
 ) -> None:
     word = f'"{value}"' if isinstance(value, str) else f"{value:g}"
-    key = written_name(name)
+    table = TABLES.get(options)
+    key = written_name(name) if table is None else table.key(name)
     text = RECIPES[options].format(f"{key.replace('_', written)} = {word}")
     places = {nm.CanvasOptions: "canvas: ", nm.ReliefOptions: "relief: ", nm.SolidOptions: "relief: "}
+    places |= {table.options: f"{title}: " for title, table in PLATE_TABLES.items()} | {nm.TextOptions: "text 1: "}
     place = places.get(options, "layer ")
     with pytest.raises(nm.InputError, match=rf"^scene\.toml: {place}") as told:
         nm.parse_recipe(tomllib.loads(text), name="scene.toml")

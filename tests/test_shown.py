@@ -52,6 +52,9 @@ def values():
     ]
     found += [nm.read_font("DejaVu Sans"), nm.Contours((np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]),))]
     found.append(nm.solid(relief))
+    coin = nm.PlateDesign(nm.PlateOptions(shape="round"), nm.FrameOptions(frame="1mm"))
+    found += [coin, nm.plate(normal_map, design=coin).plate]
+    found.append(nm.RecipePlate({"shape": "round"}, texts=({"text": "ANNO"},)))
     found.append(nm.ReliefSession(normal_map).parts())
     found.append(nm.read_scene(Path(__file__).parents[1] / "samples" / "scene.toml"))
     results = [relief, composition, depth, layers, smoothed]
@@ -92,6 +95,8 @@ def test_no_public_value_prints_its_arrays(values):
         ("Workspace", "<Workspace workspace: 32 x 32 px, 0.5 mm per px, 16 bits, 1 layer>"),
         ("Recipe", "<Recipe recipe: 3 layers, 2 files, canvas of the lowest layer's size>"),
         ("RecipeLink", "<RecipeLink recipe: layer 3 (other.toml): other.toml>"),
+        ("PlateDesign", "<PlateDesign round, frame 1mm flat>"),
+        ("RecipePlate", "<RecipePlate shape round, text 'ANNO'>"),
     ],
 )
 def test_the_repr_states_the_main_facts(name, line, values):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from nmaptool.core.mentions import written_name
 from nmaptool.plates.wording import describe_plate as lines_of
 
 if TYPE_CHECKING:
-    from nmaptool import MachineOptions, PlateReport, Relief
+    from nmaptool import MachineOptions, PlateReport, Relief, SolidOptions
     from nmaptool_cli.run import Run
 
 
@@ -17,13 +18,20 @@ def describe_plate(run: Run, report: PlateReport) -> None:
     run.warn(*report.warnings)
 
 
-def describe_machine(run: Run, machine: MachineOptions, relief: Relief) -> None:
-    """What the machine sets, and what it cannot make on a relief without a plate."""
+def describe_machine(run: Run, machine: MachineOptions, solid: SolidOptions, relief: Relief) -> None:
+    """What the machine sets, what was given instead, and what it cannot make on a relief without a plate."""
     if machine.for_ is not None:
         from nmaptool.options.plates import MACHINES
 
         chosen = MACHINES[machine.for_]
-        run.say(f"  {machine.for_}, {chosen.description}: {chosen.listed}, unless given")
+        now = {name: getattr(machine if hasattr(machine, name) else solid, name) for name in chosen.values}
+        set_, instead = [], []
+        for name, value in chosen.values.items():
+            said = f"{written_name(name).replace('_', ' ')} {'not set' if now[name] is None else now[name]}"
+            (set_ if str(now[name]) == value else instead).append(said)
+        sets = f"sets {', '.join(set_)}" if set_ else "sets nothing"
+        given = f"; given: {', '.join(instead)}" if instead else ""
+        run.say(f"  {machine.for_} ({chosen.description}) {sets}{given}")
     if relief.plate is None and machine.finest is not None:
         from nmaptool.plates.fineness import finer_share
 

@@ -108,7 +108,5 @@ def _sized(height: Height, image: RasterImage | None, width_mm: float | None) ->
 
 def _solved(name: str, reading: ReadOptions, progress: Progress | None) -> PreviewSource:
     from nmaptool.io.recipes.scenes import read_scene
-    from nmaptool.reliefs.relief import relief
 
-    scene = read_scene(name, reading, progress=progress)
-    return PreviewSource(relief(**scene.inputs, progress=progress))
+    return PreviewSource(read_scene(name, reading, progress=progress).solve(progress))

@@ -57,6 +57,18 @@ class Options:
                     object.__setattr__(self, field.name, read)
 
 
+def read_values(options: type[Options], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of some fields, each checked by its kind; whether they agree with each other is not checked.
+
+    Raises
+    ------
+    UsageError
+        If a value is not accepted.
+    """
+    kinds = {field.name: kind_of(field) for field in dataclasses.fields(options)}
+    return {name: value if (kind := kinds[name]) is None else kind.read(name, value) for name, value in given.items()}
+
+
 def descriptions(options: type[Options]) -> dict[str, str]:
     """The description of each field of an options class, one line each, with the current names of its choices."""
     written: dict[str, str] = {}

@@ -88,7 +88,8 @@ class Document:
     @property
     def solid(self) -> SolidOptions:
         """The options of its solid."""
-        return SolidOptions(**self.relief.solid)
+        given = self.relief.solid
+        return SolidOptions(**(given if self.plate is None else self.plate.solid_values(given)))
 
     def changed(self, values: Mapping[str, Any]) -> Document:
         """Return the document with other options; None or the default removes one.

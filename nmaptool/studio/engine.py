@@ -64,7 +64,8 @@ class Engine:
             self.scene = dataclasses.replace(before.scene, greys=read_greys(files, document.folder))
             self._smaller = before._smaller
         else:
-            self.scene = read_scene(document.recipe, cache=cache)
+            # the stage shows the relief without its plate
+            self.scene = read_scene(dataclasses.replace(document.recipe, plate=None), cache=cache)
         original = self.scene.composition.normal_map
         self.size = original.frame.cols, original.frame.rows
         self.full = self._session(original, self.scene.detail, self.scene.greys)

@@ -12,7 +12,11 @@ from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, 
 from nmaptool.options.plates.frame import PROFILE
 from nmaptool.options.plates.plate import SHAPE
 from nmaptool.options.plates.text import is_font_file
+from nmaptool.options.solid import SolidOptions
 from nmaptool.types.shown import OneLine
+
+# what a machine does not set where one of these is given
+_INSTEAD = {"base": ("base", "shell"), "max_error": ("max_error", "triangles")}
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,18 @@ class RecipePlate(OneLine):
         MachineOptions(**self.machine)
         for text in self.texts:
             TextOptions(**text)
+
+    @property
+    def machine_options(self) -> MachineOptions:
+        """The machine, with what it sets where nothing else is given."""
+        return MachineOptions(**{**MachineOptions.values_of(self.machine.get("for_"), MachineOptions), **self.machine})
+
+    def solid_values(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Fields of `nmaptool.SolidOptions`: those given, and what the machine sets besides."""
+        values = MachineOptions.values_of(self.machine.get("for_"), SolidOptions)
+        known = {name: value for name, value in given.items() if value is not None}
+        beside = {name: value for name, value in values.items() if not any(each in known for each in _INSTEAD[name])}
+        return {**given, **beside}
 
     def renamed(self, new: Callable[[str], str]) -> RecipePlate:
         """The same with other names of its files: drawings and font files."""

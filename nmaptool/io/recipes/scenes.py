@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 from nmaptool.composition.compose import compose
+from nmaptool.composition.recipe_values import with_recipe_keys
 from nmaptool.core.arrays import Float32
-from nmaptool.core.errors import InputError
+from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.progress import Progress
 from nmaptool.io.designs import design_of
 from nmaptool.io.pictures.heights import read_surface
@@ -17,12 +18,18 @@ from nmaptool.io.recipes.reader import read_recipe
 from nmaptool.io.recipes.stacks import PictureCache, Stack, read_stack
 from nmaptool.options import CanvasOptions, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
 from nmaptool.options.formats import is_recipe
+from nmaptool.options.plates import MachineOptions
+from nmaptool.plates.plate import plate
+from nmaptool.plates.resampling import inputs_at_pitch
 from nmaptool.reliefs.inputs import pitch_of
+from nmaptool.reliefs.relief import relief
 from nmaptool.types.composition import Composition
 from nmaptool.types.height import Height
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.plate import PlateDesign
 from nmaptool.types.recipe import Recipe, RecipeRelief
+from nmaptool.types.recipe_plate import RecipePlate
+from nmaptool.types.relief import Relief
 from nmaptool.types.shown import OneLine
 
 _GREYS = tuple(f.name for f in fields(ReliefFiles) if f.name not in ("detail", "surface"))
@@ -32,7 +39,7 @@ _GREYS = tuple(f.name for f in fields(ReliefFiles) if f.name not in ("detail", "
 class Scene(OneLine):
     """What a recipe's relief is made from, for ``nm.relief(**scene.inputs)`` and ``nm.solid(relief, scene.solid)``.
 
-    With a design, it is for ``nm.plate(**scene.inputs, design=scene.design)``.
+    `solve` does the former, and puts the relief on the plate of the recipe, if it has one.
 
     Attributes
     ----------
@@ -48,6 +55,7 @@ class Scene(OneLine):
     solid : SolidOptions
     design : PlateDesign or None
         The plate of the recipe; None if it has none.
+    machine : MachineOptions
     """
 
     stacks: tuple[Stack, ...]
@@ -58,6 +66,19 @@ class Scene(OneLine):
     options: ReliefOptions
     solid: SolidOptions
     design: PlateDesign | None = None
+    machine: MachineOptions = field(default_factory=MachineOptions)
+
+    def solve(self, progress: Progress | None = None) -> Relief:
+        """The relief, on its plate if there is one, in pixels of the size that the recipe's machine needs.
+
+        Raises
+        ------
+        NmaptoolError
+            As for `nmaptool.relief` and `nmaptool.plate`.
+        """
+        if self.design is not None:
+            return plate(**self.inputs, design=self.design, progress=progress)
+        return relief(**inputs_at_pitch(self.inputs, self.machine), progress=progress)
 
     @property
     def inputs(self) -> dict[str, Any]:
@@ -132,7 +153,9 @@ def read_scene(
         recipe = read_recipe(recipe, folder=folder, max_megapixels=reading.max_megapixels)
     place = Path(recipe.folder if folder is None else folder)
     wanted = recipe.relief or RecipeRelief()
-    options, solid = ReliefOptions(**wanted.options), SolidOptions(**wanted.solid)
+    options = ReliefOptions(**wanted.options)
+    made_on = recipe.plate or RecipePlate()
+    solid = SolidOptions(**made_on.solid_values(wanted.solid))
     cache = cache or PictureCache()
     stack = read_stack(recipe, reading, folder=place, cache=cache)
     composition = compose(stack.layers, stack.canvas, max_megapixels=reading.max_megapixels, progress=progress)
@@ -154,8 +177,14 @@ def read_scene(
         greys = read_greys(wanted.files, place, max_megapixels=reading.max_megapixels)
     except InputError as error:
         raise InputError(f"{recipe.name}: relief: {error}") from None
-    design = design_of(recipe.plate, place)
-    return Scene(tuple(stacks), composition, detail, surface, greys, options, solid, design)
+    try:
+        design = design_of(recipe.plate, place)
+    except UsageError as error:
+        raise InputError(f"{recipe.name}: {with_recipe_keys(str(error))}") from None
+    except InputError as error:
+        raise InputError(f"{recipe.name}: {error}") from None
+    machine = made_on.machine_options
+    return Scene(tuple(stacks), composition, detail, surface, greys, options, solid, design, machine)
 
 
 def read_greys(files: ReliefFiles, folder: Path, *, max_megapixels: float = 270.0) -> dict[str, Float32]:

@@ -13,9 +13,7 @@ from nmaptool.io.output.relief import WrittenRelief, relief_outputs
 from nmaptool.io.recipes.scenes import read_scene
 from nmaptool.options import HeightsAt, ReadOptions
 from nmaptool.options.formats import HEIGHT_FORMATS, MESH_FORMATS, RELIEF_FORMATS
-from nmaptool.plates.plate import plate
 from nmaptool.plates.wording import describe_plate
-from nmaptool.reliefs.relief import relief
 from nmaptool.reliefs.wording import advise
 from nmaptool.solids.solid import solid
 from nmaptool.solids.wording import count_triangles, describe_solid, warnings_of
@@ -108,10 +106,7 @@ def export(document: Document, path: Path, wanted: Wanted, progress: Progress | 
     if progress is not None:
         progress("reading", 0.0)
     scene = read_scene(document.recipe, progress=progress)
-    if scene.design is not None:
-        result = plate(**scene.inputs, design=scene.design, progress=progress)
-    else:
-        result = relief(**scene.inputs, progress=progress)
+    result = scene.solve(progress)
     body = None
     if wanted.kind == "mesh":
         if progress is not None:
