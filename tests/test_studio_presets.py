@@ -12,7 +12,8 @@ from nmaptool.options.relief_presets import COVERED, RELIEF_PRESETS
 from nmaptool.studio.document import opened
 from nmaptool.studio.forms.presets import Presets
 
-NAMES = ["coin", "medal", "plaque", "wood-panel", "cameo", "lithograph-stone", "game-prop"]
+WITH_PLATES = ["coin", "medal", "cameo", "plaque", "pendant", "tile", "box-lid"]
+NAMES = [*WITH_PLATES, "wood-panel", "lithograph-stone", "game-prop"]
 
 
 @pytest.fixture
@@ -28,6 +29,7 @@ def document(folder):
 def test_the_presets_cover_every_option_that_shapes_a_relief():
     assert list(RELIEF_PRESETS) == NAMES
     every = {f.name for options in (nm.ReliefOptions, nm.SolidOptions) for f in dataclasses.fields(options)}
+    assert [name for name, preset in RELIEF_PRESETS.items() if preset.plate] == WITH_PLATES
     left = every - set(COVERED)
     assert left == {"width", "outline", "one_piece", "solver", "tolerance", "max_iterations", "memory_limit"}
 
@@ -35,7 +37,9 @@ def test_the_presets_cover_every_option_that_shapes_a_relief():
 @pytest.mark.parametrize("name", NAMES)
 def test_a_preset_gives_the_same_relief_on_the_command_line_and_in_the_studio(name, document, folder, run):
     document = document.changed({"width": "40mm", "edge": "auto", "shell": "2mm"})
-    document = document.changed(Presets(folder / "presets").values(name, is_own=False))
+    presets = Presets(folder / "presets")
+    document = document.changed(presets.values(name, is_own=False))
+    document = dataclasses.replace(document, plate=presets.plate(name, None, is_own=False))
     nm.write_recipe(document.recipe, folder / "scene.toml")
     for number, arguments in enumerate((["scene.toml"], ["bunny.exr", "--preset", name, "--width", "40mm"])):
         done = run("relief", folder / arguments[0], *arguments[1:], "-o", folder / f"{number}.stl")
@@ -57,8 +61,10 @@ def test_flags_change_a_preset_and_a_preset_changes_a_recipe(document, folder, r
     nm.write_recipe(document.changed({"beta": 0.05, "width": "30mm"}).recipe, folder / "scene.toml")
     done = run("relief", folder / "scene.toml", "--preset", "coin", "--mu", "0.9", "--dry-run", "--json")
     assert done.code == 0, done.err
-    options = json.loads(done.out)["options"]
-    assert (options["mu"], options["beta"], options["height"], options["width"]) == (0.9, 0.003, "1.5%", "30mm")
+    said = json.loads(done.out)
+    assert (said["options"]["mu"], said["options"]["beta"]) == (0.9, 0.002)
+    assert (said["plate"]["width_mm"], said["plate"]["shape"]) == (30, "round")
+    assert said["height_range_mm"] == pytest.approx(0.02 * 30, rel=1e-6)
 
 
 def test_own_presets_are_saved_read_and_deleted(document, tmp_path):

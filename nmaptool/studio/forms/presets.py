@@ -9,7 +9,9 @@ from typing import Any
 from nmaptool.core.errors import InputError, NmaptoolError, OutputError, UsageError, reason_of
 from nmaptool.io.recipes.reader import read_relief
 from nmaptool.io.recipes.writer import write_relief_table
+from nmaptool.options.fields import read_values
 from nmaptool.options.formats import RECIPE_ENDING
+from nmaptool.options.plates import FrameOptions, PlateOptions
 from nmaptool.options.relief_presets import COVERED, RELIEF_PRESETS, ReliefPreset
 from nmaptool.studio.document import Document
 from nmaptool.studio.files.store import plain_name
@@ -69,14 +71,17 @@ class Presets:
         return {**ReliefPreset("", {}).values, **given}
 
     def plate(self, name: str, present: RecipePlate | None, *, is_own: bool) -> RecipePlate | None:
-        """Return the plate that a preset makes; texts and machine of the present one stay."""
+        """Return the plate that a preset makes; texts and machine of the present one stay.
+
+        A preset for work without a plate removes it with its texts. One of the user's own leaves it as it is.
+        """
         if is_own:
             return present
-        preset = RELIEF_PRESETS[name]
+        preset, present = RELIEF_PRESETS[name], present or RecipePlate()
         if not preset.plate:
-            return None
-        texts, machine = ((), {}) if present is None else (present.texts, present.machine)
-        return RecipePlate(preset.plate, preset.frame, texts, machine)
+            return RecipePlate(machine=present.machine) if present.machine else None
+        plate, frame = read_values(PlateOptions, preset.plate), read_values(FrameOptions, preset.frame)
+        return RecipePlate(plate, frame, present.texts, present.machine)
 
     def save(self, name: str, document: Document, *, overwrite: bool = False) -> None:
         """Keep the options of a document under a name.
