@@ -25,11 +25,12 @@ def describe_machine(run: Run, machine: MachineOptions, solid: SolidOptions, rel
 
         chosen = MACHINES[machine.for_]
         now = {name: getattr(machine if hasattr(machine, name) else solid, name) for name in chosen.values}
-        set_, instead = [], []
+        kept: list[str] = []
+        instead: list[str] = []
         for name, value in chosen.values.items():
             said = f"{written_name(name).replace('_', ' ')} {'not set' if now[name] is None else now[name]}"
-            (set_ if str(now[name]) == value else instead).append(said)
-        sets = f"sets {', '.join(set_)}" if set_ else "sets nothing"
+            (kept if str(now[name]) == value else instead).append(said)
+        sets = f"sets {', '.join(kept)}" if kept else "sets nothing"
         given = f"; given: {', '.join(instead)}" if instead else ""
         run.say(f"  {machine.for_} ({chosen.description}) {sets}{given}")
     if relief.plate is None and machine.finest is not None:

@@ -15,7 +15,10 @@ _BYTES_PER_UNIT = {
     **{f"{letter}ib": 1024**power for power, letter in enumerate("kmgt", 1)},
 }
 _SMALLEST, _LARGEST = 1e-6, 1e6
-_PATTERN = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(mm|cm|m|in|px|%)\s*", re.IGNORECASE)
+# other ways to write units
+_SAME_UNIT = {"inch": "in", '"': "in", "\u2033": "in"}
+_UNITS = "|".join(("mm", "cm", "m", *_SAME_UNIT, "in", "px", "%"))
+_PATTERN = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*({_UNITS})\s*", re.IGNORECASE)
 _MEMORY = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*([kmgt]?i?b)\s*", re.IGNORECASE)
 
 
@@ -79,13 +82,18 @@ class Length(_Measure):
         return self.value * _MM_PER_UNIT[self.unit]
 
 
+def _unit(written: str) -> str:
+    unit = written.lower()
+    return _SAME_UNIT.get(unit, unit)
+
+
 def length(text: str) -> Length:
     """Read a length such as ``12mm``, ``4px``, ``3%``, ``1.5cm`` or ``2in``.
 
     Parameters
     ----------
     text : str
-        A positive number and one of mm, cm, m, in, px, % (of the longer side).
+        A positive number and one of mm, cm, m, in (or inch, or a double prime), px, % (of the longer side).
 
     Returns
     -------
@@ -105,7 +113,7 @@ def length(text: str) -> Length:
     if match is None:
         raise UsageError(f"length {text!r}: expected a number with a unit (mm, cm, m, in, px, %), such as 12mm or 3%")
     try:
-        return Length(float(match.group(1)), match.group(2).lower())
+        return Length(float(match.group(1)), _unit(match.group(2)))
     except UsageError as error:
         raise UsageError(f"length {text!r}: {str(error).partition(': ')[2]}") from None
 
@@ -168,7 +176,7 @@ def offset(text: str) -> Offset:
         raise UsageError(
             f"distance {text!r}: expected a number with a unit (mm, cm, m, in, px, %), such as 12mm or -4px"
         )
-    return Offset(float(match.group(1)), match.group(2).lower())
+    return Offset(float(match.group(1)), _unit(match.group(2)))
 
 
 def offsets(text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, ...]:

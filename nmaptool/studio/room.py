@@ -20,6 +20,7 @@ from nmaptool.studio.files.exports import Exports
 from nmaptool.studio.files.store import Store
 from nmaptool.studio.forms.controls import controls
 from nmaptool.studio.forms.descriptions import forms, plain, plain_options
+from nmaptool.studio.forms.plates import plate_line
 from nmaptool.studio.forms.presets import Presets
 from nmaptool.studio.forms.reasons import reasons
 from nmaptool.studio.inspector import Inspector
@@ -145,6 +146,7 @@ class Room:
             "reasons": reasons(now),
             "layers": described(now.layers),
             "files": vars(now.relief.files),
+            "plate": plate_line(now),
             "depths": {file: plain_options(options) for file, (_, options) in self.depths.items()},
             "undo": undo,
             "redo": redo,
@@ -264,7 +266,7 @@ class Room:
 
 def _needs(document: Document) -> Document:
     """Return what the heights that the page gets depend on."""
-    document = dataclasses.replace(document, path=None)
+    document = dataclasses.replace(document, path=None, plate=None)  # the stage does not show the plate
     try:
         if not has_parts(document.options):
             return document

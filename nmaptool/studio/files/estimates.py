@@ -40,9 +40,12 @@ def estimate(engine: Engine, document: Document, wanted: Wanted, progress: Progr
     NmaptoolError
         If the relief cannot be solved or made into triangles.
     """
+    head = {"kind": "estimate", "format": wanted.format, "at": wanted.at}
+    if document.plate is not None:
+        return {**head, "text": "its size is known once it is made, with its plate or for its machine"}
     solved = engine.full.solve(document.options, preview_tolerance=PREVIEW_TOLERANCE, progress=progress)
     found = _mesh(solved, document.solid, wanted) if wanted.kind == "mesh" else _picture(solved, wanted)
-    return {"kind": "estimate", "format": wanted.format, "at": wanted.at, **found}
+    return {**head, **found}
 
 
 def _mesh(solved: Relief, options: SolidOptions, wanted: Wanted) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 /* Presets: values of the relief's options for kinds of work, and the user's own. */
 
+import { $ } from "../studio.js";
 import { element, plain } from "../wording.js";
 
 class Presets {
@@ -30,6 +31,7 @@ class Presets {
       if (event.key === "Enter") this.save();
     });
     studio.on("presets", (message) => this.offer(message.presets));
+    studio.on("state", ({ plate }) => this.tellPlate(plate));
   }
 
   get chosen() {
@@ -49,6 +51,12 @@ class Presets {
     const found = presets.findIndex((one) => one.name === chosen);
     this.choice.value = Math.max(found, 0);
     this.show();
+  }
+
+  /** Say that exported files have a plate, which the stage does not show. */
+  tellPlate(plate) {
+    $("plate").hidden = !plate;
+    if ($("plate").textContent !== (plate ?? "")) $("plate").textContent = plate ?? "";
   }
 
   show() {
