@@ -12,7 +12,10 @@ import nmaptool as nm
 from nmaptool.composition.recipe_parsing import GROUP_KEYS, LAYER_KEYS
 from nmaptool.core.mentions import written_name
 from nmaptool.core.units import Length, Offset
+from nmaptool.options.fields import kind_of
+from nmaptool.options.kinds import Choice, NameOrFile
 from nmaptool.types.recipe import READ_KEYS
+from nmaptool.types.recipe_plate import PLATE_TABLES
 
 TEXT = (Path(__file__).parents[1] / "docs" / "recipes.md").read_text(encoding="utf-8")
 BESIDE = {"hidden": "`false`"}  # keys that are not options of a layer
@@ -53,6 +56,39 @@ def test_every_key_is_documented_with_its_default(title, options, keys):
         assert words.endswith("."), key
 
 
+@pytest.mark.parametrize(
+    ("title", "name"), [("[plate]", "plate"), ("[frame]", "frame"), ("[[text]]", "text"), ("[machine]", "machine")]
+)
+def test_every_key_of_a_plate_is_documented_with_its_default(title, name):
+    rows, known = table(title), PLATE_TABLES[name]
+    fields = {known.key(field.name): field for field in dataclasses.fields(known.options)}
+    assert list(rows) == list(fields)
+    for key, (default, words) in rows.items():
+        assert default == written(key, fields[key].default), key
+        assert words.endswith("."), key
+        kind = kind_of(fields[key])
+        names = kind.names if isinstance(kind, Choice | NameOrFile) else ()
+        assert set(re.findall(r'`"([\w.-]+)"`', words)) >= set(names), key
+
+
+def test_the_example_of_a_coin_runs(tmp_path, run):
+    example = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)[-1]
+    (tmp_path / "coin.toml").write_text(example.replace("resin-0.05", "fdm-0.4"), encoding="utf-8")  # fewer pixels
+    nm.write_layers(nm.split(waves(64, 64, 9, disc=True)), tmp_path / "portrait.exr")
+    done = run("relief", tmp_path / "coin.toml", "-o", tmp_path / "coin.3mf")
+    assert done.code == 0, done.err
+    for line in (
+        "round plate 38 x 38 mm",
+        "frame bead, 1.5 mm wide and 0.9 mm high",
+        "text 'LIBERTAS': capitals 2.4 mm",
+        "text 'MMXXVI': capitals 2 mm",
+        "hole of 2 mm",
+        "sets pitch 0.1mm, max error 0.02mm, finest 0.4mm; given: base 1.6mm",
+    ):
+        assert line in done.err
+    assert nm.read_recipe(tmp_path / "coin.toml").plate.texts[1]["text_side"] == "bottom"
+
+
 def test_every_value_of_a_key_is_documented():
     rows = table("[[layer]] with a file")
     for key, words in (
@@ -69,7 +105,7 @@ def test_every_value_of_a_key_is_documented():
 
 
 def test_the_example_runs(tmp_path, png, run):
-    example, relief = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
+    example, relief, _ = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
     (tmp_path / "scene.toml").write_text(f"{example}\n{relief}", encoding="utf-8")
     (tmp_path / "detail.toml").write_text('[[layer]]\nfile = "leaf.png"\n', encoding="utf-8")
     nm.write_normal_map(waves(90, 120, 3), tmp_path / "plate.exr")
