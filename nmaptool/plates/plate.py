@@ -54,13 +54,15 @@ def plate(
 
     Parameters
     ----------
-    original, detail, mask, surface, mu_map, beta_map, delta_map, wall_mask, progress
+    original, detail
         As for `nmaptool.relief`.
     options : ReliefOptions, optional
         ``width`` is the width of the plate; without it, the motif keeps its size, and the plate is as large as needed.
         Lengths in % refer to the longer side of the plate.
     design : PlateDesign
         From `nmaptool.read_design`, or from options alone if they name no files.
+    mask, surface, mu_map, beta_map, delta_map, wall_mask, progress
+        As for `nmaptool.relief`.
 
     Returns
     -------
@@ -83,8 +85,8 @@ def plate(
     >>> options = nm.ReliefOptions(height=nm.length("1mm"), width=nm.length("30mm"))
     >>> design = nm.PlateDesign(nm.PlateOptions(shape="round"), nm.FrameOptions(frame=nm.length("2mm")))
     >>> coin = nm.plate(normals, options=options, design=design, mask=np.hypot(x, y) < 0.9)
-    >>> f"{coin.height.outline.area_mm2:.2f} mm2, {coin.height.range_mm[1]:.3f} mm high"
-    '706.78 mm2, 1.000 mm high'
+    >>> f"{coin.height.outline.area_mm2:.1f} mm2, {coin.height.range_mm[1]:.3f} mm high"
+    '706.8 mm2, 1.000 mm high'
     """
     options = options or ReliefOptions()
     _check(options, design)
