@@ -1,86 +1,88 @@
-"""Small motifs for plates, and checks of what is written."""
+"""Motifs, designs and helpers of the tests of plates: small maps, short options."""
+
+from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 import nmaptool as nm
-from nmaptool.core.vectors import unit
+from nmaptool.io.fonts import read_font
+from nmaptool.options.plates import TextOptions
+from nmaptool.types.contours import Contours
 
-SIDE = 96
-
-
-def _map(z, inside, name):
-    """The normal map of heights in px, y up."""
-    rows, cols = np.gradient(z)
-    normals = unit(np.dstack([-cols, rows, np.ones_like(z)]))
-    normals[~inside] = (0, 0, 1)
-    return nm.NormalMap(normals.astype(np.float32), inside.astype(np.float32), nm.Frame(*z.shape, 0.2), name=name)
+FONT = "DejaVu Serif:bold"
+LENGTHS = (
+    "margin", "corner", "loop", "frame", "frame_height", "pitch", "finest", "text_size", "text_height", "text_inset",
+    "width", "height", "base", "hollow", "max_error",
+)  # fmt: skip
 
 
-def _grid(side=SIDE):
-    y, x = np.mgrid[1 : -1 : side * 1j, -1 : 1 : side * 1j]
-    return x, y
+def lengths(values: dict[str, Any]) -> dict[str, Any]:
+    """Options with their lengths read from text."""
+    return {name: nm.length(v) if name in LENGTHS and isinstance(v, str) else v for name, v in values.items()}
 
 
-def _hills(*centres):
-    x, y = _grid()
-    return sum(9 * np.exp(-8 * ((x - a) ** 2 + (y - b) ** 2)) for a, b in centres)
+def star(points: int = 5, outer: float = 20.0, inner: float = 9.0) -> Contours:
+    """A star with one point upwards."""
+    angle = np.pi / 2 + np.arange(2 * points) * np.pi / points
+    away = np.where(np.arange(2 * points) % 2 == 0, outer, inner)
+    return Contours((np.column_stack([away * np.cos(angle), away * np.sin(angle)]),))
 
 
-def dome():
-    """Half a ball."""
-    x, y = _grid()
-    return _map(12 * np.sqrt(np.maximum(0.8 - x**2 - y**2, 0.02)), np.hypot(x, y) < 0.8, "dome")
+def ball(rows: int = 64, cols: int = 64, radius: float = 0.8) -> tuple[np.ndarray, np.ndarray]:
+    """(rows, cols, 3) normals of a shallow cap in the middle, and its mask."""
+    half = min(rows, cols) / 2
+    y, x = ((np.arange(n) + 0.5 - n / 2) / half for n in (rows, cols))
+    x, y = np.meshgrid(x, -y)
+    inside = np.hypot(x, y) < radius
+    normals = np.dstack([np.where(inside, 0.6 * x, 0), np.where(inside, 0.6 * y, 0), np.ones(x.shape)])
+    return normals, inside
 
 
-def ring():
-    """A ring with a hole."""
-    x, y = _grid()
-    away = np.hypot(x, y)
-    return _map(8 * np.cos(8 * (away - 0.6)), np.abs(away - 0.6) < 0.18, "ring")
+def design(shape: str | None = "round", texts: Any = (), **values: Any) -> nm.PlateDesign:
+    """A design from options of plate, frame and machine by name; a star for ``star.svg``."""
+    values = lengths(values)
+    outline, profile = values.pop("outline", None), values.pop("profile", None)
+    if outline is None and shape == "star.svg":
+        outline = star()
+    made = []
+    for kind in (nm.PlateOptions, nm.FrameOptions, nm.MachineOptions):
+        names = set(kind.__dataclass_fields__) & set(values)
+        own = {name: values.pop(name) for name in names}
+        made.append(kind(**({"shape": shape} | own if kind is nm.PlateOptions else own)))
+    assert not values, f"no such options: {sorted(values)}"
+    texts = tuple(TextOptions(**lengths(text)) for text in texts)
+    fonts = {FONT: read_font(FONT)} if texts else {}
+    return nm.PlateDesign(made[0], made[1], texts, made[2], fonts, outline, profile)
 
 
-def star():
-    """A star with five rays."""
-    x, y = _grid()
-    reach = 0.5 + 0.35 * np.cos(5 * np.arctan2(x, y))
-    return _map(10 * (1 - np.hypot(x, y)), np.hypot(x, y) < reach, "star")
+def made(design_: nm.PlateDesign, motif: Any = None, detail: Any = None, **values: Any) -> nm.Relief:
+    """A relief 40 mm wide and 1 mm high on a plate."""
+    normals, mask = ball() if motif is None else motif
+    width = values.pop("width", "40mm")
+    options = nm.ReliefOptions(**lengths({"width": width, "height": "1mm"} | values))
+    return nm.plate(normals, detail, options, design=design_, mask=mask)
 
 
-def two_parts():
-    """Two hills apart from each other."""
-    x, y = _grid()
-    inside = (np.hypot(x - 0.45, y - 0.2) < 0.3) | (np.hypot(x + 0.45, y + 0.2) < 0.35)
-    return _map(_hills((0.45, 0.2), (-0.45, -0.2)), inside, "two parts")
+def solid(relief: nm.Relief, **values: Any) -> nm.Solid:
+    """Its solid with a base of 2 mm."""
+    return nm.solid(relief, nm.SolidOptions(**lengths({"base": "2mm"} | values)))
 
 
-def letter():
-    """An E, with sharp corners."""
-    x, y = _grid()
-    inside = (np.abs(y) < 0.75) & (x > -0.5) & (x < 0.55)
-    inside &= (x < -0.15) | (np.abs(np.abs(y) - 0.62) < 0.14) | (np.abs(y) < 0.12)
-    return _map(2 * np.sin(9 * x) + 2 * np.cos(7 * y), inside, "letter")
+def depth_of(relief: nm.Relief, outline: Contours) -> np.ndarray:
+    """(rows, cols) float64: distance of the vertices from the edge of a plate, positive inside."""
+    from nmaptool.plates.board import Board
+
+    rows, cols = relief.height.frame.shape
+    board = Board(0, 0, rows, cols, relief.pitch_mm)
+    return board.field(outline, np.inf).depth_mm()
 
 
-def at_the_border():
-    """A hill that the border of the picture cuts."""
-    x, y = _grid()
-    return _map(_hills((-0.9, -0.7), (0.1, 0.0)), np.hypot(x + 0.5, y + 0.4) < 0.9, "at the border")
-
-
-def picture():
-    """A picture without background."""
-    x, y = _grid()
-    return _map(3 * np.sin(5 * x + 1) * np.cos(6 * y), np.ones_like(x, bool), "picture")
-
-
-def cross():
-    """A cross of thin bars, three pixels wide."""
-    x, y = _grid()
-    inside = (np.minimum(np.abs(x), np.abs(y)) < 0.035) & (np.maximum(np.abs(x), np.abs(y)) < 0.85)
-    return _map(1.0 - np.minimum(np.abs(x), np.abs(y)), inside, "cross")
-
-
-MOTIFS = {
-    each.__name__.replace("_", " "): each
-    for each in (dome, ring, star, two_parts, letter, at_the_border, picture, cross)
-}
+def genus(found: nm.Solid) -> int:
+    """Number of handles of a solid of one body: 1 - Euler characteristic / 2."""
+    mesh = found.to_mesh()
+    edges = np.sort(np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]]), axis=1)
+    euler = len(mesh.vertices) - len(np.unique(edges, axis=0)) + len(mesh.faces)
+    assert euler % 2 == 0
+    return 1 - euler // 2

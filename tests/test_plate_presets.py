@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import trimesh
-from plate_cases import MOTIFS
+from motif_cases import MOTIFS
 
 import nmaptool as nm
 from nmaptool.options.relief_presets import RELIEF_PRESETS
