@@ -1,4 +1,4 @@
-"""Small motifs for plates, and checks of what is written."""
+"""Small motifs for plates: domes, rings, letters, and pictures without background."""
 
 import numpy as np
 

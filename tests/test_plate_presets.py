@@ -13,9 +13,11 @@ PLATES = [name for name, preset in RELIEF_PRESETS.items() if preset.plate]
 
 
 def made(name, normal_map):
-    """The relief and the solid of a preset, 24 mm wide; 0.01 mm of error keep the files small."""
+    """The relief and the solid of a preset, 24 mm wide; 0.03 mm of error keep the files small."""
     preset = RELIEF_PRESETS[name]
-    design = nm.read_design(nm.PlateOptions(**preset.plate), nm.FrameOptions(**preset.frame))
+    design = nm.read_design(
+        nm.PlateOptions(**preset.plate), nm.FrameOptions(**preset.frame), machine=nm.MachineOptions(pitch="0.15mm")
+    )
     relief = nm.plate(normal_map, options=nm.ReliefOptions(**preset.options, width=f"{WIDTH_MM}mm"), design=design)
     return relief, nm.solid(relief, nm.SolidOptions(**preset.solid, max_error="0.03mm"))
 
@@ -97,3 +99,10 @@ def test_a_tile_is_covered_and_others_hold_the_motif():
         assert report.fill == "inside"
         assert report.motif_width_mm < report.width_mm - 2 * report.frame["width_mm"]
     assert made("plaque", MOTIFS["picture"]())[0].plate.fill == "cover"
+
+
+def test_a_picture_that_covers_a_cameo_has_no_walls_and_the_report_says_so():
+    report = made("cameo", MOTIFS["picture"]())[0].plate
+    assert report.fill == "cover"
+    assert report.warnings[0].startswith("`edge='wall'` has no effect: the picture covers the plate")
+    assert not any("edge" in text for text in made("cameo", MOTIFS["dome"]())[0].plate.warnings)

@@ -95,6 +95,7 @@ def plate(
     width_mm = None if options.width is None else options.width.to_mm(1.0, 1)
     pitch_mm = pitch_of(original)[0] if width_mm is None else None
     layout = lay_out(motif, design, pitch_mm=pitch_mm, width_mm=width_mm)
+    options, warnings = _edged(options, layout)
     bare = outline_of(layout, motif, design, layout.pitch_mm)
     letters = letters_of(layout, bare, design)
     inputs: dict[str, Any] = {
@@ -107,7 +108,9 @@ def plate(
     outline = outline_of(layout, motif, design, spacing_mm)
     loop = loop_of(layout, outline, design)
     openings = (*openings_of(layout, outline, design), *([] if loop is None else [loop]))
-    return mounted(found, layout, design, outline, letters, openings, factor)
+    made = mounted(found, layout, design, outline, letters, openings, factor)
+    assert made.plate is not None  # mounted sets it
+    return dataclasses.replace(made, plate=dataclasses.replace(made.plate, warnings=(*warnings, *made.plate.warnings)))
 
 
 def _check(options: ReliefOptions, design: PlateDesign) -> None:
@@ -124,6 +127,14 @@ def _check(options: ReliefOptions, design: PlateDesign) -> None:
         )
     if options.background == "cut":
         raise UsageError(f"`background='cut'`: leaves no plate; use `background='plane'` with `shape={shape!r}`")
+
+
+def _edged(options: ReliefOptions, layout: Layout) -> tuple[ReliefOptions, list[str]]:
+    """Options for a picture that covers the plate, which has no edge for a wall; and what to say about it."""
+    if not layout.is_cover or options.edge == "blend":
+        return options, []
+    warning = f"`edge='{options.edge}'` has no effect: the picture covers the plate, so the motif has no edge on it"
+    return dataclasses.replace(options, edge="blend", edge_height=None), [warning]
 
 
 def _motif(original: NormalMap, mask: MaskLike | None) -> Mask:
