@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from nmaptool.core.errors import UsageError
+from nmaptool.core.errors import InputError
 from nmaptool.io.fonts import read_font
 from nmaptool.io.vector.outline import read_svg_outline
 from nmaptool.io.vector.profile import read_svg_profile
@@ -64,18 +64,14 @@ def design_of(plate: RecipePlate | None, folder: str | Path = "") -> PlateDesign
     Raises
     ------
     InputError
-        As for `read_design`.
-    UsageError
-        If a frame or text has no plate.
+        If a frame or text has no plate, and as for `read_design`.
     """
     if plate is None:
         return None
     if plate.plate.get("shape") is None:
-        given = next(
-            (name for name, value in plate.frame.items() if value is not None), "text" if plate.texts else None
-        )
+        given = "[frame]" if plate.frame else "[[text]]" if plate.texts else None
         if given is not None:
-            raise UsageError(f"`{given}`: needs a plate, such as `shape='round'`")
+            raise InputError(f'{given}: needs a plate; add [plate] with a shape, such as shape = "round"')
         return None
     texts = [TextOptions(**text) for text in plate.texts]
     options = PlateOptions(**plate.plate), FrameOptions(**plate.frame), texts, plate.machine_options

@@ -54,13 +54,15 @@ def plate(
 
     Parameters
     ----------
-    original, detail, mask, surface, mu_map, beta_map, delta_map, wall_mask, progress
+    original, detail
         As for `nmaptool.relief`.
     options : ReliefOptions, optional
         ``width`` is the width of the plate; without it, the motif keeps its size, and the plate is as large as needed.
         Lengths in % refer to the longer side of the plate.
     design : PlateDesign
         From `nmaptool.read_design`, or from options alone if they name no files.
+    mask, surface, mu_map, beta_map, delta_map, wall_mask, progress
+        As for `nmaptool.relief`.
 
     Returns
     -------
@@ -83,8 +85,8 @@ def plate(
     >>> options = nm.ReliefOptions(height=nm.length("1mm"), width=nm.length("30mm"))
     >>> design = nm.PlateDesign(nm.PlateOptions(shape="round"), nm.FrameOptions(frame=nm.length("2mm")))
     >>> coin = nm.plate(normals, options=options, design=design, mask=np.hypot(x, y) < 0.9)
-    >>> f"{coin.height.outline.area_mm2:.2f} mm2, {coin.height.range_mm[1]:.3f} mm high"
-    '706.78 mm2, 1.000 mm high'
+    >>> f"{coin.height.outline.area_mm2:.1f} mm2, {coin.height.range_mm[1]:.3f} mm high"
+    '706.8 mm2, 1.000 mm high'
     """
     options = options or ReliefOptions()
     _check(options, design)
@@ -93,6 +95,7 @@ def plate(
     width_mm = None if options.width is None else options.width.to_mm(1.0, 1)
     pitch_mm = pitch_of(original)[0] if width_mm is None else None
     layout = lay_out(motif, design, pitch_mm=pitch_mm, width_mm=width_mm)
+    options, warnings = _edged(options, layout)
     bare = outline_of(layout, motif, design, layout.pitch_mm)
     letters = letters_of(layout, bare, design)
     inputs: dict[str, Any] = {
@@ -105,7 +108,9 @@ def plate(
     outline = outline_of(layout, motif, design, spacing_mm)
     loop = loop_of(layout, outline, design)
     openings = (*openings_of(layout, outline, design), *([] if loop is None else [loop]))
-    return mounted(found, layout, design, outline, letters, openings, factor)
+    made = mounted(found, layout, design, outline, letters, openings, factor)
+    assert made.plate is not None  # mounted sets it
+    return dataclasses.replace(made, plate=dataclasses.replace(made.plate, warnings=(*warnings, *made.plate.warnings)))
 
 
 def _check(options: ReliefOptions, design: PlateDesign) -> None:
@@ -122,6 +127,14 @@ def _check(options: ReliefOptions, design: PlateDesign) -> None:
         )
     if options.background == "cut":
         raise UsageError(f"`background='cut'`: leaves no plate; use `background='plane'` with `shape={shape!r}`")
+
+
+def _edged(options: ReliefOptions, layout: Layout) -> tuple[ReliefOptions, list[str]]:
+    """Options for a picture that covers the plate, which has no edge for a wall; and what to say about it."""
+    if not layout.is_cover or options.edge == "blend":
+        return options, []
+    warning = f"`edge='{options.edge}'` has no effect: the picture covers the plate, so the motif has no edge on it"
+    return dataclasses.replace(options, edge="blend", edge_height=None), [warning]
 
 
 def _motif(original: NormalMap, mask: MaskLike | None) -> Mask:

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.composition.compose import compose
-from nmaptool.composition.recipe_values import with_recipe_keys
 from nmaptool.core.arrays import Float32
-from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.errors import InputError
 from nmaptool.core.progress import Progress
 from nmaptool.io.designs import design_of
 from nmaptool.io.pictures.heights import read_surface
@@ -179,8 +178,6 @@ def read_scene(
         raise InputError(f"{recipe.name}: relief: {error}") from None
     try:
         design = design_of(recipe.plate, place)
-    except UsageError as error:
-        raise InputError(f"{recipe.name}: {with_recipe_keys(str(error))}") from None
     except InputError as error:
         raise InputError(f"{recipe.name}: {error}") from None
     machine = made_on.machine_options

@@ -44,6 +44,13 @@ def read_svg_outline(path: str | Path, *, tolerance_mm: float = 0.002) -> Contou
         If the file is too large.
     UsageError
         If the tolerance is not a positive number.
+
+    Examples
+    --------
+    >>> Path("plate.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0,0 H96 V48 H0 Z"/></svg>')
+    75
+    >>> f"{nm.read_svg_outline('plate.svg').area_mm2:.4f}"
+    '322.5800'
     """
     name = Path(path)
     parts = read_stretches(name, tolerance_mm)

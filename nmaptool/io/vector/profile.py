@@ -37,6 +37,13 @@ def read_svg_profile(path: str | Path) -> Float64:
         If the file is not a readable SVG file, or does not hold one open path that goes from left to right.
     LimitError
         If the file is too large.
+
+    Examples
+    --------
+    >>> Path("step.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0,9 H4 V0 H8"/></svg>')
+    71
+    >>> nm.read_svg_profile("step.svg").tolist()
+    [[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [1.0, 1.0]]
     """
     name = Path(path)
     rough = read_stretches(name, 1.0)
