@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,10 +27,6 @@ _OF_RELIEF = 0.5
 _OF_SIZE = 0.2
 # the curve of a text turns corners of the plate with this radius, by the size of the letters
 _TURN = 1.5
-# pixels across a stroke, a frame with a pattern, and a plain frame that keep their shape
-_STROKE_PX = 5.0
-_PATTERN_PX = 30.0
-_FRAME_PX = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,13 +164,3 @@ def letter_heights(board: Board, letters: Letters, height_mm: float, draft: floa
     reach = wide / 2 + 2 * board.pitch_mm
     depth_mm = np.clip(board.field(contours, reach).depth_mm(), -reach, reach)
     return slope(depth_mm, wide, board.pitch_mm) * height_mm
-
-
-def needed_pitch(layout: Layout, design: PlateDesign, letters: Sequence[Letters]) -> float:
-    """The largest pixel that keeps the shape of letters and frame, in mm."""
-    found = [each.stroke_mm / _STROKE_PX for each in letters]
-    frame_mm = layout.sizes.frame(design)
-    if frame_mm:
-        pixels = _PATTERN_PX if design.frame.frame_profile in ("rope", "bead") else _FRAME_PX
-        found.append(frame_mm / pixels)
-    return min(found, default=np.inf)
