@@ -90,8 +90,8 @@ def plate(
     >>> options = nm.ReliefOptions(height=nm.length("1mm"), width=nm.length("30mm"))
     >>> design = nm.PlateDesign(nm.PlateOptions(shape="round"), nm.FrameOptions(frame=nm.length("2mm")))
     >>> coin = nm.plate(normals, options=options, design=design, mask=np.hypot(x, y) < 0.9)
-    >>> f"{coin.height.outline.area_mm2:.2f} mm2, {coin.height.range_mm[1]:.3f} mm high"
-    '706.84 mm2, 1.000 mm high'
+    >>> f"{coin.height.outline.area_mm2:.1f} mm2, {coin.height.range_mm[1]:.3f} mm high"
+    '706.8 mm2, 1.000 mm high'
     """
     options = options or ReliefOptions()
     _check(options, design)
