@@ -42,7 +42,9 @@ def motif_and_frame(
     if not inside_mm:
         return z_mm, None
     high = design.frame.frame_height
-    top = max(float(z_mm.max()), 0.0) or relief.report.relief_range_mm
+    # a sunk motif has hardly anything above the plate
+    top = 0.0 if design.plate.engrave else max(float(z_mm.max()), 0.0)
+    top = top or relief.report.relief_range_mm
     height_mm = top if high is None else layout.sizes.mm(high)
     size = FrameSize(inside_mm, height_mm, slope_width(height_mm, design.plate.draft, board.pitch_mm))
     frame_mm, shows = frame_heights(board, edge, design, size)
