@@ -67,12 +67,13 @@ class Letters:
             height = min(_OF_RELIEF * relief_mm or np.inf, _OF_SIZE * self.size_mm)
         return -height if self.options.text_sunk else height
 
-    def facts(self) -> dict[str, Any]:
-        """For the report."""
+    def facts(self, relief_mm: float) -> dict[str, Any]:
+        """For the report, on a relief of some height."""
         return {
             "text": self.options.text,
             "path": self.options.text_path,
             "size_mm": self.size_mm,
+            "height_mm": self.height_mm(relief_mm),
             "length_mm": self.length_mm,
             "stroke_mm": self.stroke_mm,
             "area_mm2": self.contours.area_mm2,
@@ -160,9 +161,11 @@ def letter_heights(board: Board, letters: Letters, height_mm: float, draft: floa
     """(rows, cols) float64 mm that the letters add at the vertices of a board.
 
     Half the height lies on the outline of the letters, so their area at half height is that of the font's outlines.
+    Where the draft would need wider strokes, the slopes are steeper, so that thin strokes reach the full height.
     """
     contours = board.placed(letters.contours)
-    wide = min(slope_width(abs(height_mm), draft, board.pitch_mm), max(letters.stroke_mm, 1.5 * board.pitch_mm))
+    widest = max(letters.stroke_mm - 2 * board.pitch_mm, board.pitch_mm)  # slopes are averaged over two pixels
+    wide = min(slope_width(abs(height_mm), draft, board.pitch_mm), widest)
     reach = wide / 2 + 2 * board.pitch_mm
     depth_mm = np.clip(board.field(contours, reach).depth_mm(), -reach, reach)
     return slope(depth_mm, wide, board.pitch_mm) * height_mm

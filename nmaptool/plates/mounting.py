@@ -69,13 +69,14 @@ def mounted(
     for opening in openings:
         if opening.rim_mm > 0:
             high = max(size.height_mm if size is not None else 0.0, _RIM_HEIGHT * opening.rim_mm)
-            z_mm = np.maximum(z_mm, rim_heights(board, opening, min(high, opening.rim_mm)))
+            rim = rim_heights(board, opening, min(high, opening.rim_mm))
+            z_mm = np.where(rim > 0, np.maximum(z_mm, rim), z_mm)  # elsewhere, heights may be below the plate
     raised = None if relief.height.raised is None else board_cut(relief.height.raised, board, 0).astype(bool)
     domain = board.pixels_inside(cut)
     height = Height(z_mm, domain, Frame(board.rows, board.cols, board.pitch_mm), raised, cut)
     coverage = None if relief.coverage is None else board_cut(relief.coverage, board, 0)
     share, more = finer_share(height, design.machine, letters)
-    report = _report(layout, design, height, size, letters, openings, resampled, relief)
+    report = _report(layout, design, height, edge, size, letters, openings, resampled, relief)
     report = dataclasses.replace(report, finer_share=share, warnings=(*warnings, *more))
     return dataclasses.replace(relief, height=height, foreground=motif, coverage=coverage, plate=report)
 
@@ -103,6 +104,7 @@ def _report(
     layout: Layout,
     design: PlateDesign,
     height: Height,
+    edge: Contours,
     size: FrameSize | None,
     letters: Sequence[Letters],
     openings: Sequence[Opening],
@@ -115,10 +117,11 @@ def _report(
     pitch_mm = height.pitch_mm
     low, high = height.range_mm
     frame = {} if size is None else {"width_mm": size.width_mm, "height_mm": size.height_mm}
+    (left, low_edge), (right, top) = edge.bounds_mm
     return PlateReport(
         shape=design.plate.shape,
-        width_mm=layout.width_mm,
-        height_mm=layout.height_mm,
+        width_mm=float(right - left),
+        height_mm=float(top - low_edge),
         area_mm2=height.outline.area_mm2,
         outline_tolerance_mm=height.outline.tolerance_mm,
         pitch_mm=pitch_mm,
@@ -129,9 +132,16 @@ def _report(
         fill="cover" if layout.is_cover else "inside",
         margin_mm=0.0 if layout.is_cover else layout.sizes.margin(design),
         frame={**frame, "profile": design.frame.frame_profile} if frame else {},
-        texts=tuple(each.facts() for each in letters),
+        texts=tuple(each.facts(relief.report.relief_range_mm) for each in letters),
         holes=tuple(
-            {"diameter_mm": 2 * each.radius_mm, "rim_mm": each.rim_mm, "loop": each.is_loop} for each in openings
+            {
+                "diameter_mm": 2 * each.radius_mm,
+                "across_mm": float(each.x_mm - left),
+                "down_mm": float(top - each.y_mm),
+                "rim_mm": each.rim_mm,
+                "loop": each.is_loop,
+            }
+            for each in openings
         ),
         top_mm=high,
         lowest_mm=low,

@@ -74,11 +74,11 @@ def openings_of(layout: Layout, outline: Contours, design: PlateDesign) -> tuple
         if not inside_points(outline, place)[0]:
             distance = -distance
         if distance < radius + _WALL_MM:
-            where = f"{distance:.4g} mm from the edge" if distance > 0 else f"{-distance:.4g} mm outside the plate"
+            where = f"{distance:.4g} mm from the edge of" if distance > 0 else f"{-distance:.4g} mm outside"
             raise InputError(
-                f"`hole={design.plate.hole!r}`: the hole of {2 * radius:.4g} mm has its middle {where} of "
-                f"{layout.width_mm:.4g} x {layout.height_mm:.4g} mm; it needs {radius + _WALL_MM:.4g} mm, so move it "
-                "inwards or make it smaller"
+                f"`hole={design.plate.hole!r}`: the hole of {2 * radius:.4g} mm has its middle {where} the "
+                f"plate of {layout.width_mm:.4g} x {layout.height_mm:.4g} mm; it must lie {radius + _WALL_MM:.4g} mm "
+                "inside, so move it inwards or make it smaller"
             )
         for other in found:
             apart = float(np.hypot(other.x_mm - x, other.y_mm - y))
@@ -111,7 +111,7 @@ def loop_of(layout: Layout, outline: Contours, design: PlateDesign) -> Opening |
 def with_openings(outline: Contours, openings: tuple[Opening, ...], spacing_mm: float) -> Contours:
     """The outline with a loop joined to it and holes cut out."""
     rings, tolerance_mm = list(outline.rings), outline.tolerance_mm
-    for each in openings:
+    for each in sorted(openings, key=lambda opening: not opening.is_loop):  # a loop is joined before holes are cut
         if each.is_loop:
             outer = each.radius_mm + each.rim_mm
             disc = Contours((circle(each.x_mm, each.y_mm, outer, spacing_mm),))
@@ -141,8 +141,11 @@ def beside_loop(board: Board, loop: Opening, depth_mm: Float64, slope_mm: float)
         Width of the slope at the outer side of the frame.
     """
     x, y = np.meshgrid(board.x_mm - loop.x_mm, board.y_mm - loop.y_mm)
-    near = np.hypot(x, y) < loop.radius_mm + 3 * loop.rim_mm
-    return np.where(near, slope(depth_mm - slope_mm / 2, slope_mm, board.pitch_mm), 1.0)
+    # the rounded notches end three rims from the eye; the edge of the frame runs out before
+    share = np.clip((loop.radius_mm - np.hypot(x, y)) / loop.rim_mm + 3, 0, 1)
+    near = share * share * (3 - 2 * share)
+    out: Float64 = 1 - near * (1 - slope(depth_mm - slope_mm / 2, slope_mm, board.pitch_mm))
+    return out
 
 
 def rim_heights(board: Board, opening: Opening, height_mm: float) -> Float64:

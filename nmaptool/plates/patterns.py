@@ -20,10 +20,10 @@ _STRAND = 0.62
 _WIND = 0.55
 _GROOVE = 0.42
 _SAMPLES = 4096
-# beads: diameter by the width of their row, distance by diameter, and the distance below which two become one
+# beads: diameter by the width of their row, least distance by diameter, and that below which two become one
 _BEAD = 0.94
-_BEAD_SPACING = 1.06
-_MERGED = 0.8
+_BEAD_SPACING = 1.02
+_MERGED = 0.98
 # turn of a line in degrees that is a corner, which gets a bead
 _CORNER_DEG = 20.0
 
@@ -99,7 +99,7 @@ def beads(cross: Cross, depth_mm: Float64, board: Board, outline: Contours) -> F
 
 
 def bead_centres(line: Contours, spacing_mm: float) -> Float64:
-    """(n, 2) middles of beads on lines, at distances of at least about ``spacing_mm``, one in each corner."""
+    """(n, 2) middles of beads on lines, at distances of at least ``spacing_mm`` along them, one in each corner."""
     from scipy.spatial import cKDTree  # takes long to load
 
     centres = np.concatenate([_evenly(ring, spacing_mm) for ring in line.rings])
@@ -115,7 +115,7 @@ def bead_centres(line: Contours, spacing_mm: float) -> Float64:
 
 
 def _evenly(ring: Float64, spacing_mm: float) -> Float64:
-    """Points at equal distances near ``spacing_mm`` between the corners of a ring; without corners from the top on."""
+    """Points at equal distances between the corners of a ring, at least ``spacing_mm`` apart; else from the top on."""
     way = np.roll(ring, -1, axis=0) - ring
     before = np.roll(way, 1, axis=0)
     turn = np.arctan2(before[:, 0] * way[:, 1] - before[:, 1] * way[:, 0], (before * way).sum(axis=1))
@@ -126,7 +126,7 @@ def _evenly(ring: Float64, spacing_mm: float) -> Float64:
         count = (last - first - 1) % len(ring) + 2
         part = ring[(first + np.arange(count)) % len(ring)]
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(part, axis=0).T))])
-        beads_here = max(1 if len(corners) else 3, round(along[-1] / spacing_mm))
+        beads_here = max(1 if len(corners) else 3, int(along[-1] / spacing_mm))
         place = np.arange(beads_here) * along[-1] / beads_here
         out.append(np.column_stack([np.interp(place, along, each) for each in part.T]))
     return np.concatenate(out)

@@ -21,10 +21,13 @@ class Machine:
     description : str
     values : mapping
         Fields of `MachineOptions` and `nmaptool.SolidOptions`; lengths as text.
+    is_ball : bool
+        Whether its tool is a ball, which makes sharp ridges, but no sharp grooves.
     """
 
     description: str
     values: Mapping[str, str]
+    is_ball: bool = False
 
     @property
     def listed(self) -> str:
@@ -44,6 +47,7 @@ MACHINES: dict[str, Machine] = {
     "cnc-3mm": Machine(
         "mill that finishes with a ball nose of 3 mm",
         {"pitch": "0.15mm", "base": "6mm", "max_error": "0.01mm", "finest": "3mm"},
+        is_ball=True,
     ),
     "laser-254dpi": Machine(
         "laser engraver with 254 dots per inch",
