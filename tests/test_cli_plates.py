@@ -168,7 +168,17 @@ def test_what_a_preset_says_counts_before_a_recipe_and_after_flags(folder, saved
     assert found["[frame]"] == ['height = "0.4mm"', 'profile = "bead"', 'width = "5%"']
     assert found["[[text]]"] == tables(COIN)["[[text]]"]
     assert {'height = "4%"', 'width = "20mm"', 'base = "2mm"', "mu = 0.3"} < set(found["[relief]"])
-    assert tables(saved("coin.toml", "--preset", "wood-panel"))["[plate]"] == tables(COIN)["[plate]"]
+
+
+def test_a_preset_for_work_without_a_plate_leaves_that_of_a_recipe_out(folder, run):
+    done = run("relief", "coin.toml", "--preset", "game-prop", "-o", "prop.stl", "--save-recipe", "prop.toml")
+    assert done.code == 0, done.err
+    assert "  the plate of coin.toml is left out: the preset game-prop is for work without one\n" in done.err
+    assert "round plate" not in done.err
+    assert set(tables(Path("prop.toml").read_text(encoding="utf-8"))) == {"[relief]", "[[layer]]"}
+    done = run("relief", "coin.toml", "--preset", "wood-panel", "--shape", "round", "-o", "panel.npy")
+    assert done.code == 0, done.err
+    assert "  round plate 20 x 20 mm, " in done.err
 
 
 def test_flags_of_texts_change_all_texts_of_a_recipe_or_replace_them(folder, saved, reported):

@@ -185,3 +185,11 @@ def test_a_scene_has_the_plate_and_the_machine_of_its_recipe(folder):
     solved = bare.solve()
     assert solved.plate is None
     assert solved.height.frame.cols == 300
+
+
+def test_the_plate_of_a_recipe_inside_another_one_is_ignored_with_a_note(folder):
+    (folder / "inner.toml").write_text(f'{LAYER}[plate]\nshape = "round"\n', encoding="utf-8")
+    (folder / "outer.toml").write_text('[[layer]]\nrecipe = "inner.toml"\n', encoding="utf-8")
+    recipe = nm.read_recipe(folder / "outer.toml")
+    assert recipe.plate is None
+    assert recipe.notes == (f"{folder / 'inner.toml'}: its plate is ignored; only its layers are used",)
