@@ -12,7 +12,7 @@ from nmaptool.core.errors import InputError
 from nmaptool.plates.board import Board
 from nmaptool.plates.frame import FrameSize, frame_heights, slope_width
 from nmaptool.plates.layout import Layout
-from nmaptool.plates.openings import Opening, beside_loop
+from nmaptool.plates.openings import Opening, outer_slope
 from nmaptool.plates.profiles import slope
 from nmaptool.types.contours import Contours
 from nmaptool.types.plate import PlateDesign
@@ -48,10 +48,11 @@ def motif_and_frame(
     height_mm = top if high is None else layout.sizes.mm(high)
     size = FrameSize(inside_mm, height_mm, slope_width(height_mm, design.plate.draft, board.pitch_mm))
     frame_mm, shows = frame_heights(board, edge, design, size)
-    for loop in (each for each in openings if each.is_loop):
+    if any(each.is_loop for each in openings):
         slope_mm = min(size.slope_mm, inside_mm / 4)
-        depth_mm = board.field(edge, slope_mm + 2 * board.pitch_mm).depth_mm()
-        frame_mm *= beside_loop(board, loop, depth_mm, slope_mm)
+        reach_mm = slope_mm + 4 * board.pitch_mm
+        depth_mm = np.clip(board.field(edge, reach_mm).depth_mm(), -reach_mm, reach_mm)
+        frame_mm *= outer_slope(board, depth_mm, slope_mm)
     return z_mm * shows + frame_mm, size
 
 

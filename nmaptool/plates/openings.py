@@ -127,25 +127,19 @@ def with_openings(outline: Contours, openings: tuple[Opening, ...], spacing_mm: 
     return Contours(tuple(rings), tolerance_mm)
 
 
-def beside_loop(board: Board, loop: Opening, depth_mm: Float64, slope_mm: float) -> Float64:
-    """(rows, cols) float64: share of a frame that shows near a loop: none outside the edge of the plate itself.
+def outer_slope(board: Board, depth_mm: Float64, slope_mm: float) -> Float64:
+    """(rows, cols) float64: share of a frame that continues beyond the edge of its plate, into the neck of a loop.
 
     Parameters
     ----------
     board : Board
-    loop : Opening
-        With its middle on the grid.
     depth_mm : (rows, cols) float64
-        Distance from the edge of the plate, positive inside.
+        Distance from the edge of the plate without the loop, positive inside.
     slope_mm : float
-        Width of the slope at the outer side of the frame.
+        Width of the slope on which the frame runs out.
     """
-    x, y = np.meshgrid(board.x_mm - loop.x_mm, board.y_mm - loop.y_mm)
-    # the rounded notches end three rims from the eye; the edge of the frame runs out before
-    share = np.clip((loop.radius_mm - np.hypot(x, y)) / loop.rim_mm + 3, 0, 1)
-    near = share * share * (3 - 2 * share)
-    out: Float64 = 1 - near * (1 - slope(depth_mm - slope_mm / 2, slope_mm, board.pitch_mm))
-    return out
+    # two pixels beyond the edge, where the outline of the plate itself does not reach
+    return slope(depth_mm + 2 * board.pitch_mm + slope_mm / 2, slope_mm, board.pitch_mm)
 
 
 def rim_heights(board: Board, opening: Opening, height_mm: float) -> Float64:
