@@ -24,8 +24,8 @@ _FILES = {"shape": SHAPE.is_file, "frame_profile": PROFILE.is_file, "font": is_f
 def plate_of(run: Run, recipe: nm.Recipe | None) -> nm.RecipePlate:
     """The plate, with the values of a recipe, the preset and the flags; the last ones count.
 
-    A preset that makes a plate replaces the plate and the frame of a recipe, but not its texts and its machine. The
-    machine sets what is left.
+    A preset that makes a plate replaces the plate and the frame of a recipe, but not its texts and its machine. One for
+    work without a plate leaves out all but the machine. The machine sets what is left.
 
     Raises
     ------
@@ -38,6 +38,9 @@ def plate_of(run: Run, recipe: nm.Recipe | None) -> nm.RecipePlate:
     preset = run[PresetOptions]
     if preset.values_of(PlateOptions):
         own = nm.RecipePlate(preset.values_of(PlateOptions), preset.values_of(FrameOptions), own.texts, own.machine)
+    elif preset.preset is not None and recipe is not None and own.plate:
+        run.say(f"  the plate of {recipe.name} is left out: the preset {preset.preset} is for work without one")
+        own = nm.RecipePlate(machine=own.machine)
     is_elsewhere = recipe is not None
     flags = {
         options: _absolute(run.named(options)) if is_elsewhere else run.named(options)

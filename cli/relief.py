@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from nmaptool.core.errors import InputError, UsageError
+from nmaptool.core.mentions import written_name
 from nmaptool.options import HeightsAt, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
 from nmaptool.options.fields import choice_of, option
 from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS, is_recipe
@@ -139,6 +140,8 @@ def relief(run: Run, map: str, /) -> None:
     metadata = run.header(inputs=read, reading=asdict(run[ReadOptions]), **work.facts, **result.report.to_dict())
     if result.plate is not None:
         metadata["plate"] = {"design": plain_values(sources.plate), **result.plate.to_dict()}
+    if sources.plate.machine:
+        metadata["machine"] = {written_name(name): value for name, value in plain_values(work.machine).items()}
     if solid is not None:
         metadata["solid"] = {"options": plain_values(sources.solid), **solid.to_dict()}
     if given.dry_run:

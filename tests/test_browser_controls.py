@@ -88,7 +88,7 @@ def test_a_slider_changes_heights_and_picture_in_its_direction(name, scene, libr
 
 def test_typed_lengths_may_have_any_unit(scene, serve, window):
     page = window(serve(scene)).ready()
-    for text, mm in (("3mm", 3), ("0.5cm", 5), ("0.1in", 2.54), ("4", 4)):
+    for text, mm in (("3mm", 3), ("0.5cm", 5), ("0.1in", 2.54), ('0.2"', 5.08), ("4", 4)):
         page.type("height", text)
         eventually(lambda: np.ptp(page.heights().z), lambda found, mm=mm: abs(found - mm) < 1e-3 * mm, text)
         eventually(lambda: page.text("facts"), lambda found, mm=mm: f"{mm:.3f} mm high" in found)

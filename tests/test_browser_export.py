@@ -94,10 +94,12 @@ def test_a_refused_export_says_why(folder, serve, window):
 def test_a_preset_is_applied_kept_and_deleted(folder, serve, window):
     page = window(serve(folder / "bunny.exr")).ready()
     page.page.locator("#preset").select_option(label="cameo")
-    assert page.text("preset-about") == "the motif stands on its ground with a sharp edge"
+    assert page.text("preset-about").startswith("oval; the motif stands on its ground with a sharp edge")
+    assert page.page.locator("#plate").is_hidden()
     page.page.locator("#preset-apply").click()
     eventually(lambda: page.value("height"), lambda found: found == "5%")
     eventually(lambda: page.heights().z, lambda z: abs(np.ptp(z) - 0.05 * 20) < 1e-3)
+    assert eventually(lambda: page.text("plate"), bool).startswith("Exported files have a plate (oval) with a frame. ")
     page.shot("cameo")
     page.type("beta", "0.002")
     page.page.locator("#preset-name").fill("Mine")
@@ -105,6 +107,7 @@ def test_a_preset_is_applied_kept_and_deleted(folder, serve, window):
     eventually(lambda: page.text("preset-about"), lambda found: "beta 0.002" in found)
     page.page.locator("#undo").click()
     page.page.locator("#undo").click()
+    eventually(lambda: page.page.locator("#plate").is_hidden(), bool)
     eventually(lambda: page.value("beta"), lambda found: found == "0.001")
     page.page.locator("#preset-apply").click()
     eventually(lambda: page.value("beta"), lambda found: found == "0.002")

@@ -177,7 +177,7 @@ def test_a_scene_has_the_plate_and_the_machine_of_its_recipe(folder):
     assert scene.solid == nm.SolidOptions(base="2mm", max_error="0.02mm")
     assert scene.machine == nm.MachineOptions(for_="fdm-0.4", pitch="0.1mm", finest="0.4mm")
     made = scene.solve()
-    assert made.plate.width_mm == 30
+    assert made.plate.width_mm == pytest.approx(30)
     assert made.pitch_mm == pytest.approx(0.1, rel=0.02)
     (folder / "bare.toml").write_text(f"{LAYER}{text.replace('shape', '# shape')}", encoding="utf-8")
     bare = nm.read_scene(folder / "bare.toml")
@@ -185,3 +185,11 @@ def test_a_scene_has_the_plate_and_the_machine_of_its_recipe(folder):
     solved = bare.solve()
     assert solved.plate is None
     assert solved.height.frame.cols == 300
+
+
+def test_the_plate_of_a_recipe_inside_another_one_is_ignored_with_a_note(folder):
+    (folder / "inner.toml").write_text(f'{LAYER}[plate]\nshape = "round"\n', encoding="utf-8")
+    (folder / "outer.toml").write_text('[[layer]]\nrecipe = "inner.toml"\n', encoding="utf-8")
+    recipe = nm.read_recipe(folder / "outer.toml")
+    assert recipe.plate is None
+    assert recipe.notes == (f"{folder / 'inner.toml'}: its plate is ignored; only its layers are used",)

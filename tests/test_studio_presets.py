@@ -63,7 +63,7 @@ def test_flags_change_a_preset_and_a_preset_changes_a_recipe(document, folder, r
     assert done.code == 0, done.err
     said = json.loads(done.out)
     assert (said["options"]["mu"], said["options"]["beta"]) == (0.9, 0.002)
-    assert (said["plate"]["width_mm"], said["plate"]["shape"]) == (30, "round")
+    assert (said["plate"]["width_mm"], said["plate"]["shape"]) == (pytest.approx(30), "round")
     assert said["height_range_mm"] == pytest.approx(0.02 * 30, rel=1e-6)
 
 

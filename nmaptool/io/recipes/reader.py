@@ -168,6 +168,8 @@ class _Linking:
             self.notes.append(f"{path}: its canvas is ignored; its layers are placed on the canvas of {outer}")
         if inner.relief is not None:
             self.notes.append(f"{path}: its [relief] is ignored; only its layers are used")
+        if inner.plate is not None:
+            self.notes.append(f"{path}: its plate is ignored; only its layers are used")
         return inner
 
 

@@ -31,8 +31,8 @@ function bits(packed, count) {
 
 /** Millimetres of a length such as "3mm", "2cm" or "0.1in"; NaN if it is relative or not a length. */
 export function millimetres(text) {
-  const found = /^\s*([-+.\de]+)\s*(mm|cm|m|in)\s*$/i.exec(String(text ?? ""));
-  const unit = { mm: 1, cm: 10, m: 1000, in: 25.4 };
+  const found = /^\s*([-+.\de]+)\s*(mm|cm|m|inch|in|"|\u2033)\s*$/i.exec(String(text ?? ""));
+  const unit = { mm: 1, cm: 10, m: 1000, in: 25.4, inch: 25.4, '"': 25.4, "\u2033": 25.4 };
   return found ? Number(found[1]) * unit[found[2].toLowerCase()] : NaN;
 }
 

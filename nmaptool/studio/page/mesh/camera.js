@@ -43,8 +43,10 @@ export function rotated(r, x, y, z) {
 
 /** Number and unit of a length such as "4%", "40px" or "0.1mm"; null if it is not one. */
 export function lengthOf(text) {
-  const found = /^\s*([-+.\de]+)\s*(mm|cm|m|in|px|%)\s*$/i.exec(String(text ?? ""));
-  return found && Number.isFinite(Number(found[1])) ? { number: Number(found[1]), unit: found[2].toLowerCase() } : null;
+  const found = /^\s*([-+.\de]+)\s*(mm|cm|m|inch|in|"|\u2033|px|%)\s*$/i.exec(String(text ?? ""));
+  if (!found || !Number.isFinite(Number(found[1]))) return null;
+  const unit = found[2].toLowerCase();
+  return { number: Number(found[1]), unit: ["inch", '"', "\u2033"].includes(unit) ? "in" : unit };
 }
 
 /** Columns and rows of a size such as "1000x900"; null if it is not one. */
