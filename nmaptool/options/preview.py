@@ -135,7 +135,7 @@ class PreviewOptions(Options, group="Picture"):
         Pictures in a film.
     size:
         Longer side in pixels. Default: that of the relief, enlarged by a whole number to at least 900 and reduced to at
-        most 2000; 640 for films and in contact sheets.
+        most 2000 (1400 in perspective); 640 for films and in contact sheets.
     background:
         Colour around the piece, such as "#e8e4dc". "auto" suits the material.
     thickness:
