@@ -18,6 +18,7 @@ View = Literal["top", "iso"]
 Axis = Literal["x", "y"]
 _STRONGEST = 10.0
 _SMALLEST_PX, _LARGEST_PX = 16, 8000
+_SMALLEST_PLOT_PX = 240
 
 
 @dataclass(frozen=True)
@@ -161,6 +162,8 @@ class PreviewOptions(Options, group="Picture"):
         chosen = [name for name in ("section", "turntable", "light_sweep") if getattr(self, name)]
         if len(chosen) > 1:
             raise UsageError(f"`{chosen[0]}` and `{chosen[1]}`: only one of them fits in a picture; leave one out")
+        if self.section is not None and self.size is not None and self.size < _SMALLEST_PLOT_PX:
+            raise UsageError(f"`size={self.size}`: a section with its axes needs at least {_SMALLEST_PLOT_PX} px")
         if self.section is not None and self.view == "iso":
             raise UsageError("`section` is a plot, and `view='iso'` a picture; leave one out")
 
