@@ -191,6 +191,8 @@ def test_a_spline_passes_through_its_samples_and_follows_a_smooth_surface():
     fine = resampled(wave, rows, cols)
     expected = np.sin(cols / 4) * np.cos(rows[:, None] / 5)
     assert np.abs(fine - expected)[20:-20, 20:-20].max() < 1e-3
+    plane = (2 * x + 3 * y).astype(np.float32)
+    np.testing.assert_allclose(resampled(plane, rows, cols), 2 * cols + 3 * rows[:, None], atol=1e-4)
     # the samples are the fine grid's every fourth
     np.testing.assert_allclose(fine[::4, ::4], wave, atol=1e-5)
 
