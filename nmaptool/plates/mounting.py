@@ -117,10 +117,10 @@ def _report(
     pitch_mm = height.pitch_mm
     low, high = height.range_mm
     frame = {} if size is None else {"width_mm": size.width_mm, "height_mm": size.height_mm}
-    (left, low_edge), (right, top) = edge.bounds_mm
+    (left, low_edge), (_, top) = edge.bounds_mm
     return PlateReport(
         shape=design.plate.shape,
-        width_mm=float(right - left),
+        width_mm=layout.width_mm,
         height_mm=float(top - low_edge),
         area_mm2=height.outline.area_mm2,
         outline_tolerance_mm=height.outline.tolerance_mm,
