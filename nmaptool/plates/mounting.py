@@ -88,13 +88,13 @@ def _letter_warnings(each: Letters, board: Board, added: Float64, motif: Mask, *
         share = float((inked[1:, 1:] & motif).sum() / max(1, inked.sum()))
         if share > _OVERLAP:
             warnings.append(
-                f"{share:.0%} of the text {each.options.text!r} lies on the motif; move it with `text_at`, or make "
+                f"{share:.0%} of the text {each.name} lies on the motif; move it with `text_at`, or make "
                 "`text_size` smaller"
             )
     stroke_px = each.stroke_mm / board.pitch_mm
     if stroke_px < 2.5:
         warnings.append(
-            f"strokes of the text {each.options.text!r} are {each.stroke_mm:.3g} mm wide, {stroke_px:.1f} px; a finer "
+            f"strokes of the text {each.name} are {each.stroke_mm:.3g} mm wide, {stroke_px:.1f} px; a finer "
             f"`pitch`, such as `pitch='{each.stroke_mm / 4:.2g}mm'`, keeps their shape"
         )
     return warnings
