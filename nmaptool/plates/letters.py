@@ -55,6 +55,11 @@ class Letters:
     stroke_mm: float
     given_mm: float | None
 
+    @property
+    def name(self) -> str:
+        """The text in quotes, for messages."""
+        return named(self.options)
+
     def height_mm(self, relief_mm: float) -> float:
         """Height of the letters above the plate, negative if they are sunk."""
         height = self.given_mm
@@ -73,6 +78,11 @@ class Letters:
             "stroke_mm": self.stroke_mm,
             "area_mm2": self.contours.area_mm2,
         }
+
+
+def named(text: TextOptions) -> str:
+    """A text in quotes on one line, for messages."""
+    return repr(" ".join(text.wording.split()))
 
 
 def letters_of(layout: Layout, outline: Contours, design: PlateDesign) -> tuple[Letters, ...]:
@@ -130,7 +140,7 @@ def _text_ring(text: TextOptions, layout: Layout, outline: Contours, design: Pla
         found = outer_rings(offset(outline, -inset))
     if not found.rings:
         raise InputError(
-            f"the text {text.text!r} lies {inset:.4g} mm inside the edge of a plate {layout.width_mm:.4g} mm wide; use "
+            f"the text {named(text)} lies {inset:.4g} mm inside the edge of a plate {layout.width_mm:.4g} mm wide; use "
             "a smaller `text_size`"
         )
     return max(found.rings, key=ring_area)
@@ -147,7 +157,7 @@ def _check_inside(text: TextOptions, contours: Contours, outline: Contours, fram
         where = "into the frame" if least >= 0 and frame_mm else "beyond the edge of the plate"
         beyond = frame_mm - least if least >= 0 else -least
         raise InputError(
-            f"the text {text.text!r} is {width:.4g} x {height:.4g} mm and reaches {beyond:.3g} mm {where}; use a "
+            f"the text {named(text)} is {width:.4g} x {height:.4g} mm and reaches {beyond:.3g} mm {where}; use a "
             "smaller `text_size`, a shorter text or another place"
         )
 
