@@ -228,3 +228,13 @@ def test_frames_that_leave_no_room_are_refused():
         nm.InputError, match=r"`frame='14mm'`: a frame 14 mm wide leaves nothing inside a plate of 40 x"
     ):
         made(design("star.svg", frame="14mm", fill="cover"), (normals, None))
+
+
+def test_the_frame_of_an_engraving_is_as_high_as_it_is_deep_also_if_the_motif_dips():
+    normals, mask = ball()
+    y, x = np.mgrid[-1:1:64j, -1:1:64j]
+    dip = np.exp(-((np.hypot(x, y) - 0.6) ** 2) / 0.01)[..., None]
+    normals = normals * [[[-1.0, -1.0, 1.0]]] * dip + normals * (1 - dip)
+    relief = made(design("round", frame="3mm", engrave=True), (normals, mask), delta=5.0)
+    assert relief.plate.frame["height_mm"] == pytest.approx(1, abs=1e-9)
+    assert relief.report.relief_range_mm == pytest.approx(1)

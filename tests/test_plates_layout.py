@@ -147,7 +147,7 @@ def test_circles_and_ellipses_hold_their_points():
     assert inside.max() == pytest.approx(1, abs=1e-9)
 
 
-@pytest.mark.parametrize("shape", ["round", "oval", "rect", "star.svg"])
+@pytest.mark.parametrize("shape", ["round", "oval", "rect", "star.svg", "mask"])
 def test_plates_are_exactly_as_wide_as_asked_for(shape):
     relief = made(design(shape, frame="2mm"), width="37.5mm")
     low, high = relief.height.outline.bounds_mm

@@ -156,6 +156,9 @@ def test_fine_pixels_are_chosen_for_letters_unless_they_are_given():
 
 
 def test_text_on_the_motif_is_reported():
+    two = {**TEXT, "text": "ANNO\\n2026", "text_at": "50%,50%", "text_size": "2mm"}
+    (warning,) = made(design("round", (two,))).plate.warnings
+    assert "text 'ANNO 2026' lies on the motif" in warning
     text = {**TEXT, "text_at": "50%,50%", "text_size": "2mm"}
     relief = made(design("round", (text,)))
     (warning,) = relief.plate.warnings
@@ -197,8 +200,10 @@ def test_texts_that_do_not_fit_are_refused():
 
 
 def test_glyphs_that_the_font_lacks_are_refused():
-    with pytest.raises(nm.InputError, match=r"DejaVu Serif"):
-        made(design("round", ({**TEXT, "text": "\U0001f9c0"},)))
+    with pytest.raises(
+        nm.InputError, match=r"the font DejaVu Serif:bold \(.*\) lacks '.' \(U\+1F9C0\); use another `font`"
+    ):
+        made(design("round", ({**TEXT, "text": "A\U0001f9c0"},)))
 
 
 def test_texts_need_their_font():

@@ -139,7 +139,7 @@ def test_a_flat_plate_has_the_volume_of_its_area_and_a_solid_its_exact_size(shap
     check_solid(found)
     assert found.volume_mm3 == pytest.approx(2 * relief.height.outline.area_mm2, rel=1e-9)
     assert relief.plate.area_mm2 == pytest.approx(relief.height.outline.area_mm2)
-    assert found.size_mm[0] == pytest.approx(40, abs=1e-2 if shape == "mask" else 1e-9)
+    assert found.size_mm[0] == pytest.approx(40, abs=1e-9)
     assert found.size_mm[2] == pytest.approx(2, abs=1e-9)
 
 

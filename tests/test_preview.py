@@ -19,6 +19,7 @@ from nmaptool.core.errors import UsageError
         ({"light": ("nan,38",)}, "expected azimuth and elevation"),
         ({"section": "z=3mm"}, "`section='z=3mm'`: expected x or y and a place, such as y=50% or x=12mm"),
         ({"section": "y=3"}, "`section='y=3'`: expected x or y and a place"),
+        ({"section": "y=3mm", "size": 200}, "`size=200`: a section with its axes needs at least 240 px"),
         ({"background": "blue"}, "`background='blue'`: use auto, or a colour such as #e8e4dc"),
         ({"size": 4}, "`size=4`: must lie between 16 and 8000, such as 1200"),
         ({"frames": 1}, "`frames=1`: must lie between 2 and 1000"),

@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 from preview_cases import cone, disc
 
 import nmaptool as nm
+
+ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture
@@ -110,3 +113,18 @@ def test_the_preview_of_a_relief_is_the_same_picture(run, clean_map, tmp_path):
     )
     solved = nm.relief(nm.read_normal_map(clean_map))
     np.testing.assert_array_equal(cv2.imread(str(tmp_path / "a.png"))[..., ::-1], nm.preview(solved))
+
+
+def test_the_command_puts_the_relief_of_a_recipe_on_its_plate(run, tmp_path):
+    sample = (ROOT / "samples" / "shell.png").as_posix()
+    text = f'[[layer]]\nfile = "{sample}"\n\n[relief]\nheight = "1mm"\nwidth = "20mm"\n\n[plate]\nshape = "round"\n'
+    (tmp_path / "coin.toml").write_text(text, encoding="utf-8")
+    done = run(
+        "preview", tmp_path / "coin.toml", "-o", tmp_path / "coin.png", "--size", "200", "--background", "#ff0000"
+    )
+    assert done.code == 0, done.err
+    picture = cv2.imread(str(tmp_path / "coin.png"))[..., ::-1].astype(int)
+    corners = picture[[2, 2, -3, -3], [2, -3, 2, -3]]
+    assert (corners[:, 0] > 2 * corners[:, 1]).all()  # the table beside the round plate
+    middle = picture[100, 100]
+    assert middle[1] > 0.7 * middle[0]

@@ -31,7 +31,7 @@ def test_a_relief_in_single_precision_and_elsewhere_in_space_keeps_its_lattice()
     mesh = closed(cone())
     moved = np.add(mesh.vertices, [1234.5, -77.7, 9.0]).astype(np.float32).astype(np.float64)
     found = nm.Mesh.from_arrays(moved, mesh.faces)
-    assert lattice_of(found.vertices_mm) == pytest.approx(PITCH, rel=1e-3)
+    assert lattice_of(found.vertices_mm).spacing == pytest.approx(PITCH, rel=1e-5)
     assert mesh_front(found)[0].frame.shape == (80, 120)
 
 
@@ -122,3 +122,9 @@ def test_the_shadow_of_a_mesh_ends_where_the_elevation_says():
         assert ends == pytest.approx(1 + 1 / np.tan(np.radians(elevation)), abs=0.03)
     top = np.array([[[0.3, 0.2, 1.0]]], np.float32)
     assert seen_by_lamp(points, np.asarray(box.faces, np.int32), Light(30, 30), top, up[:, :1])[0, 0] == 1
+
+
+def test_a_mesh_that_is_inside_out_shows_the_same():
+    mesh = closed(cone())
+    turned = nm.Mesh.from_arrays(mesh.vertices, mesh.faces[:, ::-1])
+    np.testing.assert_array_equal(mesh_front(turned)[0].z_mm, mesh_front(mesh)[0].z_mm)

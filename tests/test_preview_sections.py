@@ -92,5 +92,19 @@ def test_sections_outside_the_relief_are_refused():
         nm.preview(cone(), nm.PreviewOptions(section="y=25mm"))
 
 
+def test_sections_that_meet_no_surface_are_refused():
+    with pytest.raises(UsageError, match=r"`section='x=0\.2mm'`: meets no surface at 0\.2 mm"):
+        nm.preview(disc(), nm.PreviewOptions(section="x=0.2mm"))
+
+
+def test_the_plot_has_the_size_that_was_asked_for():
+    steep = nm.Height(20 * cone().z_mm, np.ones((80, 120), bool), nm.Frame(80, 120, PITCH))
+    for height in (cone(), steep):
+        picture = nm.preview(height, nm.PreviewOptions(section="y=50%", size=400))
+        assert max(picture.shape) == picture.shape[1] == 400
+        assert picture[2, 2].tolist() == [255, 255, 255]
+        assert picture.min() < 90
+
+
 def test_nice_factors():
     assert [exaggeration(100, high) for high in (20, 5, 2, 1, 0.05, 0)] == [1, 2, 5, 10, 100, 100]

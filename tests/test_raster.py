@@ -104,6 +104,25 @@ def test_numpy_portions_give_the_whole_image(monkeypatch):
     assert np.array_equal(whole, numpy_raster.visible_faces(points, mesh.faces, ROWS, COLS))
 
 
+def test_slivers_and_large_triangles_show_what_each_pixel_shows_alone():
+    rng = np.random.default_rng(5)
+    corners = rng.uniform(-20, 130, (200, 3, 2))
+    corners[::2, 2] = corners[::2, 0] + rng.normal(0, 0.6, (100, 2))  # thin and long
+    corners[:20] = np.round(corners[:20]) + 0.5  # with corners and edges at pixel centres
+    points = np.dstack([corners, rng.uniform(1, 9, (200, 3, 1))]).reshape(-1, 3)
+    points[3:6] = points[:3]  # one lies on another
+    faces = np.arange(600, dtype=np.int32).reshape(-1, 3)
+    shown = numpy_raster.visible_faces(points, faces, ROWS, COLS)
+    y, x = np.divmod(np.arange(ROWS * COLS), COLS)
+    expected, nearest = np.full(ROWS * COLS, -1), np.full(ROWS * COLS, -np.inf)
+    for number, face in enumerate(faces):
+        near, inside = numpy_raster._covered(points, np.repeat(face[None], len(x), axis=0), x + 0.5, y + 0.5)
+        better = inside & (near >= nearest)
+        expected[better], nearest[better] = number, near[better]
+    np.testing.assert_array_equal(shown.ravel(), expected)
+    assert (expected >= 0).mean() > 0.5
+
+
 def test_face_numbers_may_exceed_24_bits():
     numbers = np.array([[0, 255, 256, 2**24 - 2, 2**24 - 1, 2**24, 2**31 - 2]])
     code = (numbers + 1).astype("<u4").view(np.uint8).reshape(1, -1, 4)

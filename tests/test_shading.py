@@ -11,7 +11,7 @@ from nmaptool.options.materials import MATERIALS
 from nmaptool.options.preview import Light
 from nmaptool.shading.field import field_of, mean_of_corners, picture_shape
 from nmaptool.shading.occlusion import sky_share
-from nmaptool.shading.outlines import plate_coverage
+from nmaptool.shading.outlines import enlarged_coverage, plate_coverage
 from nmaptool.shading.resampling import resampled
 from nmaptool.shading.shadows import lit_share
 from nmaptool.shading.tone import displayed
@@ -191,6 +191,8 @@ def test_a_spline_passes_through_its_samples_and_follows_a_smooth_surface():
     fine = resampled(wave, rows, cols)
     expected = np.sin(cols / 4) * np.cos(rows[:, None] / 5)
     assert np.abs(fine - expected)[20:-20, 20:-20].max() < 1e-3
+    plane = (2 * x + 3 * y).astype(np.float32)
+    np.testing.assert_allclose(resampled(plane, rows, cols), 2 * cols + 3 * rows[:, None], atol=1e-4)
     # the samples are the fine grid's every fourth
     np.testing.assert_allclose(fine[::4, ::4], wave, atol=1e-5)
 
@@ -229,6 +231,22 @@ def test_the_exact_outline_of_a_plate_sets_its_coverage():
         assert 0 < soft.sum() < 4 * math.tau * 4 / (8 / side)
     assert cover[150, 200] == 0  # in the hole, above the middle
     assert cover[250, 200] == 1
+
+
+def test_the_outline_of_a_mask_is_smooth_and_keeps_its_area_and_thin_parts():
+    y, x = np.mgrid[0:100, 0:100] + 0.5
+    round_ = np.hypot(x - 50, y - 50) < 30
+    fine = enlarged_coverage(round_, (600, 600))
+    assert fine.sum() / 36 == pytest.approx(math.pi * 900, rel=0.01)
+    v, u = (np.mgrid[0:600, 0:600] + 0.5) / 6
+    away = np.hypot(u - 50, v - 50) - 30
+    assert fine[away < -0.6].min() == 1
+    assert fine[away > 0.6].max() == 0
+    line = np.zeros((100, 100), bool)
+    line[50, 10:90] = True
+    assert enlarged_coverage(line, (100, 100))[50, 20:80].min() == 1
+    assert enlarged_coverage(line, (400, 400))[202, 100:300].min() > 0.5
+    assert enlarged_coverage(np.ones((5, 7), bool), (50, 70)).min() == 1
 
 
 def test_walls_of_a_raised_motif_stay_steep_when_it_is_enlarged():

@@ -14,7 +14,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.figures.labelled import labelled_sheet
 from nmaptool.options.materials import MATERIALS
 from nmaptool.options.preview import Light, PreviewOptions, parse_background, parse_section
-from nmaptool.shading.field import Field, field_of
+from nmaptool.shading.field import Field, field_of, picture_shape
 from nmaptool.shading.tone import displayed
 from nmaptool.types.height import Height
 from nmaptool.types.mesh import Mesh
@@ -23,6 +23,7 @@ from nmaptool.types.relief import Relief
 
 Previewed: TypeAlias = Height | Relief | NormalMap | Mesh
 _SMALL_PX = 640
+_LARGEST_ISO_PX = 1400
 _NAMES = {Height: "Height", Relief: "Relief", NormalMap: "NormalMap", Mesh: "Mesh"}
 
 
@@ -157,9 +158,11 @@ def _still(piece: _Piece, options: PreviewOptions) -> Srgb:
         low, _ = piece.height.range_mm
         back_mm = piece.field(16).back_mm if piece.base_mm is None else low - piece.base_mm
         return section_figure(section(piece.height, *parse_section(options.section)), back_mm, options.size)
-    field = piece.field(options.size)
     if options.view == "iso":
-        return _perspective(piece, field, options, options.lights, max(field.shape), 0.0)
+        size = options.size or min(_LARGEST_ISO_PX, max(picture_shape(*piece.height.frame.shape)))
+        field = piece.field(size)
+        return _perspective(piece, field, options, options.lights, size, 0.0)
+    field = piece.field(options.size)
     return _from_above(field, options, options.lights)
 
 

@@ -11,6 +11,8 @@ from nmaptool.shading.section import Section
 _LEAST_SHARE = 0.09
 _FACTORS = (1, 2, 5, 10, 20, 50, 100)
 _LONGER_SIDE_PX, _DPI = 1200, 100
+# inches to the left, to the right, below and above the axes; the least height of the axes
+_EDGES, _LEAST_TALL = (0.72, 0.2, 0.55, 0.4), 0.5
 
 
 def exaggeration(length_mm: float, range_mm: float) -> int:
@@ -43,21 +45,24 @@ def section_figure(cut: Section, back_mm: float, size_px: int | None = None) -> 
     from matplotlib.figure import Figure
 
     length = float(np.ptp(cut.along_mm))
-    solid = np.isfinite(cut.z_mm)
-    low, high = (float(v) for v in (min(back_mm, np.nanmin(cut.z_mm)), np.nanmax(cut.z_mm))) if solid.any() else (0, 1)
+    low, high = min(back_mm, float(np.nanmin(cut.z_mm))), float(np.nanmax(cut.z_mm))
     factor = exaggeration(length, high - low)
     wide = (_LONGER_SIDE_PX if size_px is None else size_px) / _DPI
-    shown = (high - low) * 1.25 * factor / length
-    tall = min(wide, wide * 0.86 * shown + 1.45)
+    beside, around = 0.02 * length, 0.12 * (high - low)
+    left, right, below, above = (inches / wide if place < 2 else inches for place, inches in enumerate(_EDGES))
+    # both axes have the same scale, but for the factor
+    axes_wide = wide * (1 - left - right)
+    axes_tall = axes_wide * (high - low + 2 * around) * factor / (length + 2 * beside)
+    axes_tall = min(max(_LEAST_TALL, axes_tall), wide - below - above)
+    tall = axes_tall + below + above
     figure = Figure(figsize=(wide, tall), dpi=_DPI)
     canvas = FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.62 / wide + 0.02, 0.62 / tall, 0.94 - 0.62 / wide, 1 - 1.12 / tall))
+    axes = figure.add_axes((left, below / tall, 1 - left - right, axes_tall / tall))
     axes.fill_between(cut.along_mm, cut.z_mm, back_mm, color="#c9c2b8", linewidth=0)
     axes.plot(cut.along_mm, cut.z_mm, color="#3a3530", linewidth=1.2)
     axes.set_aspect(factor)
-    margin = 0.12 * (high - low)
-    axes.set_xlim(cut.along_mm[0] - 0.02 * length, cut.along_mm[-1] + 0.02 * length)
-    axes.set_ylim(low - margin, high + margin)
+    axes.set_xlim(cut.along_mm[0] - beside, cut.along_mm[-1] + beside)
+    axes.set_ylim(low - around, high + around)
     axes.set_xlabel(f"{'y' if cut.axis == 'x' else 'x'}, mm")
     axes.set_ylabel("height, mm")
     axes.grid(alpha=0.35)

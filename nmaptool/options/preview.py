@@ -18,6 +18,7 @@ View = Literal["top", "iso"]
 Axis = Literal["x", "y"]
 _STRONGEST = 10.0
 _SMALLEST_PX, _LARGEST_PX = 16, 8000
+_SMALLEST_PLOT_PX = 240
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,7 @@ class PreviewOptions(Options, group="Picture"):
         Pictures in a film.
     size:
         Longer side in pixels. Default: that of the relief, enlarged by a whole number to at least 900 and reduced to at
-        most 2000; 640 for films and in contact sheets.
+        most 2000 (1400 in perspective); 640 for films and in contact sheets.
     background:
         Colour around the piece, such as "#e8e4dc". "auto" suits the material.
     thickness:
@@ -161,6 +162,8 @@ class PreviewOptions(Options, group="Picture"):
         chosen = [name for name in ("section", "turntable", "light_sweep") if getattr(self, name)]
         if len(chosen) > 1:
             raise UsageError(f"`{chosen[0]}` and `{chosen[1]}`: only one of them fits in a picture; leave one out")
+        if self.section is not None and self.size is not None and self.size < _SMALLEST_PLOT_PX:
+            raise UsageError(f"`size={self.size}`: a section with its axes needs at least {_SMALLEST_PLOT_PX} px")
         if self.section is not None and self.view == "iso":
             raise UsageError("`section` is a plot, and `view='iso'` a picture; leave one out")
 

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.plates.distance import Curves, Nearest, inside_grid
+from nmaptool.plates.polygons import refined
 from nmaptool.types.contours import Contours
 
 # pixels beyond the outline, where heights continue
@@ -68,13 +70,26 @@ class Board:
     def field(self, contours: Contours, reach_mm: float) -> Field:
         """Distances of the vertices from curves, within a reach."""
         inside = inside_grid(contours, self.x_mm, self.y_mm)
-        low, high = contours.bounds_mm
-        first_col, last_col = np.searchsorted(self.x_mm, [low[0] - reach_mm, high[0] + reach_mm])
-        first_row, last_row = np.searchsorted(-self.y_mm, [-high[1] - reach_mm, -low[1] + reach_mm])
-        rows, cols = slice(int(first_row), int(last_row)), slice(int(first_col), int(last_col))
-        x, y = np.meshgrid(self.x_mm[cols], self.y_mm[rows])
-        near = Curves(contours, self.pitch_mm).nearest(np.column_stack([x.ravel(), y.ravel()]), reach_mm)
-        return Field(inside, rows, cols, near, x.shape)
+        at = self._near(contours, reach_mm)
+        rows, cols = np.divmod(at, self.cols + 1)
+        points = np.column_stack([self.x_mm[cols], self.y_mm[rows]])
+        return Field(inside, at, Curves(contours, self.pitch_mm).nearest(points, reach_mm))
+
+    def _near(self, contours: Contours, reach_mm: float) -> NDArray[np.intp]:
+        """(n,) the vertices, row by row, that may lie within a reach of curves: at least all that do."""
+        import cv2
+
+        if np.isinf(reach_mm):
+            return np.arange(self.shape[0] * self.shape[1])
+        away = np.ones(self.shape, np.uint8)
+        for ring in contours.rings:
+            points = refined(ring, self.pitch_mm / 2) / self.pitch_mm
+            cols = np.clip(np.rint(points[:, 0]).astype(np.int64), 0, self.cols)
+            rows = np.clip(np.rint(self.rows - points[:, 1]).astype(np.int64), 0, self.rows)
+            away[rows, cols] = 0
+        # a marked vertex is within 0.71 pixels of its point, and that within half a pixel of the nearest one
+        distance = cv2.distanceTransform(away, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        return np.flatnonzero(distance <= reach_mm / self.pitch_mm + 1.5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,28 +100,24 @@ class Field:
     ----------
     inside : (rows, cols) bool
         Of all vertices.
-    rows, cols : slice
-        The window that ``near`` covers.
+    at : (n,) int
+        The vertices, row by row, that ``near`` is of.
     near : Nearest
-    window : tuple of int
-        Its shape.
     """
 
     inside: Mask
-    rows: slice
-    cols: slice
+    at: NDArray[np.intp]
     near: Nearest
-    window: tuple[int, ...]
 
     def depth_mm(self) -> Float64:
         """(rows, cols) float64: distance from the curves, positive inside; infinite beyond the reach."""
         out = np.where(self.inside, np.inf, -np.inf)
-        signed = self.near.distance_mm.reshape(self.window)
-        out[self.rows, self.cols] = np.where(self.inside[self.rows, self.cols], signed, -signed)
+        signed = np.where(self.inside.ravel()[self.at], self.near.distance_mm, -self.near.distance_mm)
+        out.ravel()[self.at] = signed
         return out
 
-    def along_mm(self) -> Float64:
-        """(rows, cols) float64: where on its ring the nearest point lies; 0 beyond the reach."""
-        out = np.zeros(self.inside.shape)
-        out[self.rows, self.cols] = self.near.along_mm.reshape(self.window)
+    def spread(self, values: Float64, beyond: float) -> Float64:
+        """(rows, cols) float64: values of ``near`` at their vertices, and another value at all others."""
+        out = np.full(self.inside.shape, beyond)
+        out.ravel()[self.at] = values
         return out

@@ -46,7 +46,7 @@ def finer_share(height: Height, machine: MachineOptions, letters: Sequence[Lette
     finest_mm = machine.finest.to_mm(1.0, 1)
     name = machine.for_ or "the machine"
     warnings = [
-        f"strokes of the text {each.options.text!r} are {each.stroke_mm:.3g} mm wide, finer than the {finest_mm:g} mm "
+        f"strokes of the text {each.name} are {each.stroke_mm:.3g} mm wide, finer than the {finest_mm:g} mm "
         f"of {name}; use a larger `text_size` or a bolder font"
         for each in letters
         if each.stroke_mm < finest_mm

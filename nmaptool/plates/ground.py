@@ -42,7 +42,7 @@ def motif_and_frame(
     if not inside_mm:
         return z_mm, None
     high = design.frame.frame_height
-    # a sunk motif has hardly anything above the plate
+    # an engraving is as deep as the relief, and its frame as high
     top = 0.0 if design.plate.engrave else max(float(z_mm.max()), 0.0)
     top = top or relief.report.relief_range_mm
     height_mm = top if high is None else layout.sizes.mm(high)

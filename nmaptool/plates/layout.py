@@ -234,7 +234,9 @@ def outline_of(layout: Layout, motif: Mask, design: PlateDesign, spacing_mm: flo
     """The outline of the plate, without holes and loop, in mm from the lower left corner of the picture."""
     plate, sizes = design.plate, layout.sizes
     if plate.shape == "mask":
-        return shapes.motif_outline(motif, layout.pitch_mm, sizes.inset(design), spacing_mm)
+        found = shapes.motif_outline(motif, layout.pitch_mm, sizes.inset(design), spacing_mm)
+        # the offset of pixels is right to a small part of a pixel; the width is exact
+        return shapes.scaled_to(found, layout.width_mm, np.inf).moved(*found.bounds_mm.mean(axis=0).tolist())
     if plate.is_drawn:
         assert design.outline is not None
         found = shapes.scaled_to(design.outline, layout.width_mm, spacing_mm)

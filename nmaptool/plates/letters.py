@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,10 +27,6 @@ _OF_RELIEF = 0.5
 _OF_SIZE = 0.2
 # the curve of a text turns corners of the plate with this radius, by the size of the letters
 _TURN = 1.5
-# pixels across a stroke, a frame with a pattern, and a plain frame that keep their shape
-_STROKE_PX = 5.0
-_PATTERN_PX = 30.0
-_FRAME_PX = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +55,11 @@ class Letters:
     stroke_mm: float
     given_mm: float | None
 
+    @property
+    def name(self) -> str:
+        """The text in quotes, for messages."""
+        return named(self.options)
+
     def height_mm(self, relief_mm: float) -> float:
         """Height of the letters above the plate, negative if they are sunk."""
         height = self.given_mm
@@ -78,6 +78,11 @@ class Letters:
             "stroke_mm": self.stroke_mm,
             "area_mm2": self.contours.area_mm2,
         }
+
+
+def named(text: TextOptions) -> str:
+    """A text in quotes on one line, for messages."""
+    return repr(" ".join(text.wording.split()))
 
 
 def letters_of(layout: Layout, outline: Contours, design: PlateDesign) -> tuple[Letters, ...]:
@@ -135,7 +140,7 @@ def _text_ring(text: TextOptions, layout: Layout, outline: Contours, design: Pla
         found = outer_rings(offset(outline, -inset))
     if not found.rings:
         raise InputError(
-            f"the text {text.text!r} lies {inset:.4g} mm inside the edge of a plate {layout.width_mm:.4g} mm wide; use "
+            f"the text {named(text)} lies {inset:.4g} mm inside the edge of a plate {layout.width_mm:.4g} mm wide; use "
             "a smaller `text_size`"
         )
     return max(found.rings, key=ring_area)
@@ -152,7 +157,7 @@ def _check_inside(text: TextOptions, contours: Contours, outline: Contours, fram
         where = "into the frame" if least >= 0 and frame_mm else "beyond the edge of the plate"
         beyond = frame_mm - least if least >= 0 else -least
         raise InputError(
-            f"the text {text.text!r} is {width:.4g} x {height:.4g} mm and reaches {beyond:.3g} mm {where}; use a "
+            f"the text {named(text)} is {width:.4g} x {height:.4g} mm and reaches {beyond:.3g} mm {where}; use a "
             "smaller `text_size`, a shorter text or another place"
         )
 
@@ -169,13 +174,3 @@ def letter_heights(board: Board, letters: Letters, height_mm: float, draft: floa
     reach = wide / 2 + 2 * board.pitch_mm
     depth_mm = np.clip(board.field(contours, reach).depth_mm(), -reach, reach)
     return slope(depth_mm, wide, board.pitch_mm) * height_mm
-
-
-def needed_pitch(layout: Layout, design: PlateDesign, letters: Sequence[Letters]) -> float:
-    """The largest pixel that keeps the shape of letters and frame, in mm."""
-    found = [each.stroke_mm / _STROKE_PX for each in letters]
-    frame_mm = layout.sizes.frame(design)
-    if frame_mm:
-        pixels = _PATTERN_PX if design.frame.frame_profile in ("rope", "bead") else _FRAME_PX
-        found.append(frame_mm / pixels)
-    return min(found, default=np.inf)

@@ -88,13 +88,13 @@ def _letter_warnings(each: Letters, board: Board, added: Float64, motif: Mask, *
         share = float((inked[1:, 1:] & motif).sum() / max(1, inked.sum()))
         if share > _OVERLAP:
             warnings.append(
-                f"{share:.0%} of the text {each.options.text!r} lies on the motif; move it with `text_at`, or make "
+                f"{share:.0%} of the text {each.name} lies on the motif; move it with `text_at`, or make "
                 "`text_size` smaller"
             )
     stroke_px = each.stroke_mm / board.pitch_mm
     if stroke_px < 2.5:
         warnings.append(
-            f"strokes of the text {each.options.text!r} are {each.stroke_mm:.3g} mm wide, {stroke_px:.1f} px; a finer "
+            f"strokes of the text {each.name} are {each.stroke_mm:.3g} mm wide, {stroke_px:.1f} px; a finer "
             f"`pitch`, such as `pitch='{each.stroke_mm / 4:.2g}mm'`, keeps their shape"
         )
     return warnings
@@ -117,10 +117,10 @@ def _report(
     pitch_mm = height.pitch_mm
     low, high = height.range_mm
     frame = {} if size is None else {"width_mm": size.width_mm, "height_mm": size.height_mm}
-    (left, low_edge), (right, top) = edge.bounds_mm
+    (left, low_edge), (_, top) = edge.bounds_mm
     return PlateReport(
         shape=design.plate.shape,
-        width_mm=float(right - left),
+        width_mm=layout.width_mm,
         height_mm=float(top - low_edge),
         area_mm2=height.outline.area_mm2,
         outline_tolerance_mm=height.outline.tolerance_mm,

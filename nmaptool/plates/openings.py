@@ -87,11 +87,28 @@ def openings_of(layout: Layout, outline: Contours, design: PlateDesign) -> tuple
                     f"`hole={design.plate.hole!r}`: two holes are {apart:.4g} mm apart, and need "
                     f"{radius + other.radius_mm + _WALL_MM:.4g} mm; move them apart"
                 )
-        rim = design.plate.hole_rim
-        found.append(
-            Opening(x, y, radius, 2 * radius * _RIM if rim is None else layout.sizes.along_mm(rim, 2 * radius))
-        )
+        found.append(Opening(x, y, radius, _rim_mm(layout, design, radius)))
     return tuple(found)
+
+
+def _rim_mm(layout: Layout, design: PlateDesign, radius_mm: float) -> float:
+    """Width of the rim around a hole."""
+    rim = design.plate.hole_rim
+    return 2 * radius_mm * _RIM if rim is None else layout.sizes.along_mm(rim, 2 * radius_mm)
+
+
+def _thickness_mm(radius_mm: float) -> float:
+    """Thickness of the loop around an eye."""
+    return max(2 * radius_mm * _LOOP, _THINNEST_MM)
+
+
+def rims_mm(layout: Layout, design: PlateDesign) -> list[float]:
+    """Widths of the rims around holes and of the loop, without those that are 0."""
+    sizes, plate = layout.sizes, design.plate
+    found = [_rim_mm(layout, design, sizes.mm(hole.diameter) / 2) for hole in plate.holes]
+    if plate.loop is not None:
+        found.append(_thickness_mm(sizes.mm(plate.loop) / 2))
+    return [each for each in found if each > 0]
 
 
 def loop_of(layout: Layout, outline: Contours, design: PlateDesign) -> Opening | None:
@@ -99,7 +116,7 @@ def loop_of(layout: Layout, outline: Contours, design: PlateDesign) -> Opening |
     if design.plate.loop is None:
         return None
     radius = layout.sizes.mm(design.plate.loop) / 2
-    thick = max(2 * radius * _LOOP, _THINNEST_MM)
+    thick = _thickness_mm(radius)
     x = float(layout.middle_mm[0])
     start, end = outline.rings[0], np.roll(outline.rings[0], -1, axis=0)
     over = (np.minimum(start[:, 0], end[:, 0]) <= x) & (np.maximum(start[:, 0], end[:, 0]) > x)

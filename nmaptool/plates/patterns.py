@@ -46,11 +46,10 @@ def rope(cross: Cross, depth_mm: Float64, board: Board, outline: Contours) -> Fl
     lengths = np.array(Curves(line, board.pitch_mm).lengths_mm)
     counts = np.maximum(3, np.round(lengths / (_STRAND * width)))
     # no ring is nearest beyond the reach, where the body is 0 as well
-    strand_mm = np.ones(board.shape)
-    strand_mm[field.rows, field.cols] = (lengths / counts)[field.near.ring].reshape(field.window)
+    strand_mm = field.spread((lengths / counts)[field.near.ring], 1.0)
     from_line = np.clip(field.depth_mm(), -width, width)
     across = np.clip(2 * from_line / width, -0.995, 0.995)
-    turn = field.along_mm() / strand_mm + _WIND * np.arcsin(across) / (np.pi / 2)
+    turn = field.spread(field.near.along_mm, 0.0) / strand_mm + _WIND * np.arcsin(across) / (np.pi / 2)
     # strands for each mm along and across: a groove is averaged over two pixels, at most over half a strand
     over = np.hypot(1 / strand_mm, 4 * _WIND / (np.pi * width * np.sqrt(1 - across**2)))
     groove = _groove(turn, np.minimum(2 * board.pitch_mm * over, 0.5))

@@ -13,9 +13,9 @@ from nmaptool.core.progress import Progress
 from nmaptool.core.units import Length
 from nmaptool.options import ReliefOptions
 from nmaptool.plates.layout import Layout, lay_out, outline_of
-from nmaptool.plates.letters import Letters, letters_of, needed_pitch
+from nmaptool.plates.letters import Letters, letters_of
 from nmaptool.plates.mounting import mounted
-from nmaptool.plates.openings import loop_of, openings_of
+from nmaptool.plates.openings import loop_of, openings_of, rims_mm
 from nmaptool.plates.resampling import resampled
 from nmaptool.reliefs.inputs import pitch_of
 from nmaptool.reliefs.relief import relief
@@ -29,6 +29,11 @@ from nmaptool.types.relief import Relief
 # corners of an outline for each pixel along it
 _CORNERS = 1.0
 _SAME = 0.02
+# pixels across a stroke, a frame with a pattern, a plain frame, and a rim that keep their shape
+_STROKE_PX = 5.0
+_PATTERN_PX = 30.0
+_FRAME_PX = 10.0
+_RIM_PX = 8.0
 # no finer pixels than this many are chosen unasked
 _MOST_UNASKED = 12e6
 
@@ -98,6 +103,8 @@ def plate(
     options, warnings = _edged(options, layout)
     bare = outline_of(layout, motif, design, layout.pitch_mm)
     letters = letters_of(layout, bare, design)
+    loop = loop_of(layout, bare, design)
+    openings = (*openings_of(layout, bare, design), *([] if loop is None else [loop]))
     inputs: dict[str, Any] = {
         "original": original, "detail": detail, "mask": mask, "surface": surface, "mu_map": mu_map,
         "beta_map": beta_map, "delta_map": delta_map, "wall_mask": wall_mask,
@@ -106,8 +113,6 @@ def plate(
     found = relief(**inputs, options=_in_mm(options, layout, original), progress=progress)
     spacing_mm = found.pitch_mm * _CORNERS
     outline = outline_of(layout, motif, design, spacing_mm)
-    loop = loop_of(layout, outline, design)
-    openings = (*openings_of(layout, outline, design), *([] if loop is None else [loop]))
     made = mounted(found, layout, design, outline, letters, openings, factor)
     assert made.plate is not None  # mounted sets it
     return dataclasses.replace(made, plate=dataclasses.replace(made.plate, warnings=(*warnings, *made.plate.warnings)))
@@ -165,7 +170,7 @@ def _at_pitch(
     if wanted is not None:
         factor = layout.pitch_mm / wanted.to_mm(1.0, 1)
     else:
-        finest = needed_pitch(layout, design, letters)
+        finest = _needed_pitch(layout, design, letters)
         most = max(1.0, float(np.sqrt(_MOST_UNASKED / (rows * cols))))
         factor = min(max(1.0, layout.pitch_mm / finest), most)
     if abs(factor - 1) < _SAME or (wanted is None and factor <= 1):
@@ -173,3 +178,13 @@ def _at_pitch(
     new_cols, new_rows = max(4, round(cols * factor)), max(4, round(rows * factor))
     pitch_mm = layout.pitch_mm * cols / new_cols
     return new_cols / cols, resampled(inputs, new_cols, new_rows, pitch_mm)
+
+
+def _needed_pitch(layout: Layout, design: PlateDesign, letters: tuple[Letters, ...]) -> float:
+    """The largest pixel that keeps the shape of letters, frame and rims, in mm."""
+    found = [each.stroke_mm / _STROKE_PX for each in letters]
+    found += [rim / _RIM_PX for rim in rims_mm(layout, design)]
+    frame_mm = layout.sizes.frame(design)
+    if frame_mm:
+        found.append(frame_mm / (_PATTERN_PX if design.frame.frame_profile in ("rope", "bead") else _FRAME_PX))
+    return min(found, default=np.inf)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,9 @@ from nmaptool.core.arrays import Float64
 from nmaptool.types.mesh import Faces
 
 _PAIRS_AT_ONCE = 2_000_000
+# triangles with more pixels in their box are drawn row by row: long, thin ones have large boxes
+_LARGE = 256
+Index = NDArray[np.int64]
 
 # (points, faces, rows, cols) -> face at each pixel: `visible_faces`, or ``draw`` of `nmaptool.render.gl.drawing`
 Draw = Callable[[Float64, Faces, int, int], NDArray[np.int32]]
@@ -40,46 +43,55 @@ def visible_faces(points: Float64, faces: Faces, rows: int, cols: int) -> NDArra
     sides = ((col, cols), (row, rows))
     left, top = (np.ceil(v.min(axis=1) - 0.5).clip(0, end).astype(np.int64) for v, end in sides)
     right, bottom = (np.floor(v.max(axis=1) - 0.5).clip(-1, end - 1).astype(np.int64) for v, end in sides)
-    wide = (right - left + 1).clip(0)
-    count = wide * (bottom - top + 1).clip(0)
-    for first, last, skip in _portions(count):
-        face = np.repeat(np.arange(first, last), count[first:last]) if skip is None else np.full(len(skip), first)
-        within = (
-            np.arange(len(face)) - np.repeat(np.cumsum(count[first:last]) - count[first:last], count[first:last])
-            if skip is None
-            else skip
-        )
-        y, x = np.divmod(within, wide[face])
-        y, x = y + top[face], x + left[face]
-        near, inside = _covered(points, faces[face], x + 0.5, y + 0.5)
+    wide, high = (right - left + 1).clip(0), (bottom - top + 1).clip(0)
+    is_large = wide * high > _LARGE
+
+    def draw(face: Index, x: Index, y: Index) -> None:
+        near, inside = _covered(points, faces[face], x.astype(np.float64) + 0.5, y.astype(np.float64) + 0.5)
         pixel = (y * cols + x)[inside]
         face, near = face[inside], near[inside]
-        better = near >= nearest[pixel]
+        better = (near > nearest[pixel]) | ((near == nearest[pixel]) & (face > shown[pixel]))
         face, near, pixel = face[better], near[better], pixel[better]
-        order = np.argsort(near, kind="stable")  # of several writes to one pixel, the last and nearest wins
+        order = np.lexsort((face, near))  # of several writes to one pixel, the last and nearest wins
         nearest[pixel[order]] = near[order]
         shown[pixel[order]] = face[order]
+
+    (small,) = np.nonzero(~is_large & (wide > 0))
+    for part, within in _expanded((wide * high)[small]):
+        face = small[part]
+        y, x = np.divmod(within, wide[face])
+        draw(face, x + left[face], y + top[face])
+    (large,) = np.nonzero(is_large)
+    for part, within in _expanded(high[large]):
+        face, y = large[part], within + top[large[part]]
+        first, last = _span(col[face], row[face], y + 0.5)
+        first, last = np.maximum(first, left[face]), np.minimum(last, right[face])
+        for each, across in _expanded((last - first + 1).clip(0)):
+            draw(face[each], first[each] + across, y[each])
     return shown.reshape(rows, cols)
 
 
-def _portions(count: NDArray[np.int64]) -> list[tuple[int, int, NDArray[np.int64] | None]]:
-    """Ranges of faces whose candidate pixels fit in memory; a large face is alone, and its pixels are split."""
-    out: list[tuple[int, int, NDArray[np.int64] | None]] = []
+def _expanded(count: Index) -> Iterator[tuple[Index, Index]]:
+    """Each number repeated as often as it counts, with 0, 1, ... for its repeats, in portions that fit in memory."""
     total = np.concatenate([[0], np.cumsum(count)])
-    first = 0
-    while first < len(count):
-        if count[first] > _PAIRS_AT_ONCE:
-            out += [
-                (first, first + 1, np.arange(begin, min(begin + _PAIRS_AT_ONCE, count[first])))
-                for begin in range(0, int(count[first]), _PAIRS_AT_ONCE)
-            ]
-            first += 1
-            continue
-        last = int(np.searchsorted(total, total[first] + _PAIRS_AT_ONCE, side="right")) - 1
-        if total[last] > total[first]:
-            out.append((first, last, None))
-        first = max(last, first + 1)
-    return out
+    for begin in range(0, int(total[-1]), _PAIRS_AT_ONCE):
+        place = np.arange(begin, min(begin + _PAIRS_AT_ONCE, int(total[-1])))
+        part = np.searchsorted(total, place, side="right") - 1
+        yield part, place - total[part]
+
+
+def _span(col: Float64, row: Float64, y: Float64) -> tuple[Index, Index]:
+    """First and last pixel of each triangle in a row, with one more on both sides for rounding."""
+    low, high = np.full(len(y), np.inf), np.full(len(y), -np.inf)
+    for k in range(3):
+        x0, x1, y0, y1 = col[:, k], col[:, (k + 1) % 3], row[:, k], row[:, (k + 1) % 3]
+        meets = (np.minimum(y0, y1) <= y) & (np.maximum(y0, y1) >= y)
+        share = np.where(y1 == y0, 0.0, (y - y0) / np.where(y1 == y0, 1.0, y1 - y0))
+        for x in (x0 + share * (x1 - x0), np.where(y1 == y0, x1, x0 + share * (x1 - x0))):
+            low, high = np.where(meets, np.minimum(low, x), low), np.where(meets, np.maximum(high, x), high)
+    known = low <= high
+    first, last = np.where(known, np.floor(low - 1.5), 0), np.where(known, np.ceil(high + 0.5), -1)
+    return first.astype(np.int64), last.astype(np.int64)
 
 
 def _covered(points: Float64, corners: Faces, x: Float64, y: Float64) -> tuple[Float64, NDArray[np.bool_]]:

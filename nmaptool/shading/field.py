@@ -9,7 +9,6 @@ import numpy as np
 
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.grid import touching_vertices
-from nmaptool.core.nearest import nearest_places
 from nmaptool.shading.outlines import enlarged_coverage, plate_coverage
 from nmaptool.shading.resampling import resampled
 from nmaptool.types.height import Height
@@ -137,9 +136,17 @@ def _continued(z_mm: Float64, known: Mask) -> Float64:
     """Heights continued from the nearest known vertex."""
     if known.all():
         return z_mm
+    import cv2
+
+    unknown = ~known
+    _, labels = cv2.distanceTransformWithLabels(
+        unknown.astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    # each known vertex has a label of its own, which the vertices nearest to it share
+    by_label = np.zeros(int(labels.max()) + 1)
+    by_label[labels[known]] = z_mm[known]
     out = z_mm.copy()
-    near = nearest_places(known, ~known)
-    out[~known] = z_mm[near]
+    out[unknown] = by_label[labels[unknown]]
     return out
 
 

@@ -15,6 +15,8 @@ _SIDE_PX = 1000
 _SOFT = [(x, y) for x in (-1.2, -0.4, 0.4, 1.2) for y in (-1.2, -0.4, 0.4, 1.2)]
 # a surface is not in its own shadow within so many pixels of the lamp's picture
 _BIAS_PX = 2.0
+# cosine of the angle to the lamp below which its light fades out
+_FADES_AT = 0.25
 
 
 def seen_by_lamp(points: Float64, faces: Faces, light: Light, xyz: Float32, normal: Float32) -> Float32:
@@ -49,7 +51,8 @@ def seen_by_lamp(points: Float64, faces: Faces, light: Light, xyz: Float32, norm
     placed[:, :2] = (placed[:, :2] - low[:2]) / pitch
     depth = _depth(placed, faces, rows, cols)
     own = xyz.reshape(-1, 3) @ axes.astype(np.float32)
-    facing = (normal.reshape(-1, 3) @ toward.astype(np.float32)).clip(0.1, 1)
+    toward_lamp = normal.reshape(-1, 3) @ toward.astype(np.float32)
+    facing = toward_lamp.clip(0.1, 1)
     # move along the normal, so that grazed surfaces do not hide themselves
     lift = np.float32(_BIAS_PX * pitch) * np.sqrt(1 - facing * facing) / facing + np.float32(0.6 * _BIAS_PX * pitch)
     here = (own[:, 2] + lift).reshape(xyz.shape[:2])
@@ -67,7 +70,9 @@ def seen_by_lamp(points: Float64, faces: Faces, light: Light, xyz: Float32, norm
             borderValue=-1e30,
         )
         seen += nearest <= here
-    return seen / np.float32(len(_SOFT))
+    # on surfaces that turn away, whose own shadow is decided by rounding, the light fades out
+    turned = (toward_lamp / np.float32(min(_FADES_AT, 0.5 * toward[2]))).clip(0, 1).reshape(seen.shape)
+    return np.asarray(seen / np.float32(len(_SOFT)) * turned * turned * (3 - 2 * turned), np.float32)
 
 
 def _depth(placed: Float64, faces: Faces, rows: int, cols: int) -> Float32:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -54,19 +55,26 @@ def mesh_front(mesh: Mesh, longer_px: int = _LONGER_SIDE) -> tuple[Height, float
     if longer <= 0:
         raise InputError(f"{mesh.name}: is a line along z; a preview from above would be empty")
     lattice = lattice_of(points)
-    pitch = longer / longer_px if lattice is None else lattice
-    cols, rows = (max(1, math.ceil(float(side) / pitch - 1e-3)) for side in (high - low)[:2])
+    pitch = longer / longer_px if lattice is None else lattice.spacing
+    left, bottom = (float(v) for v in low[:2])
+    if lattice is not None:
+        left, bottom = lattice.first_before(left, bottom)
+    cols, rows = (
+        max(1, math.ceil((float(last) - first) / pitch - 1e-3))
+        for first, last in zip((left, bottom), high[:2], strict=True)
+    )
     # heights are sampled at the corners of the pixels
-    places = np.column_stack([(points[:, 0] - low[0]) / pitch, rows - (points[:, 1] - low[1]) / pitch])
+    places = np.column_stack([(points[:, 0] - left) / pitch, rows - (points[:, 1] - bottom) / pitch])
     z_mm = np.full((rows + 1, cols + 1), -np.inf)
     if lattice is not None:
         _set_nodes(z_mm, places, points[:, 2] - low[2])
     nudge = _NUDGE if lattice is None else 0.0
     placed = np.column_stack([places[:, 0] + 0.5 + nudge, places[:, 1] + 0.5 - nudge, points[:, 2] - low[2]])
-    seen = visible_faces(placed, mesh.faces, rows + 1, cols + 1)
+    faces = _upper_faces(mesh)
+    seen = visible_faces(placed, faces, rows + 1, cols + 1)
     at = np.nonzero(seen >= 0)
     row, col = (np.asarray(place, np.float64) + 0.5 for place in at)
-    z_mm[at] = np.maximum(z_mm[at], _heights(placed, mesh.faces[seen[at]], col, row))
+    z_mm[at] = np.maximum(z_mm[at], _heights(placed, faces[seen[at]], col, row))
     known = np.isfinite(z_mm)
     domain = known[:-1, :-1] & known[1:, :-1] & known[:-1, 1:] & known[1:, 1:]
     if not domain.any():
@@ -75,31 +83,57 @@ def mesh_front(mesh: Mesh, longer_px: int = _LONGER_SIDE) -> tuple[Height, float
     return height, max(height.range_mm[0], 1e-3 * longer)
 
 
-def lattice_of(points: Float64) -> float | None:
-    """The spacing of a square grid on which most points lie, seen from above; None if there is none.
+def _upper_faces(mesh: Mesh) -> Faces:
+    """The faces that may be seen from above: backs have long, thin triangles, which take long to draw."""
+    geometry = mesh.geometry
+    up = geometry.normals[:, 2] * geometry.areas
+    middle = mesh.vertices[:, 2][mesh.faces].mean(axis=1) - mesh.vertices[:, 2].min()
+    # the volume, if the mesh is closed; negative if it is inside out
+    return mesh.faces[up > 0] if float(up @ middle) > 0 else mesh.faces
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """A square grid of points, seen from above."""
+
+    spacing: float
+    x: float
+    y: float
+
+    def first_before(self, x: float, y: float) -> tuple[float, float]:
+        """The column and the row of the lattice at or before a place."""
+        across, up = (math.floor((v - o) / self.spacing + _ON_LATTICE) for v, o in ((x, self.x), (y, self.y)))
+        return self.x + across * self.spacing, self.y + up * self.spacing
+
+
+def lattice_of(points: Float64) -> Lattice | None:
+    """The square grid on which most points lie, seen from above; None if there is none.
 
     Reliefs have their vertices on one, so their heights are found again without loss.
     """
-    spacings = [_spacing(points[:, axis]) for axis in (0, 1)]
-    spacing = min(spacings)
+    (across, x), (up, y) = (_spacing(points[:, axis]) for axis in (0, 1))
+    spacing = min(across, up)
     if not spacing > 0:
         return None
-    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
-    if not _SMALLEST_PX <= float((high - low).max()) / spacing <= _LARGEST_PX:
+    if not _SMALLEST_PX <= float(np.ptp(points[:, :2], axis=0).max()) / spacing <= _LARGEST_PX:
         return None
-    steps = (points[:, :2] - low) / spacing
+    steps = (points[:, :2] - (x, y)) / spacing
     off = np.abs(steps - np.round(steps)).max(axis=1)
-    return spacing if np.mean(off < _ON_LATTICE) > _MOSTLY else None
+    return Lattice(spacing, x, y) if np.mean(off < _ON_LATTICE) > _MOSTLY else None
 
 
-def _spacing(values: Float64) -> float:
-    """The usual distance between the values that many points have; 0 if they are all the same."""
+def _spacing(values: Float64) -> tuple[float, float]:
+    """The usual distance between the values that many points have, 0 if they are all the same, and one of them."""
     ordered = np.sort(values)
     # rounding in the file separates values that are the same
     starts = np.flatnonzero(np.diff(ordered, prepend=-np.inf) > _SAME * (ordered[-1] - ordered[0]))
     counts = np.diff(starts, append=len(ordered))
     common = ordered[starts][counts >= _COMMON * counts.max()]
-    return float(np.median(np.diff(common))) if len(common) > 1 else 0.0
+    if len(common) < 2:
+        return 0.0, float(common[0])
+    usual = float(np.median(np.diff(common)))
+    # the whole width fixes it more precisely
+    return float((common[-1] - common[0]) / round((common[-1] - common[0]) / usual)), float(common[0])
 
 
 def _set_nodes(z_mm: Float64, places: Float64, heights: Float64) -> None:

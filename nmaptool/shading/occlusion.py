@@ -13,6 +13,8 @@ from nmaptool.core.parallel import map_parallel
 _QUARTER = ((0, 1), (1, 2), (1, 1), (2, 1))
 # how far the horizon is sought, as a share of the longer side, and how the steps to there grow
 _REACH, _GROWTH = 0.09, 1.4
+# from this distance on, heights are blurred
+_FAR_PX, _FAR_BLUR_PX = 8.0, 2.5
 _BAND = 64
 # a larger picture is reduced to about this many pixels on its longer side: the sky varies slowly
 _LONGEST_PX = 640
@@ -68,10 +70,15 @@ def _directions() -> list[tuple[int, int, float]]:
 
 
 def _sky(z_mm: Float32, pitch_mm: float) -> Float32:
+    import cv2
+
     rows, cols = z_mm.shape
     steps = _steps(max(rows, cols))
     margin = steps[-1]
-    padded = np.pad(z_mm, margin, constant_values=_BELOW)
+    near = np.pad(z_mm, margin, constant_values=_BELOW)
+    # far away, single peaks would cast rays in the directions that are looked at
+    blurred = cv2.GaussianBlur(z_mm, (0, 0), _FAR_BLUR_PX, borderType=cv2.BORDER_REPLICATE)
+    far = np.pad(np.asarray(blurred, np.float32), margin, constant_values=_BELOW)
 
     def seen(band: slice) -> Float32:
         here = z_mm[band]
@@ -81,6 +88,7 @@ def _sky(z_mm: Float32, pitch_mm: float) -> Float32:
             steepest = np.zeros(here.shape, np.float32)
             for step in sorted({max(1, round(step / length)) for step in steps}):
                 top, left = margin + band.start + step * down, margin + step * right
+                padded = near if step * length < _FAR_PX else far
                 rise = padded[top : top + len(here), left : left + cols] - here
                 rise *= np.float32(1 / (pitch_mm * step * length))
                 np.maximum(steepest, rise, out=steepest)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,8 @@ from nmaptool.types.height import Height
 _SAMPLES = 4
 # fractional bits of the corners of a polygon
 _SHIFT = 6
-# blur, in pixels of the height field, that rounds the steps of an outline of pixels
-_ROUNDED_PX = 0.8
+# blur, in pixels of the height field, that rounds the steps of an outline of pixels, and of a soft one
+_ROUNDED_PX, _SOFT_PX = 1.2, 0.6
 
 
 def plate_coverage(height: Height, shape: tuple[int, int], coverage: Float32 | None = None) -> Float32:
@@ -91,10 +92,18 @@ def enlarged_coverage(coverage: NDArray[Any], shape: tuple[int, int]) -> Float32
     rows, cols = shape
     factor = max(rows / coverage.shape[0], cols / coverage.shape[1])
     values: NDArray[Any] = coverage.astype(np.float32)
-    if factor <= 1:
+    hard = coverage.dtype == np.bool_
+    if factor <= 1 and not hard:
         return np.asarray(cv2.resize(values, (cols, rows), interpolation=cv2.INTER_AREA), np.float32).clip(0, 1)
-    values = cv2.GaussianBlur(values, (0, 0), _ROUNDED_PX, borderType=cv2.BORDER_REPLICATE)
-    values = cv2.resize(values, (cols, rows), interpolation=cv2.INTER_CUBIC)
-    # the blur spreads the edge over about two pixels of the height field
-    steep = np.float32(2 * factor)
-    return np.asarray(((values - np.float32(0.5)) * steep + np.float32(0.5)).clip(0, 1), np.float32)
+    sigma = _ROUNDED_PX if hard else _SOFT_PX
+    way = cv2.INTER_AREA if factor <= 1 else cv2.INTER_CUBIC
+    smooth = cv2.GaussianBlur(values, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
+    smooth = cv2.resize(smooth, (cols, rows), interpolation=way)
+    # the blur spreads the edge over this many pixels of the picture
+    wide = max(1.0, factor * sigma * math.sqrt(math.tau))
+    out = ((smooth - np.float32(0.5)) * np.float32(wide) + np.float32(0.5)).clip(0, 1)
+    if hard:  # what is too thin for the blur keeps its pixels
+        wide_parts = cv2.morphologyEx(values, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+        thin = cv2.resize(values - wide_parts, (cols, rows), interpolation=min(way, cv2.INTER_AREA))
+        out = np.maximum(out, thin.clip(0, 1) if (values > wide_parts).any() else 0)
+    return np.asarray(out, np.float32)

@@ -54,7 +54,7 @@ def section(height: Height, axis: Axis, place: Offset) -> Section:
     Raises
     ------
     UsageError
-        If the place is not inside the picture.
+        If the place is not inside the picture, or there is no surface.
     """
     rows, cols = height.frame.shape
     pitch = height.pitch_mm
@@ -76,10 +76,12 @@ def section(height: Height, axis: Axis, place: Offset) -> Section:
     z[~domain[row]] = np.nan
     along = np.arange(len(lines[0]), dtype=np.float64) * pitch
     ends = np.stack([along[:-1], along[1:]], axis=1).ravel()
+    profile = z.ravel()
     if height.outline is not None:
-        ends, flat = _within(height.outline, axis, at_px * pitch, along, lines[1])
-        return Section(axis, at_px * pitch, ends, flat)
-    return Section(axis, at_px * pitch, ends, z.ravel())
+        ends, profile = _within(height.outline, axis, at_px * pitch, along, lines[1])
+    if not np.isfinite(profile).any():
+        raise UsageError(f"`section='{axis}={place}'`: meets no surface at {at_px * pitch:.4g} mm")
+    return Section(axis, at_px * pitch, ends, profile)
 
 
 def _turned(height: Height, axis: Axis) -> tuple[tuple[Any, Any], Any, Any]:
