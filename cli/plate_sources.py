@@ -20,6 +20,14 @@ if TYPE_CHECKING:
 # flags that name files, and what tells a file from a name
 _FILES = {"shape": SHAPE.is_file, "frame_profile": PROFILE.is_file, "font": is_font_file}
 
+# an option and the values of it that others need
+_ONLY_WITH = {
+    ("shape", "rect", "oval"): ("aspect",),
+    ("shape", "rect"): ("corner",),
+    ("text_path", "line"): ("text_at", "text_rotate"),
+    ("text_path", "arc", "circle", "ring"): ("text_inset",),
+}
+
 
 def plate_of(run: Run, recipe: nm.Recipe | None) -> nm.RecipePlate:
     """The plate, with the values of a recipe, the preset and the flags; the last ones count.
@@ -46,7 +54,7 @@ def plate_of(run: Run, recipe: nm.Recipe | None) -> nm.RecipePlate:
         options: _absolute(run.named(options)) if is_elsewhere else run.named(options)
         for options in (PlateOptions, FrameOptions, TextOptions, MachineOptions)
     }
-    plate = {**own.plate, **flags[PlateOptions]}
+    plate = {**_kept(own.plate, flags[PlateOptions]), **flags[PlateOptions]}
     for name, other in (("emboss", "engrave"), ("engrave", "emboss")):
         if flags[PlateOptions].get(name):
             plate[other] = flags[PlateOptions].get(other, False)
@@ -74,4 +82,13 @@ def _texts(own: tuple[Mapping[str, Any], ...], flags: Mapping[str, Any]) -> tupl
         return (flags,)
     if flags and not own:
         raise UsageError(f"`{next(iter(flags))}`: needs a text, such as `text='ANNO MMXXVI'`")
-    return tuple({**text, **flags} for text in own)
+    return tuple({**_kept(text, flags), **flags} for text in own)
+
+
+def _kept(own: Mapping[str, Any], flags: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of a preset or recipe, without those that have no meaning for the shape or path of the flags."""
+    dropped: set[str] = set()
+    for (name, *accepted), others in _ONLY_WITH.items():
+        if name in flags and flags[name] not in accepted:
+            dropped |= set(others)
+    return {name: value for name, value in own.items() if name not in dropped}

@@ -96,3 +96,8 @@ def test_recipes_that_cannot_be_saved(folder, refused, code, words, said):
 )
 def test_what_cannot_be_made_is_one_line_about_flags(folder, refused, code, flags, said):
     refused(code, said, "relief", "dome.exr", *flags, "-o", "a.stl")
+
+
+def test_solid_flags_need_a_mesh(folder, refused, run):
+    refused(2, r"--base: is for meshes; name one, such as -o", "relief", "dome.exr", "--base", "2mm", "-o", "a.npy")
+    assert 'base = "2mm"' in run("relief", "dome.exr", "--base", "2mm", "--save-recipe", "-").out

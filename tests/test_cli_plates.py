@@ -267,11 +267,6 @@ def test_a_recipe_is_saved_only_where_nothing_is_lost(folder, run, refused):
     assert Path("new.toml").is_file()
 
 
-def test_solid_flags_need_a_mesh(folder, refused, saved):
-    refused(2, r"--base: is for meshes; name one, such as -o", "relief", "dome.exr", "--base", "2mm", "-o", "a.npy")
-    assert 'base = "2mm"' in saved("dome.exr", "--base", "2mm")
-
-
 def test_quiet_prints_nothing_and_the_report_of_a_file_has_the_plate(folder, run):
     done = run("relief", "coin.toml", "-o", "coin.stl", "--report", "coin.json", "-q")
     assert (done.code, done.err, done.out) == (0, "", "")
@@ -284,3 +279,21 @@ def test_quiet_prints_nothing_and_the_report_of_a_file_has_the_plate(folder, run
         "text_size": "1.5mm",
     }
     assert plate["area_mm2"] == pytest.approx(3.14159265 * (100 - 0.75**2), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("words", "table", "gone"),
+    [
+        (["dome.exr", "--preset", "cameo", "--shape", "round"], "[plate]", "aspect"),
+        (["dome.exr", "--preset", "plaque", "--shape", "oval"], "[plate]", "corner"),
+        (["coin.toml", "--shape", "mask"], "[plate]", "aspect"),
+        (["ring.toml", "--text-path", "line"], "[[text]]", "inset"),
+        (["line.toml", "--text-path", "arc"], "[[text]]", "at"),
+    ],
+)
+def test_a_flag_drops_what_its_shape_or_path_has_no_use_for(folder, saved, words, table, gone):
+    text = '[[layer]]\nfile = "dome.exr"\n[plate]\nshape = "round"\n[[text]]\ntext = "A"\n'
+    (folder / "ring.toml").write_text(f'{text}path = "ring"\ninset = "1mm"\n', encoding="utf-8")
+    (folder / "line.toml").write_text(f'{text}at = "50%,80%"\nrotate = 3\n', encoding="utf-8")
+    assert any(line.startswith(gone) for line in tables(saved(*words[:-2]))[table])
+    assert not any(line.startswith(gone) for line in tables(saved(*words))[table])
