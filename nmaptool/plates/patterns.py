@@ -13,6 +13,8 @@ from nmaptool.types.contours import Contours
 
 # share of the width that is a level rim along the edge
 _RIM = 0.2
+# part of the rim that a rope does not lie under, so that the groove between them is shallow
+_BESIDE = 0.4
 # radius by which the line of a rope turns corners, by its width; smaller ones where it would break the line
 _TURNS = (0.75, 0.4, 0.2, 0.0)
 # rope: length of a strand along it by its width, how far it winds across, how deep the grooves are, samples of a strand
@@ -40,8 +42,9 @@ def rope(cross: Cross, depth_mm: Float64, board: Board, outline: Contours) -> Fl
     outline : Contours
         On the grid of the board.
     """
-    rim, width = _rim_of(cross)
-    line = _centre_line(outline, rim + width / 2, width)
+    rim, _ = _rim_of(cross)
+    width = cross.width_mm - _BESIDE * rim
+    line = _centre_line(outline, cross.width_mm - width / 2, width)
     field = board.field(line, width / 2 + 2 * board.pitch_mm)
     lengths = np.array(Curves(line, board.pitch_mm).lengths_mm)
     counts = np.maximum(3, np.round(lengths / (_STRAND * width)))
