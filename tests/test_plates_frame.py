@@ -107,7 +107,7 @@ def crests(z, depth, at, low):
 @pytest.mark.parametrize("profile", ["rope", "bead"])
 def test_patterns_of_a_round_frame_repeat_a_whole_number_of_times(profile):
     z, _, _, board = framed("round", profile)
-    middle = 0.6 * WIDTH
+    middle = (0.54 if profile == "rope" else 0.6) * WIDTH
     angle = np.linspace(0, 2 * np.pi, 7201)[:-1]
     x = (20 - middle) * np.cos(angle) + board.left * PITCH
     y = (20 - middle) * np.sin(angle) + board.bottom * PITCH
@@ -115,7 +115,7 @@ def test_patterns_of_a_round_frame_repeat_a_whole_number_of_times(profile):
     power = np.abs(np.fft.rfft(around - around.mean()))
     count = int(power.argmax())
     length = 2 * np.pi * (20 - middle)
-    spacing = 0.62 * 0.8 * WIDTH if profile == "rope" else 0.94 * 0.8 * WIDTH * 1.02
+    spacing = 0.62 * 0.92 * WIDTH if profile == "rope" else 0.94 * 0.8 * WIDTH * 1.02
     expected = round(length / spacing) if profile == "rope" else int(length / spacing)
     assert count == expected
     # all its power is in multiples of the count: each part is like the others, also where the ring begins
@@ -158,7 +158,7 @@ def test_beads_in_sharp_corners_do_not_overlap():
 def test_strands_have_no_cut_where_the_line_begins():
     z, _, _, board = framed("round", "rope")
     # turned by one strand, the rope is the same
-    count = round(2 * np.pi * (20 - 0.6 * WIDTH) / (0.62 * 0.8 * WIDTH))
+    count = round(2 * np.pi * (20 - 0.54 * WIDTH) / (0.62 * 0.92 * WIDTH))
     x, y = np.meshgrid(board.x_mm - board.left * PITCH, board.y_mm - board.bottom * PITCH)
     turn = 2 * np.pi / count
     xt, yt = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y

@@ -10,7 +10,7 @@ from solid_cases import check_solid
 import nmaptool as nm
 from nmaptool.plates import shapes
 from nmaptool.plates.distance import Curves, inside_points
-from nmaptool.plates.polygons import offset, refined
+from nmaptool.plates.polygons import offset, refined, without_short_edges
 from nmaptool.types.contours import ring_area
 
 # an outline of length L with a tolerance t loses at most L * t of the area of the true curve
@@ -159,3 +159,16 @@ def test_areas_of_round_and_oval_plates():
     assert relief.plate.area_mm2 == pytest.approx(1200 - (4 - np.pi) * 9, rel=5e-4)
     length = 2 * (40 + 30)
     assert abs(relief.plate.area_mm2 - (1200 - (4 - np.pi) * 9)) <= length * relief.plate.outline_tolerance_mm
+
+
+def test_corners_close_together_are_left_out():
+    square = np.array([[0.0, 0], [1, 0], [1, 1e-6], [1, 2e-6], [1, 1], [0, 1], [0, 1e-7]])
+    assert without_short_edges(square, 1e-3).tolist() == [[0, 0], [1, 0], [1, 1], [0, 1]]
+    (ring,) = star().rings
+    assert without_short_edges(ring, 1e-3) is ring
+
+
+def test_no_edge_of_a_plate_is_a_needle():
+    relief = made(design("mask", loop="4mm", margin="6%", frame="4%", hole="2mm@50%,50%", pitch="0.3mm"))
+    for ring in relief.height.outline.rings:
+        assert np.hypot(*(ring - np.roll(ring, 1, axis=0)).T).min() >= 1e-3 * relief.pitch_mm

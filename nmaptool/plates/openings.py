@@ -12,7 +12,7 @@ from nmaptool.core.errors import InputError
 from nmaptool.plates.board import Board
 from nmaptool.plates.distance import Curves, inside_points
 from nmaptool.plates.layout import Layout
-from nmaptool.plates.polygons import circle, circle_tolerance, contours_of, offset, section
+from nmaptool.plates.polygons import circle, circle_tolerance, contours_of, offset, section, without_short_edges
 from nmaptool.plates.profiles import averaged, slope
 from nmaptool.types.contours import Contours
 from nmaptool.types.plate import PlateDesign
@@ -24,6 +24,8 @@ _RIM = 0.2
 _LOOP = 0.4
 _THINNEST_MM = 0.6
 _LIFT = 0.35
+# edges shorter than this share of a pixel would make needles of triangles
+_SHORTEST = 1e-3
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,7 @@ def with_openings(outline: Contours, openings: tuple[Opening, ...], spacing_mm: 
         hole = circle(each.x_mm, each.y_mm, each.radius_mm, spacing_mm)
         tolerance_mm = max(tolerance_mm, circle_tolerance(each.radius_mm, len(hole)))
         rings.append(hole[::-1].copy())
-    return Contours(tuple(rings), tolerance_mm)
+    return Contours(tuple(without_short_edges(ring, _SHORTEST * spacing_mm) for ring in rings), tolerance_mm)
 
 
 def outer_slope(board: Board, depth_mm: Float64, slope_mm: float) -> Float64:

@@ -63,3 +63,17 @@ def refined(ring: Float64, spacing_mm: float) -> Float64:
     share = (np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)) / count[which]
     out: Float64 = ring[which] + edge[which] * share[:, None]
     return out
+
+
+def without_short_edges(ring: Float64, least_mm: float) -> Float64:
+    """A ring without the corners that are nearer than ``least_mm`` to the one before, such as where two curves met."""
+    short = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) < least_mm
+    if not short.any():
+        return ring
+    kept: list[Float64] = []
+    for corner in ring:
+        if not kept or np.hypot(*(corner - kept[-1])) >= least_mm:
+            kept.append(corner)
+    while len(kept) > 3 and np.hypot(*(kept[0] - kept[-1])) < least_mm:
+        kept.pop()
+    return np.array(kept)

@@ -70,7 +70,9 @@ def _resized_grey(values: Float32, cols: int, rows: int) -> Float32:
 
     smaller = cols < values.shape[1]
     method = cv2.INTER_AREA if smaller else cv2.INTER_LINEAR
-    return np.asarray(cv2.resize(values, (cols, rows), interpolation=method), np.float32)
+    found = cv2.resize(values, (cols, rows), interpolation=method)
+    # sums of weights may be a rounding more than 1
+    return np.asarray(np.clip(found, values.min(), values.max()), np.float32)
 
 
 def inputs_at_pitch(inputs: Mapping[str, Any], machine: MachineOptions) -> dict[str, Any]:

@@ -6,11 +6,22 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.errors import InputError
-from nmaptool.plates.polygons import circle, circle_tolerance, contours_of, offset, outer_rings, refined, section
+from nmaptool.plates.polygons import (
+    circle,
+    circle_tolerance,
+    contours_of,
+    offset,
+    outer_rings,
+    refined,
+    section,
+    without_short_edges,
+)
 from nmaptool.types.contours import Contours
 
 # samples of a quarter of an ellipse, from which corners at equal distances are chosen
 _SAMPLES = 20000
+# edges of a motif's outline shorter than this share of a pixel are left out
+_SHORTEST = 1e-2
 
 
 def disc(diameter_mm: float, spacing_mm: float) -> Contours:
@@ -94,7 +105,8 @@ def motif_outline(motif: Mask, pitch_mm: float, distance_mm: float, spacing_mm: 
             f"`shape='mask'`: the motif has {len(found.rings)} separate parts at a margin of {distance_mm:.4g} mm; a "
             "plate is one piece, so use a larger `margin` or join the parts in the mask"
         )
-    return Contours((refined(found.rings[0], spacing_mm),), found.tolerance_mm)
+    ring = without_short_edges(found.rings[0], _SHORTEST * pitch_mm)
+    return Contours((refined(ring, spacing_mm),), found.tolerance_mm)
 
 
 def pixel_contours(motif: Mask, pitch_mm: float) -> Contours:
