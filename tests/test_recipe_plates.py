@@ -1,6 +1,7 @@
 """The tables of a recipe that describe a plate: what they mean, and how they are written."""
 
 import dataclasses
+import random
 import tomllib
 
 import pytest
@@ -193,3 +194,35 @@ def test_the_plate_of_a_recipe_inside_another_one_is_ignored_with_a_note(folder)
     recipe = nm.read_recipe(folder / "outer.toml")
     assert recipe.plate is None
     assert recipe.notes == (f"{folder / 'inner.toml'}: its plate is ignored; only its layers are used",)
+
+
+def random_plate(rng):
+    """A plate with random keys and values, also with text and file names that TOML must escape."""
+
+    def some(makers):
+        return {name: make() for name, make in makers.items() if rng.random() < 0.5}
+
+    def size():
+        return Length(rng.choice([rng.uniform(0.001, 10), 1 / 3, 12.0]), rng.choice(["mm", "cm", "m", "in", "px", "%"]))
+
+    def words():
+        return "".join(rng.choice('AB "\\\n\t\x07\u00e9\u4e2d#]=\u2028') for _ in range(rng.randint(1, 8))) + "x"
+
+    plate = {"shape": rng.choice(["rect", "a b.svg", "C:\\x.svg"])}
+    plate |= some(
+        {"margin": size, "hole_rim": lambda: Offset(rng.random(), "mm"), "loop": size, "engrave": lambda: True}
+    )
+    plate |= some({"draft": lambda: rng.uniform(0, 60)})
+    frame = {"frame": size(), **some({"frame_height": size, "frame_profile": lambda: rng.choice(["rope", "x y.svg"])})}
+    texts = (
+        {"text": words(), **some({"text_size": size, "text_sunk": lambda: True, "font": words})}
+        for _ in range(rng.randint(0, 3))
+    )
+    machine = some({"for_": lambda: "fdm-0.4", "pitch": lambda: Length(rng.random() + 0.001, "mm")})
+    return nm.RecipePlate(plate, frame, tuple(texts), machine)
+
+
+def test_random_plates_are_written_and_read_unchanged(trials):
+    for seed in range(trials(1000)):
+        recipe = nm.Recipe((nm.RecipeLayer("a.png"),), plate=random_plate(random.Random(seed)))
+        assert nm.parse_recipe(tomllib.loads(to_toml(recipe))).plate == recipe.plate, seed
