@@ -135,5 +135,5 @@ def _check_clear(raised: Mask, inner: Mask) -> None:
     if near:
         raise InputError(
             f"the raised motif comes nearer than about {_CLEAR_PX + 1} px to the outline of its plate, at {near} px; "
-            "use a larger `margin`, or `edge='blend'`"
+            "use a larger `margin`, move the hole, or use `edge='blend'`"
         )
