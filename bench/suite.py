@@ -14,6 +14,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "reconstruct": (),
     "compose": (),
     "solids": (),
+    "plates": (),
     "files": (),
     "compression": (),
 }

@@ -79,7 +79,7 @@ def test_letters_reach_their_full_height_at_any_draft(draft, height):
 
 
 def test_texts_are_reported():
-    relief = lettered((TEXT, {**ARC, "text_sunk": True}))
+    relief = lettered((TEXT, {**ARC, "text_sunk": True}), pitch="0.15mm")
     first, second = relief.plate.texts
     assert first["text"] == "ANNO"
     assert first["path"] == "line"

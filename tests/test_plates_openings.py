@@ -44,7 +44,9 @@ def test_a_hole_has_its_diameter_and_place(shape):
 
 
 def test_several_holes_make_several_handles():
-    relief = made(design("rect", aspect="4:3", hole="3mm@10%,10%; 3mm@90%,10%; 3mm@10%,90%; 3mm@90%,90%"))
+    relief = made(
+        design("rect", aspect="4:3", hole="3mm@10%,10%; 3mm@90%,10%; 3mm@10%,90%; 3mm@90%,90%", pitch="0.2mm")
+    )
     assert len(holes(relief)) == 4
     found = solid(relief)
     check_solid(found)
@@ -82,8 +84,8 @@ def test_a_rim_that_reaches_beyond_the_edge_ends_there():
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_loop_is_part_of_the_plate_with_one_hole(shape):
-    plain = made(design(shape, frame="1mm", margin="2mm"))
-    relief = made(design(shape, frame="1mm", margin="2mm", loop="4mm"))
+    plain = made(design(shape, frame="1mm", margin="2mm", pitch="0.2mm"))
+    relief = made(design(shape, frame="1mm", margin="2mm", loop="4mm", pitch="0.2mm"))
     (eye,) = holes(relief)
     outer = [ring for ring in relief.height.outline.rings if ring_area(ring) > 0]
     assert len(outer) == 1
@@ -137,7 +139,7 @@ def _points(relief):
 
 
 def test_a_loop_and_a_hole_together():
-    relief = made(design("round", loop="3mm", hole="2mm@50%,90%"))
+    relief = made(design("round", loop="3mm", hole="2mm@50%,90%", pitch="0.2mm"))
     found = solid(relief)
     check_solid(found)
     assert genus(found) == 2
@@ -158,7 +160,7 @@ def test_holes_outside_the_plate_or_too_near_its_edge_are_refused():
 
 
 def test_a_loop_larger_than_the_plate_is_still_one_piece():
-    relief = made(design("round", loop="30mm"))
+    relief = made(design("round", loop="30mm", pitch="0.3mm"))
     check_solid(solid(relief))
     assert genus(solid(relief)) == 1
 
