@@ -62,8 +62,9 @@ class Work:
         if self.design is not None:
             result = nm.plate(**self.arguments, design=self.design, progress=progress)
         else:
-            arguments = nm.inputs_at_pitch(self.arguments, self.machine)
-            result = nm.relief(**arguments, progress=progress)
+            from nmaptool.plates.resampling import relief_at_pitch
+
+            result = relief_at_pitch(self.arguments, self.machine, progress)
         report = dataclasses.replace(result.report, seconds={"reading": self.read_s, **result.report.seconds})
         return dataclasses.replace(result, report=report)
 

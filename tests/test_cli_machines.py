@@ -105,3 +105,16 @@ def test_faults_of_machines(folder, refused):
         r"--pitch 0\.0001.*: would make a picture of \d+ x \d+ px; at most 270 megapixels are possible, so use a larger"
     )
     refused(4, said, "relief", "ring.exr", *WIDTH, "--pitch", "0.0001mm", "-o", "a.stl")
+
+
+@pytest.mark.parametrize("words", [["--preset", "coin"], ["--for", "laser-254dpi"], ["--pitch", "0.5mm"]])
+def test_the_report_has_the_options_as_given_and_says_that_a_size_is_assumed(folder, run, words):
+    nm.write_normal_map(nm.NormalMap.from_array(MOTIFS["ring"]().normals, MOTIFS["ring"]().coverage), "bare.exr")
+    for more, known in (([], "assumed"), (["--width", "20mm"], "given")):
+        done = run("relief", "bare.exr", *words, *more, "--json", "--dry-run")
+        assert done.code == 0, done.err
+        report = json.loads(done.out)
+        assert report["pitch_from"] == known
+        assert report["options"]["width"] == (more[1] if more else None)
+        assert report["options"]["height"] == ("2%" if "coin" in words else None)
+        assert ("100 mm on the longer side is assumed" in done.err) == (known == "assumed")

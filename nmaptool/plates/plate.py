@@ -16,7 +16,7 @@ from nmaptool.plates.layout import Layout, lay_out, outline_of
 from nmaptool.plates.letters import Letters, letters_of
 from nmaptool.plates.mounting import mounted
 from nmaptool.plates.openings import loop_of, openings_of, rims_mm
-from nmaptool.plates.resampling import resampled
+from nmaptool.plates.resampling import reported, resampled
 from nmaptool.reliefs.inputs import pitch_of
 from nmaptool.reliefs.relief import relief
 from nmaptool.types.height import Height
@@ -115,7 +115,8 @@ def plate(
     outline = outline_of(layout, motif, design, spacing_mm)
     made = mounted(found, layout, design, outline, letters, openings, factor)
     assert made.plate is not None  # mounted sets it
-    return dataclasses.replace(made, plate=dataclasses.replace(made.plate, warnings=(*warnings, *made.plate.warnings)))
+    about = dataclasses.replace(made.plate, warnings=(*warnings, *made.plate.warnings))
+    return dataclasses.replace(made, report=reported(made.report, original, options), plate=about)
 
 
 def _check(options: ReliefOptions, design: PlateDesign) -> None:

@@ -11,14 +11,17 @@ import numpy as np
 from nmaptool.composition.transform import transform
 from nmaptool.core.arrays import Float32
 from nmaptool.core.errors import LimitError, UsageError
+from nmaptool.core.progress import Progress
 from nmaptool.core.units import Length
 from nmaptool.options import ReliefOptions, TransformOptions
 from nmaptool.options.plates import MachineOptions
 from nmaptool.reliefs.inputs import pitch_of
+from nmaptool.reliefs.relief import relief
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import as_normal_map
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.plain_arrays import as_float32
+from nmaptool.types.relief import Relief, ReliefReport
 
 _LARGEST_MEGAPIXELS = 270.0
 
@@ -73,6 +76,21 @@ def _resized_grey(values: Float32, cols: int, rows: int) -> Float32:
     found = cv2.resize(values, (cols, rows), interpolation=method)
     # sums of weights may be a rounding more than 1
     return np.asarray(np.clip(found, values.min(), values.max()), np.float32)
+
+
+def reported(report: ReliefReport, original: NormalMap, options: ReliefOptions) -> ReliefReport:
+    """A report with the options as they were given, and where the size was known from."""
+    return dataclasses.replace(report, options=options, pitch_from=pitch_of(original, options)[1])
+
+
+def relief_at_pitch(inputs: Mapping[str, Any], machine: MachineOptions, progress: Progress | None = None) -> Relief:
+    """Solve a relief without a plate at the pitch of a machine; errors are those of `inputs_at_pitch` and `relief`."""
+    found = relief(**inputs_at_pitch(inputs, machine), progress=progress)
+    if machine.pitch is None:
+        return found
+    original = as_normal_map(inputs["original"], "the original")
+    options = inputs.get("options") or ReliefOptions()
+    return dataclasses.replace(found, report=reported(found.report, original, options))
 
 
 def inputs_at_pitch(inputs: Mapping[str, Any], machine: MachineOptions) -> dict[str, Any]:

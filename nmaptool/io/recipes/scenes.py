@@ -19,9 +19,8 @@ from nmaptool.options import CanvasOptions, ReadOptions, ReliefFiles, ReliefOpti
 from nmaptool.options.formats import is_recipe
 from nmaptool.options.plates import MachineOptions
 from nmaptool.plates.plate import plate
-from nmaptool.plates.resampling import inputs_at_pitch
+from nmaptool.plates.resampling import relief_at_pitch
 from nmaptool.reliefs.inputs import pitch_of
-from nmaptool.reliefs.relief import relief
 from nmaptool.types.composition import Composition
 from nmaptool.types.height import Height
 from nmaptool.types.normal_map import NormalMap
@@ -77,7 +76,7 @@ class Scene(OneLine):
         """
         if self.design is not None:
             return plate(**self.inputs, design=self.design, progress=progress)
-        return relief(**inputs_at_pitch(self.inputs, self.machine), progress=progress)
+        return relief_at_pitch(self.inputs, self.machine, progress)
 
     @property
     def inputs(self) -> dict[str, Any]:
