@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 import nmaptool as nm
-from nmaptool.options.relief_presets import RELIEF_PRESETS
 
 ROOT = Path(__file__).parents[1]
 SAMPLES = ROOT / "samples"
@@ -40,7 +39,7 @@ def on_plate(
     **changes: Any,
 ) -> nm.Relief:
     """A relief as ``nmap relief --preset NAME`` makes it."""
-    preset = RELIEF_PRESETS[name]
+    preset = nm.RELIEF_PRESETS[name]
     options = nm.ReliefOptions(**{**preset.options, **changes, "width": nm.length(width)})
     design = nm.read_design(nm.PlateOptions(**preset.plate), nm.FrameOptions(**preset.frame), texts)
     return nm.plate(original, detail, options, design=design)

@@ -107,6 +107,7 @@ from .options.plates import FrameOptions as FrameOptions
 from .options.plates import MachineOptions as MachineOptions
 from .options.plates import PlateOptions as PlateOptions
 from .options.plates import TextOptions as TextOptions
+from .options.relief_presets import RELIEF_PRESETS as RELIEF_PRESETS
 from .plates.plate import plate as plate
 from .plates.resampling import inputs_at_pitch as inputs_at_pitch
 from .reconstruction.reconstruct import reconstruct as reconstruct
