@@ -61,6 +61,8 @@ class Work:
 
         if self.design is not None:
             result = nm.plate(**self.arguments, design=self.design, progress=progress)
+        elif self.machine.pitch is None:
+            result = nm.relief(**self.arguments, progress=progress)
         else:
             from nmaptool.plates.resampling import relief_at_pitch
 

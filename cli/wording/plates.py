@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from nmaptool.core.mentions import written_name
-from nmaptool.plates.wording import describe_plate as lines_of
 
 if TYPE_CHECKING:
     from nmaptool import MachineOptions, PlateReport, Relief, SolidOptions
@@ -14,6 +13,8 @@ if TYPE_CHECKING:
 
 def describe_plate(run: Run, report: PlateReport) -> None:
     """The plate, its frame, texts and openings, with warnings."""
+    from nmaptool.plates.wording import describe_plate as lines_of
+
     run.say(*(f"  {line}" for line in lines_of(report)))
     run.warn(*report.warnings)
 

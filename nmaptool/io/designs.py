@@ -6,9 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from nmaptool.core.errors import InputError
-from nmaptool.io.fonts import read_font
-from nmaptool.io.vector.outline import read_svg_outline
-from nmaptool.io.vector.profile import read_svg_profile
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
 from nmaptool.options.plates.text import is_font_file
 from nmaptool.types.plate import PlateDesign
@@ -50,6 +47,11 @@ def read_design(
     >>> nm.read_design(plate, texts=[nm.TextOptions(text="ANNO 2026", text_path="arc")])
     <PlateDesign round, 1 text>
     """
+    # take long to load
+    from nmaptool.io.fonts import read_font
+    from nmaptool.io.vector.outline import read_svg_outline
+    from nmaptool.io.vector.profile import read_svg_profile
+
     frame, machine = frame or FrameOptions(), machine or MachineOptions()
     outline = read_svg_outline(Path(folder) / plate.shape) if plate.shape is not None and plate.is_drawn else None
     profile = read_svg_profile(Path(folder) / frame.frame_profile) if frame.is_drawn else None
