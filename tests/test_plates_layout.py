@@ -8,8 +8,10 @@ from plate_cases import ball, depth_of, design, made, solid
 from solid_cases import check_solid
 
 import nmaptool as nm
+from nmaptool.lettering.rings import united
 from nmaptool.plates.fitting import Drawn, drawn_scale, ellipse_for, enclosing_circle
 from nmaptool.plates.layout import lay_out
+from nmaptool.plates.polygons import circle
 from nmaptool.types.contours import Contours
 
 
@@ -126,11 +128,8 @@ def test_the_middle_of_a_long_shape_is_its_middle():
         _, middle = bar.field(0.2)
         assert np.hypot(*middle) < 0.25, turn
     # two equal lobes: one of them, not the neck between them
-    from nmaptool.plates.polygons import circle, contours_of, section
-
-    lobes = [Contours((circle(x, 0.0, 3.0, 0.1),)) for x in (-4.0, 4.0)]
-    neck = Contours((np.array([[-4.0, -0.5], [4, -0.5], [4, 0.5], [-4, 0.5]]),))
-    both = contours_of(section(lobes[0]) + section(lobes[1]) + section(neck), 0.0)
+    lobes = [circle(x, 0.0, 3.0, 0.1) for x in (-4.0, 4.0)]
+    both = united([*lobes, np.array([[-4.0, -0.5], [4, -0.5], [4, 0.5], [-4, 0.5]])])
     _, middle = Drawn(both).field(0.0)
     assert np.abs(middle) == pytest.approx((4, 0), abs=0.15)
 

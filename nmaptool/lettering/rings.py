@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from nmaptool.core.arrays import Float64
-from nmaptool.types.contours import Contours
+from nmaptool.types.contours import Contours, ring_area
 
 
 def united(rings: Iterable[Float64], tolerance_mm: float = 0.0) -> Contours:
@@ -37,5 +37,6 @@ def cross_section(rings: Iterable[Float64]) -> Any:
 
 
 def contours_of(section: Any, tolerance_mm: float) -> Contours:
-    """The rings of a ``manifold3d.CrossSection``."""
-    return Contours(tuple(np.array(ring, np.float64) for ring in section.to_polygons()), tolerance_mm)
+    """The rings of a ``manifold3d.CrossSection``; those of no area are left out."""
+    rings = (np.array(ring, np.float64) for ring in section.to_polygons())
+    return Contours(tuple(ring for ring in rings if len(ring) > 2 and ring_area(ring)), tolerance_mm)

@@ -9,10 +9,11 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError
+from nmaptool.lettering.rings import contours_of, cross_section
 from nmaptool.plates.board import Board
 from nmaptool.plates.distance import Curves, inside_points
 from nmaptool.plates.layout import Layout
-from nmaptool.plates.polygons import circle, circle_tolerance, contours_of, offset, section, without_short_edges
+from nmaptool.plates.polygons import circle, circle_tolerance, offset, without_short_edges
 from nmaptool.plates.profiles import averaged, slope
 from nmaptool.types.contours import Contours
 from nmaptool.types.plate import PlateDesign
@@ -135,10 +136,10 @@ def with_openings(outline: Contours, openings: tuple[Opening, ...], spacing_mm: 
             outer = each.radius_mm + each.rim_mm
             disc = Contours((circle(each.x_mm, each.y_mm, outer, spacing_mm),))
             around = Contours((circle(each.x_mm, each.y_mm, outer + 2 * each.rim_mm, spacing_mm),))
-            joined = section(outline) + section(disc)
+            joined = cross_section(outline.rings) + cross_section(disc.rings)
             # round the two notches beside the loop, there only
-            closed = section(offset(offset(contours_of(joined, 0.0), each.rim_mm), -each.rim_mm))
-            found = contours_of(joined + (closed ^ section(around)), tolerance_mm)
+            closed = cross_section(offset(offset(contours_of(joined, 0.0), each.rim_mm), -each.rim_mm).rings)
+            found = contours_of(joined + (closed ^ cross_section(around.rings)), tolerance_mm)
             rings = [ring for ring in found.rings if len(ring) > 2]
         hole = circle(each.x_mm, each.y_mm, each.radius_mm, spacing_mm)
         tolerance_mm = max(tolerance_mm, circle_tolerance(each.radius_mm, len(hole)))

@@ -2,28 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from nmaptool.core.arrays import Float64
+from nmaptool.lettering.rings import contours_of, cross_section
 from nmaptool.types.contours import Contours, ring_area
 
 # distance between a round join and its polygon
 _JOIN_MM = 5e-4
-
-
-def section(contours: Contours) -> Any:
-    """The curves as a ``manifold3d.CrossSection``."""
-    import manifold3d
-
-    return manifold3d.CrossSection(list(contours.rings), manifold3d.FillRule.NonZero)
-
-
-def contours_of(found: Any, tolerance_mm: float) -> Contours:
-    """The curves of a ``manifold3d.CrossSection``; rings of no area are left out."""
-    rings = (np.asarray(ring, np.float64) for ring in found.to_polygons())
-    return Contours(tuple(ring for ring in rings if len(ring) > 2 and ring_area(ring)), tolerance_mm)
 
 
 def offset(contours: Contours, by_mm: float, *, is_sharp: bool = False) -> Contours:
@@ -34,7 +20,7 @@ def offset(contours: Contours, by_mm: float, *, is_sharp: bool = False) -> Conto
         return contours
     count = max(8, int(np.ceil(np.pi / np.sqrt(2 * min(_JOIN_MM / abs(by_mm), 0.1)))))
     join = manifold3d.JoinType.Miter if is_sharp else manifold3d.JoinType.Round
-    found = section(contours).offset(by_mm, join, circular_segments=count)
+    found = cross_section(contours.rings).offset(by_mm, join, circular_segments=count)
     return contours_of(found.simplify(_JOIN_MM / 10), contours.tolerance_mm + circle_tolerance(abs(by_mm), count))
 
 

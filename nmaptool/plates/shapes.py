@@ -6,14 +6,13 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.errors import InputError
+from nmaptool.lettering.rings import united
 from nmaptool.plates.polygons import (
     circle,
     circle_tolerance,
-    contours_of,
     offset,
     outer_rings,
     refined,
-    section,
     without_short_edges,
 )
 from nmaptool.types.contours import Contours
@@ -126,7 +125,7 @@ def pixel_contours(motif: Mask, pitch_mm: float) -> Contours:
         rings.append(np.column_stack([x, y]) * pitch_mm)
     if not rings:
         raise InputError("`shape='mask'`: the motif is empty or smaller than a pixel")
-    inner = contours_of(section(Contours(tuple(rings))), 0.0)
+    inner = united(rings)
     return offset(inner, pitch_mm / 4, is_sharp=True)
 
 

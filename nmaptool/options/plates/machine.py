@@ -77,7 +77,7 @@ class MachineOptions(Options, group="Machine"):
 
     for_: str | None = option(None, Choice("fdm-0.4", _described))
     pitch: Length | None = option(None, LengthText("0.05mm", absolute=True))
-    finest: Length | None = option(None, LengthText("0.4mm", absolute=True))
+    finest: Length | None = option(None, LengthText("0.4mm", absolute=True, sets="the width of the finest detail"))
 
     @staticmethod
     def values_of(machine: str | None, options: type[Options]) -> dict[str, Any]:
