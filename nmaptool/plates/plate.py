@@ -12,6 +12,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.progress import Progress
 from nmaptool.core.units import Length
 from nmaptool.options import ReliefOptions
+from nmaptool.plates.enlarging import enlarged
 from nmaptool.plates.layout import Layout, lay_out, outline_of
 from nmaptool.plates.letters import Letters, letters_of
 from nmaptool.plates.mounting import mounted
@@ -103,6 +104,10 @@ def plate(
     options, warnings = _edged(options, layout)
     bare = outline_of(layout, motif, design, layout.pitch_mm)
     letters = letters_of(layout, bare, design)
+    larger = layout if width_mm is None else enlarged(layout, motif, design, letters)
+    if larger is not layout:
+        layout, bare = larger, outline_of(larger, motif, design, larger.pitch_mm)
+        letters = letters_of(layout, bare, design)
     loop = loop_of(layout, bare, design)
     openings = (*openings_of(layout, bare, design), *([] if loop is None else [loop]))
     inputs: dict[str, Any] = {
