@@ -86,3 +86,22 @@ def genus(found: nm.Solid) -> int:
     euler = len(mesh.vertices) - len(np.unique(edges, axis=0)) + len(mesh.faces)
     assert euler % 2 == 0
     return 1 - euler // 2
+
+
+def blob(rows: int = 60, cols: int = 44, seed: int = 1) -> np.ndarray:
+    """A crooked motif."""
+    from scipy import ndimage
+
+    noise = ndimage.gaussian_filter(np.random.default_rng(seed).standard_normal((rows, cols)), 6)
+    y, x = np.mgrid[-1 : 1 : rows * 1j, -1 : 1 : cols * 1j]
+    mask = noise / np.abs(noise).max() - 1.2 * np.hypot(x, y) ** 2 > -0.6
+    assert not mask[0].any()
+    return mask
+
+
+def corners_mm(mask: np.ndarray, layout: Any) -> np.ndarray:
+    """Corners of the pixels of a motif, from the middle of the plate."""
+    rows, cols = np.nonzero(mask)
+    x, y = (np.concatenate([each, each, each + 1, each + 1]) for each in (cols, mask.shape[0] - rows - 1))
+    y = np.concatenate([y[: len(rows)], y[: len(rows)] + 1] * 2)
+    return np.column_stack([x, y]) * layout.pitch_mm - layout.middle_mm

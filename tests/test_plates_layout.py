@@ -4,36 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from plate_cases import ball, depth_of, design, made, solid
+from plate_cases import ball, blob, corners_mm, depth_of, design, made, solid
 from solid_cases import check_solid
 
 import nmaptool as nm
 from nmaptool.lettering.rings import united
-from nmaptool.plates.enlarging import enlarged
 from nmaptool.plates.fitting import Drawn, drawn_scale, ellipse_for, enclosing_circle
-from nmaptool.plates.layout import lay_out, outline_of
-from nmaptool.plates.letters import letters_of
+from nmaptool.plates.layout import lay_out
 from nmaptool.plates.polygons import circle
 from nmaptool.types.contours import Contours
-
-
-def blob(rows=60, cols=44, seed=1):
-    """A crooked motif."""
-    from scipy import ndimage
-
-    noise = ndimage.gaussian_filter(np.random.default_rng(seed).standard_normal((rows, cols)), 6)
-    y, x = np.mgrid[-1 : 1 : rows * 1j, -1 : 1 : cols * 1j]
-    mask = noise / np.abs(noise).max() - 1.2 * np.hypot(x, y) ** 2 > -0.6
-    assert not mask[0].any()
-    return mask
-
-
-def corners_mm(mask, layout):
-    """Corners of the pixels of a motif, from the middle of the plate."""
-    rows, cols = np.nonzero(mask)
-    x, y = (np.concatenate([each, each, each + 1, each + 1]) for each in (cols, mask.shape[0] - rows - 1))
-    y = np.concatenate([y[: len(rows)], y[: len(rows)] + 1] * 2)
-    return np.column_stack([x, y]) * layout.pitch_mm - layout.middle_mm
 
 
 def laid_out(mask, wanted, width=40.0, pitch=None):
@@ -275,38 +254,3 @@ def test_a_motif_with_walls_on_a_plate_without_margin():
         relief = made(design(shape, margin="0.001mm", frame="1mm"), edge="wall")
         assert relief.height.raised is not None
         check_solid(solid(relief))
-
-
-def outlines_of(mask, wanted, width=40.0):
-    """The layout beside the letters, and corners of the motif and of the letters from the middle of the plate."""
-    first = laid_out(mask, wanted, width)
-    letters = letters_of(first, outline_of(first, mask, wanted, first.pitch_mm), wanted)
-    layout = enlarged(first, mask, wanted, letters)
-    letters = letters_of(layout, outline_of(layout, mask, wanted, layout.pitch_mm), wanted)
-    texts = np.concatenate([ring for each in letters for ring in each.contours.rings]) - layout.middle_mm
-    return first, layout, corners_mm(mask, layout), texts
-
-
-@pytest.mark.parametrize("shape", [{}, {"aspect": "3:4"}])
-@pytest.mark.parametrize("side", ["top", "bottom"])
-def test_a_motif_uses_the_room_beside_letters_in_an_arc(shape, side):
-    arc = {"text": "ANNO", "text_path": "arc", "text_side": side, "text_size": "3mm"}
-    wanted = design("oval" if shape else "round", (arc,), frame="2mm", margin="1mm", **shape)
-    first, layout, motif, texts = outlines_of(blob(), wanted)
-    assert layout.pitch_mm > 1.1 * first.pitch_mm
-    assert (layout.width_mm, layout.height_mm) == (first.width_mm, first.height_mm)
-    # it moves away from the letters, and keeps the margin from them and from the frame
-    assert motif[:, 1].mean() * (-1 if side == "top" else 1) > 0.3
-    near = np.hypot(*(motif[:, None] - texts[None]).transpose(2, 0, 1)).min()
-    assert near > 0.998  # the polygon of the edge, along which letters are placed, has other corners
-    half = np.array([layout.width_mm, layout.height_mm]) / 2 - 3
-    reach = np.hypot(*(motif / half).T).max()
-    assert reach <= 1 + 1e-9
-    assert reach > 0.995 or near < 1.05
-
-
-@pytest.mark.parametrize("text", [{"text_path": "circle"}, {"text_path": "ring"}, {"text_size": "20px"}])
-def test_letters_all_around_or_in_pixels_keep_their_band(text):
-    arc = {"text": "ANNO", "text_path": "arc", "text_size": "2mm"} | text
-    first, layout, _, _ = outlines_of(blob(), design("round", (arc,), frame="2mm", margin="1mm"))
-    assert layout is first
