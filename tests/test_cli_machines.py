@@ -97,7 +97,7 @@ def test_faults_of_machines(folder, refused):
             ["--for", "lathe"],
             r"--for lathe: use one of fdm-0\.4, resin-0\.05, cnc-3mm, laser-254dpi|Invalid value .*lathe",
         ),
-        (["--finest", "3%"], r"--finest 3%: sets the size of a pixel; give it in mm, cm, m or in"),
+        (["--finest", "3%"], r"--finest 3%: sets the width of the finest detail; give it in mm, cm, m or in"),
         (["--pitch", "0mm"], r"--pitch 0mm: must be greater than zero"),
     ):
         refused(2, said, "relief", "ring.exr", *words, "-o", "a.stl")
