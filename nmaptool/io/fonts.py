@@ -11,9 +11,9 @@ from typing import Any
 from nmaptool.core.errors import InputError, reason_of
 from nmaptool.core.text import listed
 from nmaptool.io.opening import read_head
+from nmaptool.options.plates.text import is_font_file
 from nmaptool.types.font import Font
 
-_EXTENSIONS = (".ttf", ".otf", ".ttc", ".otc")
 _STARTS = (b"\x00\x01\x00\x00", b"OTTO", b"true", b"ttcf")
 _WEB = {b"wOFF": "WOFF", b"wOF2": "WOFF2"}
 _LARGEST = 256 * 1024 * 1024
@@ -63,7 +63,7 @@ def read_font(name: str | Path) -> Font:
     """
     text = str(name)
     plain, number = re.fullmatch(r"(.*?)(?:#(\d+))?", text, re.DOTALL).groups()  # type: ignore[union-attr]
-    if isinstance(name, Path) or plain.lower().endswith((*_EXTENSIONS, ".woff", ".woff2")) or "/" in text:
+    if isinstance(name, Path) or is_font_file(text) or "/" in text:
         path, face = (Path(text), 0) if number is None or Path(text).exists() else (Path(plain), int(number))
         return _from_file(path, text, face)
     entry = _installed(text)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.types.contours import Contours, ring_area
+
+Rule = Literal["NonZero", "EvenOdd"]
 
 
 def united(rings: Iterable[Float64], tolerance_mm: float = 0.0) -> Contours:
@@ -29,11 +31,11 @@ def united(rings: Iterable[Float64], tolerance_mm: float = 0.0) -> Contours:
     return contours_of(cross_section(rings), tolerance_mm)
 
 
-def cross_section(rings: Iterable[Float64]) -> Any:
-    """A ``manifold3d.CrossSection`` of rings, by their winding number."""
+def cross_section(rings: Iterable[Float64], rule: Rule = "NonZero") -> Any:
+    """A ``manifold3d.CrossSection`` of rings, filled by their winding number or by a rule of the same name."""
     from manifold3d import CrossSection, FillRule
 
-    return CrossSection([np.ascontiguousarray(ring) for ring in rings], FillRule.NonZero)
+    return CrossSection([np.ascontiguousarray(ring) for ring in rings], getattr(FillRule, rule))
 
 
 def contours_of(section: Any, tolerance_mm: float) -> Contours:

@@ -75,6 +75,10 @@ class Board:
         points = np.column_stack([self.x_mm[cols], self.y_mm[rows]])
         return Field(inside, at, Curves(contours, self.pitch_mm).nearest(points, reach_mm))
 
+    def depth_mm(self, contours: Contours, reach_mm: float) -> Float64:
+        """(rows, cols) float64: distances of the vertices from curves, positive inside, at most a reach."""
+        return np.clip(self.field(contours, reach_mm).depth_mm(), -reach_mm, reach_mm)
+
     def _near(self, contours: Contours, reach_mm: float) -> NDArray[np.intp]:
         """(n,) the vertices, row by row, that may lie within a reach of curves: at least all that do."""
         import cv2

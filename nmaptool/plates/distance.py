@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.winding import winding_on_grid, winds_around
 from nmaptool.types.contours import Contours
 
 # points that are searched for at once
 _AT_ONCE = 1_000_000
-# points that are compared with all edges at once
-_BAND = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,37 +164,10 @@ def inside_grid(contours: Contours, x_mm: Float64, y_mm: Float64) -> Mask:
     -------
     (rows, cols) bool
     """
-    order = np.argsort(y_mm)
-    levels = y_mm[order]
-    turns = np.zeros((len(y_mm), len(x_mm) + 1), np.int32)
-    for ring in contours.rings:
-        start, end = ring, np.roll(ring, -1, axis=0)
-        low, high = np.minimum(start[:, 1], end[:, 1]), np.maximum(start[:, 1], end[:, 1])
-        first, last = np.searchsorted(levels, low, "left"), np.searchsorted(levels, high, "left")
-        count = last - first
-        edge = np.repeat(np.arange(len(ring)), count)
-        row = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count - first, count)
-        share = (levels[row] - start[edge, 1]) / (end[edge, 1] - start[edge, 1])
-        crossing = start[edge, 0] + share * (end[edge, 0] - start[edge, 0])
-        upward = np.where(end[edge, 1] > start[edge, 1], 1, -1)
-        np.add.at(turns, (row, np.searchsorted(x_mm, crossing, "left")), upward)
-    inside: Mask = np.empty((len(y_mm), len(x_mm)), bool)
-    inside[order] = np.cumsum(turns, axis=1)[:, :-1] != 0
+    inside: Mask = winding_on_grid(contours.rings, x_mm, y_mm) != 0
     return inside
 
 
 def inside_points(contours: Contours, points_mm: Float64) -> Mask:
     """(n,) bool: which of (n, 2) points lie inside closed curves."""
-    turns = np.zeros(len(points_mm), np.int64)
-    for first in range(0, len(points_mm), _BAND):
-        x, y = points_mm[first : first + _BAND].T[:, :, None]
-        for start in contours.rings:
-            end = np.roll(start, -1, axis=0)
-            crosses = (start[:, 1] <= y) != (end[:, 1] <= y)
-            side = (end[:, 0] - start[:, 0]) * (y - start[:, 1]) - (end[:, 1] - start[:, 1]) * (x - start[:, 0])
-            upward = end[:, 1] > start[:, 1]
-            # edges to the right of the point
-            counted = np.where(upward, 1, -1) * (crosses & ((side > 0) == upward))
-            turns[first : first + _BAND] += counted.sum(axis=1)
-    inside: Mask = turns != 0
-    return inside
+    return winds_around(contours.rings, points_mm)

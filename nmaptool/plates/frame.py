@@ -60,8 +60,7 @@ def frame_heights(board: Board, outline: Contours, design: PlateDesign, size: Fr
         If the plate is narrower than two frames.
     """
     margin_mm = 2 * board.pitch_mm
-    field = board.field(outline, size.width_mm + margin_mm)
-    depth_mm = field.depth_mm()
+    depth_mm = board.depth_mm(outline, size.width_mm + margin_mm)
     if not (depth_mm > size.width_mm).any():
         across, down = outline.bounds_mm[1] - outline.bounds_mm[0]
         raise InputError(
@@ -69,7 +68,7 @@ def frame_heights(board: Board, outline: Contours, design: PlateDesign, size: Fr
             f"{across:.4g} x {down:.4g} mm; use a narrower frame"
         )
     cross = Cross(size.width_mm, min(size.slope_mm, size.width_mm / 2), board.pitch_mm)
-    clipped = np.clip(depth_mm, -margin_mm, size.width_mm + margin_mm)
+    clipped = np.maximum(depth_mm, -margin_mm)
     name = design.frame.frame_profile
     if name in ("rope", "bead"):
         share = (rope if name == "rope" else beads)(cross, clipped, board, outline)

@@ -50,9 +50,7 @@ def motif_and_frame(
     frame_mm, shows = frame_heights(board, edge, design, size)
     if any(each.is_loop for each in openings):
         slope_mm = min(size.slope_mm, inside_mm / 4)
-        reach_mm = slope_mm + 4 * board.pitch_mm
-        depth_mm = np.clip(board.field(edge, reach_mm).depth_mm(), -reach_mm, reach_mm)
-        frame_mm *= outer_slope(board, depth_mm, slope_mm)
+        frame_mm *= outer_slope(board, board.depth_mm(edge, slope_mm + 4 * board.pitch_mm), slope_mm)
     return z_mm * shows + frame_mm, size
 
 
@@ -69,8 +67,7 @@ def _motif(relief: Relief, layout: Layout, design: PlateDesign, board: Board) ->
 def _cropped(z_mm: Float64, inset_mm: float, board: Board, edge: Contours, draft: float) -> Float64:
     """Heights that run down to the plate at a distance from its edge."""
     slope_mm = slope_width(float(np.abs(z_mm).max()), draft, board.pitch_mm)
-    reach_mm = inset_mm + slope_mm + 2 * board.pitch_mm
-    depth_mm = np.clip(board.field(edge, reach_mm).depth_mm(), -reach_mm, reach_mm)
+    depth_mm = board.depth_mm(edge, inset_mm + slope_mm + 2 * board.pitch_mm)
     return z_mm * slope(depth_mm - (inset_mm + slope_mm / 2), slope_mm, board.pitch_mm)
 
 

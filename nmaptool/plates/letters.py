@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,6 +67,10 @@ class Letters:
         if height is None:
             height = min(_OF_RELIEF * relief_mm or np.inf, _OF_SIZE * self.size_mm)
         return -height if self.options.text_sunk else height
+
+    def moved(self, x_mm: float, y_mm: float) -> Letters:
+        """The same letters elsewhere."""
+        return dataclasses.replace(self, contours=self.contours.moved(x_mm, y_mm))
 
     def facts(self, relief_mm: float) -> dict[str, Any]:
         """For the report, on a relief of some height."""
@@ -172,5 +177,4 @@ def letter_heights(board: Board, letters: Letters, height_mm: float, draft: floa
     widest = max(letters.stroke_mm - 2 * board.pitch_mm, board.pitch_mm)  # slopes are averaged over two pixels
     wide = min(slope_width(abs(height_mm), draft, board.pitch_mm), widest)
     reach = wide / 2 + 2 * board.pitch_mm
-    depth_mm = np.clip(board.field(contours, reach).depth_mm(), -reach, reach)
-    return slope(depth_mm, wide, board.pitch_mm) * height_mm
+    return slope(board.depth_mm(contours, reach), wide, board.pitch_mm) * height_mm

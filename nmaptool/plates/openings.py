@@ -14,7 +14,7 @@ from nmaptool.plates.board import Board
 from nmaptool.plates.distance import Curves, inside_points
 from nmaptool.plates.layout import Layout
 from nmaptool.plates.polygons import circle, circle_tolerance, offset, without_short_edges
-from nmaptool.plates.profiles import averaged, slope
+from nmaptool.plates.profiles import averaged, half_round, slope
 from nmaptool.types.contours import Contours
 from nmaptool.types.plate import PlateDesign
 
@@ -167,7 +167,7 @@ def rim_heights(board: Board, opening: Opening, height_mm: float) -> Float64:
     x, y = np.meshgrid(board.x_mm - opening.x_mm, board.y_mm - opening.y_mm)
     depth_mm = np.hypot(x, y) - opening.radius_mm
 
-    def half_round(depth: Float64) -> Float64:
-        return np.sqrt(np.maximum(0.0, 1 - (2 * np.clip(depth / opening.rim_mm, 0, 1) - 1) ** 2))
+    def rim(depth: Float64) -> Float64:
+        return half_round(2 * np.clip(depth / opening.rim_mm, 0, 1) - 1)
 
-    return averaged(half_round, depth_mm, opening.rim_mm, board.pitch_mm) * height_mm
+    return averaged(rim, depth_mm, opening.rim_mm, board.pitch_mm) * height_mm

@@ -8,7 +8,7 @@ from nmaptool.core.arrays import Float64
 from nmaptool.plates.board import Board
 from nmaptool.plates.distance import Curves
 from nmaptool.plates.polygons import offset, outer_rings
-from nmaptool.plates.profiles import Cross, averaged
+from nmaptool.plates.profiles import Cross, averaged, half_round
 from nmaptool.types.contours import Contours
 
 # share of the width that is a level rim along the edge
@@ -56,7 +56,7 @@ def rope(cross: Cross, depth_mm: Float64, board: Board, outline: Contours) -> Fl
     # strands for each mm along and across: a groove is averaged over two pixels, at most over half a strand
     over = np.hypot(1 / strand_mm, 4 * _WIND / (np.pi * width * np.sqrt(1 - across**2)))
     groove = _groove(turn, np.minimum(2 * board.pitch_mm * over, 0.5))
-    body = averaged(lambda away: _half_round(2 * away / width), from_line, width / 2, board.pitch_mm)
+    body = averaged(lambda away: half_round(2 * away / width), from_line, width / 2, board.pitch_mm)
     out: Float64 = np.maximum(_rim_profile(cross, rim, depth_mm), body * (1 - _GROOVE * groove))
     return out
 
@@ -95,7 +95,7 @@ def beads(cross: Cross, depth_mm: Float64, board: Board, outline: Contours) -> F
     reach = radius + 2 * board.pitch_mm
     distance, _ = cKDTree(centres).query(points, distance_upper_bound=reach, workers=-1)
     away = np.minimum(distance, reach).reshape(board.shape)
-    bead = averaged(lambda from_middle: _half_round(from_middle / radius), away, radius, board.pitch_mm)
+    bead = averaged(lambda from_middle: half_round(from_middle / radius), away, radius, board.pitch_mm)
     out: Float64 = np.maximum(_rim_profile(cross, rim, depth_mm), bead)
     return out
 
@@ -142,12 +142,6 @@ def _centre_line(outline: Contours, inset_mm: float, width_mm: float) -> Contour
         if len(found.rings) == len(sharp.rings):
             break
     return found
-
-
-def _half_round(share: Float64) -> Float64:
-    """The height of a half circle from -1 to 1."""
-    out: Float64 = np.sqrt(np.maximum(0.0, 1 - share**2))
-    return out
 
 
 def _rim_of(cross: Cross) -> tuple[float, float]:

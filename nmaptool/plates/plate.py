@@ -106,8 +106,10 @@ def plate(
     letters = letters_of(layout, bare, design)
     larger = layout if width_mm is None else enlarged(layout, motif, design, letters)
     if larger is not layout:
-        layout, bare = larger, outline_of(larger, motif, design, larger.pitch_mm)
-        letters = letters_of(layout, bare, design)
+        # the plate and its letters are the same elsewhere
+        x_mm, y_mm = (larger.middle_mm - layout.middle_mm).tolist()
+        bare, letters = bare.moved(x_mm, y_mm), tuple(each.moved(x_mm, y_mm) for each in letters)
+        layout = larger
     loop = loop_of(layout, bare, design)
     openings = (*openings_of(layout, bare, design), *([] if loop is None else [loop]))
     inputs: dict[str, Any] = {

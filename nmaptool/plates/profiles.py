@@ -53,6 +53,12 @@ def averaged(profile: Callable[[Float64], Float64], depth_mm: Float64, reach_mm:
     return out
 
 
+def half_round(share: Float64) -> Float64:
+    """The height of a half circle from -1 to 1."""
+    out: Float64 = np.sqrt(np.maximum(0.0, 1 - share**2))
+    return out
+
+
 def plain_profile(name: str, drawn: Float64 | None, cross: Cross, depth_mm: Float64) -> Float64:
     """Heights of a profile that is the same along the frame, at depths from the edge; 1 where it is highest."""
     width, ramp = cross.width_mm, cross.slope_mm
@@ -62,7 +68,7 @@ def plain_profile(name: str, drawn: Float64 | None, cross: Cross, depth_mm: Floa
         if drawn is not None:
             found = np.where(depth > width, 0.0, np.interp(share, drawn[:, 0], drawn[:, 1]))
         elif name == "round":
-            found = np.sqrt(np.maximum(0.0, 1 - (2 * share - 1) ** 2))
+            found = half_round(2 * share - 1)
         elif name == "bevel":
             found = np.clip((1 - share) / (1 - _BEVEL_TOP), 0, 1)
         else:

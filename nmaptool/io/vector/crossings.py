@@ -2,41 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from nmaptool.core.arrays import Float64, Mask
+from nmaptool.core.winding import winds_around
+from nmaptool.lettering.rings import Rule, cross_section
 from nmaptool.types.contours import ring_area
 
 _BLOCK = 256
+_RULES: tuple[Rule, ...] = ("EvenOdd", "NonZero")
 # an area per length below which a crossing is rounding of the boolean operation, in mm
 _ROUNDING_MM = 1e-6
 
 
 def holds(outer: Float64, ring: Float64) -> bool:
     """Whether a ring that does not cross an outer one lies inside it."""
-    x, y = ring[0]
-    return bool(_inside(outer, float(x), float(y)))
-
-
-def _inside(ring: Float64, x: float, y: float) -> bool:
-    """Whether a point lies inside a polygon, by the crossings of a ray to the right."""
-    x0, y0 = ring.T
-    x1, y1 = np.roll(ring, -1, axis=0).T
-    spans = (y0 <= y) != (y1 <= y)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = x0 + (y - y0) / (y1 - y0) * (x1 - x0)
-    return bool(np.count_nonzero(spans & (at > x)) % 2)
+    return bool(winds_around([outer], ring[:1])[0])
 
 
 def cross_themselves(rings: list[Float64]) -> bool:
     """Whether a ring crosses itself: then it encloses parts with a winding number other than 1."""
-    return any(
-        abs(abs(ring_area(ring)) - _area([ring], rule)) > rounding([ring])
-        for ring in rings
-        for rule in ("EvenOdd", "NonZero")
-    )
+    return any(abs(abs(ring_area(ring)) - _area([ring], rule)) > rounding([ring]) for ring in rings for rule in _RULES)
 
 
 def cross_each_other(rings: list[Float64]) -> bool:
@@ -54,12 +40,9 @@ def rounding(rings: list[Float64]) -> float:
     return _ROUNDING_MM * float(sum(np.hypot(*(np.roll(ring, -1, axis=0) - ring).T).sum() for ring in rings))
 
 
-def _area(rings: list[Float64], rule: str) -> float:
+def _area(rings: list[Float64], rule: Rule) -> float:
     """Area that rings enclose by a fill rule."""
-    from manifold3d import CrossSection, FillRule
-
-    section: Any = CrossSection([np.ascontiguousarray(ring) for ring in rings], getattr(FillRule, rule))
-    return float(section.area())
+    return float(cross_section(rings, rule).area())
 
 
 def crossing_point(rings: list[Float64]) -> tuple[float, float] | None:

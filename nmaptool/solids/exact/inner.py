@@ -9,6 +9,7 @@ import numpy as np
 from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.grid import touching_corners, touching_vertices
+from nmaptool.core.winding import winding_on_grid
 
 # distance of the pixels from the outline, and between the points of the outline that are looked at, in px
 _CLEAR_PX = 0.25
@@ -71,20 +72,8 @@ def vertices_between(rings_px: Sequence[Float64], inner: Mask) -> Mask:
 
 def inside_of(rings_px: Sequence[Float64], shape: tuple[int, int]) -> Mask:
     """(H, W) bool: the pixels whose centres lie inside; parameters and errors as for `inner_mask`."""
-    steps = np.zeros((shape[0], shape[1] + 1), np.int32)
-    for ring in rings_px:
-        start, end = ring, np.roll(ring, -1, axis=0)
-        sign = np.sign(end[:, 1] - start[:, 1]).astype(np.int32)
-        low, high = (np.ceil(pick(start[:, 1], end[:, 1]) - 0.5) for pick in (np.minimum, np.maximum))
-        low, high = np.maximum(low, 0).astype(np.int64), np.minimum(high, shape[0]).astype(np.int64)
-        count = np.maximum(high - low, 0)
-        edge = np.repeat(np.arange(len(ring)), count)
-        row = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count - low, count)
-        (x0, y0), (x1, y1) = start[edge].T, end[edge].T
-        x = x0 + (row + 0.5 - y0) / (y1 - y0) * (x1 - x0)
-        col = np.clip(np.floor(x - 0.5).astype(np.int64) + 1, 0, shape[1])
-        np.add.at(steps, (row, col), sign[edge])
-    winding = np.cumsum(steps[:, :-1], axis=1, dtype=np.int32)
+    rows, cols = (np.arange(0.5, count) for count in shape)
+    winding = winding_on_grid(rings_px, cols, rows, side="right")
     if winding.max(initial=0) > 1 or winding.min(initial=0) < 0:
         raise InputError("the outline crosses itself; its rings must neither cross each other nor themselves")
     inside: Mask = winding > 0
