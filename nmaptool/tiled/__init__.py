@@ -1,0 +1,1 @@
+"""Commands on maps larger than memory, tile by tile on Dask workers."""
