@@ -175,26 +175,43 @@ def motif_of(original: NormalMap, mask: Float32 | None, fading: bool) -> Mask:
     InputError
         If the motif is empty.
     """
-    kind = original.decoding.background
+    motif, chosen = motif_in(original, mask, fading)
+    if not motif.any():
+        raise no_motif(original.name, original.decoding.background, None if mask is None else bool(chosen.any()))
+    return motif
+
+
+def motif_in(original: NormalMap, mask: Float32 | None, fading: bool) -> tuple[Mask, Mask]:
+    """Return the motif as (H, W) bool, which may be empty, and what the mask selects of it and of the background."""
     if mask is None:
-        if not original.foreground.any():
-            raise InputError(
-                f"{original.name}: every pixel is background ({kind}), so there is no motif; if the whole map is a "
-                "surface, use `background_color='none'`"
-            )
-        return original.foreground
+        return original.foreground, original.foreground
     chosen = mask >= 0.5
     if fading and min(mask.shape) > 1:
         down, across = np.gradient(mask)
         chosen |= (mask > _FAINTEST) & (np.hypot(down, across) < _RAMP_PER_PX)
-    if not chosen.any():
-        raise InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
-    both = np.asarray(chosen & (original.coverage >= 0.5))
-    if not both.any():
-        raise InputError(
-            f"the mask selects only background ({kind}) of {original.name}; check whether it is inverted or upside down"
+    return np.asarray(chosen & (original.coverage >= 0.5)), chosen
+
+
+def no_motif(name: str, background: str, selected: bool | None) -> InputError:
+    """The error for an empty motif.
+
+    Parameters
+    ----------
+    name, background : str
+        The map, and the kind of its background.
+    selected : bool or None
+        Whether the mask selects anything; None without a mask.
+    """
+    if selected is None:
+        return InputError(
+            f"{name}: every pixel is background ({background}), so there is no motif; if the whole map is a "
+            "surface, use `background_color='none'`"
         )
-    return both
+    if not selected:
+        return InputError("the mask selects nothing: paint the motif white (0.5 or more) on black")
+    return InputError(
+        f"the mask selects only background ({background}) of {name}; check whether it is inverted or upside down"
+    )
 
 
 def walled(motif: Mask, walls: Float32 | None) -> Mask:

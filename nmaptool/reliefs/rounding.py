@@ -9,7 +9,8 @@ import numpy as np
 from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.grid import places
 
-_MARGIN_PX = 3
+# around the reach, for the crossings of the outline
+MARGIN_PX = 3
 
 
 def rounded(coverage: Float32, radius_px: float) -> Float32:
@@ -28,8 +29,8 @@ def rounded(coverage: Float32, radius_px: float) -> Float32:
     -------
     (H, W) float32
     """
-    pad = math.ceil(2 * radius_px) + _MARGIN_PX
-    reach_px = 2 * radius_px + _MARGIN_PX
+    pad = math.ceil(2 * radius_px) + MARGIN_PX
+    reach_px = 2 * radius_px + MARGIN_PX
     level = np.pad(coverage.astype(np.float64), pad) - 0.5
     # a disc fits into what opening leaves, and then into what surrounds it
     for by_px in (-radius_px, radius_px, radius_px, -radius_px):

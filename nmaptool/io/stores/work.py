@@ -1,0 +1,145 @@
+"""The folder of a solve by tiles: its arrays, and a record of each finished step, so that a later run can go on."""
+
+from __future__ import annotations
+
+import io
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nmaptool.core.errors import InputError, OutputError, reason_of
+
+_CHUNK = 512
+_RECIPE = "recipe.json"
+
+
+@lru_cache(maxsize=64)
+def _array(url: str) -> Any:
+    import zarr
+
+    return zarr.open_array(url, mode="r+")
+
+
+@dataclass(frozen=True)
+class WorkFolder:
+    """Arrays and records below one folder or address.
+
+    Parameters
+    ----------
+    url : str
+        A folder, or an address that fsspec knows.
+    """
+
+    url: str
+
+    def make_array(self, name: str, shape: tuple[int, ...], dtype: str, *, packed: bool = False) -> None:
+        """Create an array of zeros, unless it is there; ``packed`` compresses it."""
+        import zarr
+        from zarr.codecs import BloscCodec
+
+        if self._exists(f"{name}/zarr.json"):
+            return
+        codec = BloscCodec(cname="lz4", clevel=1) if packed else None
+        zarr.create_array(
+            f"{self.url}/{name}",
+            shape=shape,
+            chunks=tuple(min(_CHUNK, size) for size in shape),
+            dtype=dtype,
+            compressors=codec,
+            overwrite=True,
+        )
+
+    def read(self, name: str, box: tuple[slice, slice]) -> NDArray[Any]:
+        """Read a window of an array.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read.
+        """
+        try:
+            return np.ascontiguousarray(_array(f"{self.url}/{name}")[box])
+        except (OSError, ValueError, RuntimeError) as error:
+            raise InputError(
+                f"{self.url}: a chunk of {name} is missing or damaged ({error}); remove the folder and run again"
+            ) from error
+
+    def write(self, name: str, box: tuple[slice, slice], values: NDArray[Any]) -> None:
+        """Write a window of an array.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written.
+        """
+        try:
+            _array(f"{self.url}/{name}")[box] = values
+        except OSError as error:
+            raise OutputError(f"{self.url}: cannot write {name}: {reason_of(error)}; free some space and run again, it goes on") from error
+
+    def put(self, key: str, values: Mapping[str, Any]) -> None:
+        """Record a finished step, all or nothing."""
+        buffer = io.BytesIO()
+        np.savez(buffer, **values)
+        data = buffer.getvalue()
+        self._put_bytes(f"{key}.npz", zlib.crc32(data).to_bytes(4, "big") + data)
+
+    def get(self, key: str) -> dict[str, NDArray[Any]] | None:
+        """Return what was recorded for a step; None if it is not finished."""
+        data = self._bytes(f"{key}.npz")
+        if data is None or zlib.crc32(data[4:]).to_bytes(4, "big") != data[:4]:
+            return None
+        with np.load(io.BytesIO(data[4:])) as found:
+            return dict(found)
+
+    def recipe(self) -> dict[str, Any] | None:
+        """Return the recipe that the folder belongs to; None for a new folder."""
+        data = self._bytes(_RECIPE)
+        try:
+            return None if data is None else dict(json.loads(data))
+        except ValueError:
+            return None
+
+    def begin(self, recipe: Mapping[str, Any]) -> None:
+        """Start a folder for a recipe."""
+        self._put_bytes(_RECIPE, json.dumps(recipe, indent=1).encode())
+
+    def remove(self) -> None:
+        """Remove the folder with all that is in it."""
+        files, path = self._files()
+        _array.cache_clear()
+        if files.exists(path):
+            files.rm(path, recursive=True)
+
+    def _files(self) -> tuple[Any, str]:
+        import fsspec
+
+        files, path = fsspec.core.url_to_fs(self.url)
+        return files, path
+
+    def _exists(self, key: str) -> bool:
+        files, path = self._files()
+        return bool(files.exists(f"{path}/{key}"))
+
+    def _bytes(self, key: str) -> bytes | None:
+        files, path = self._files()
+        try:
+            return bytes(files.cat_file(f"{path}/{key}"))
+        except FileNotFoundError:
+            return None
+
+    def _put_bytes(self, key: str, data: bytes) -> None:
+        files, path = self._files()
+        target = f"{path}/{key}"
+        try:
+            files.makedirs(target.rpartition("/")[0], exist_ok=True)
+            # a reader checks the sum, so a file that was cut off counts as missing
+            files.pipe_file(target, data)
+        except OSError as error:
+            raise OutputError(f"{self.url}: cannot write: {reason_of(error)}; free some space and run again, it goes on") from error

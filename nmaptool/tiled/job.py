@@ -1,0 +1,49 @@
+"""What every task of a relief by tiles knows: small values, sent to each worker."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nmaptool.io.stores.work import WorkFolder
+from nmaptool.options import ReadOptions, ReliefFiles, ReliefOptions
+from nmaptool.reliefs.targets import Weights
+from nmaptool.solver.tiling.grid import TileGrid
+
+
+@dataclass(frozen=True)
+class ReliefJob:
+    """A relief by tiles.
+
+    Attributes
+    ----------
+    folder : WorkFolder
+    grid : TileGrid
+    original : str
+        Name of the map.
+    files : ReliefFiles
+        Names of the other inputs.
+    reading, detail_reading : ReadOptions
+        How the maps are read, with nothing left to detect.
+    options : ReliefOptions
+    weights : Weights
+        For the whole picture, without maps.
+    pitch_mm : float
+    margin : int
+        Pixels around a tile that its system depends on.
+    """
+
+    folder: WorkFolder
+    grid: TileGrid
+    original: str
+    files: ReliefFiles
+    reading: ReadOptions
+    detail_reading: ReadOptions | None
+    options: ReliefOptions
+    weights: Weights
+    pitch_mm: float
+    margin: int
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """The loads to solve for: one, or that of the shape and that of delta where their sum is found afterwards."""
+        return ("load",) if self.options.fit == "scale" else ("load", "pull")
