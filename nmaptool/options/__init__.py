@@ -25,6 +25,7 @@ from nmaptool.options.reconstruct import Boundary, ReconstructOptions, Scheme, S
 from nmaptool.options.relief import BackgroundMode, Energy, Fit, ReliefOptions, SolverName
 from nmaptool.options.relief_files import ReliefFiles
 from nmaptool.options.solid import Outline, SolidOptions
+from nmaptool.options.tiling import TilingOptions
 from nmaptool.options.transform import NewGround, TransformOptions
 from nmaptool.options.workspace import PackOptions
 from nmaptool.options.write import Bits, HeightsAt, WriteOptions, WrittenGreen, WrittenZeroCode
@@ -74,6 +75,7 @@ __all__ = [
     "SolidOptions",
     "SolverName",
     "SplitOptions",
+    "TilingOptions",
     "TrainOptions",
     "TransformOptions",
     "WriteOptions",

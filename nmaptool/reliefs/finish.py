@@ -16,12 +16,11 @@ from nmaptool.reliefs.layout import Layout
 
 
 @dataclass(frozen=True, eq=False)
-class FinishedHeights:
-    """Heights of a relief and how they were computed.
+class HeightFacts:
+    """How the heights of a relief were computed.
 
     Attributes
     ----------
-    z_mm : (H+1, W+1) float64
     range_mm, relief_range_mm : (float, float), float
         Lowest and highest height of the surface; height range of the relief above the background.
     below_share : float
@@ -31,13 +30,26 @@ class FinishedHeights:
     statistics : SolveStatistics
     """
 
-    z_mm: Float64
     range_mm: tuple[float, float]
     relief_range_mm: float
     below_share: float
     delta_px: float
     scale: float
     statistics: SolveStatistics
+
+
+@dataclass(frozen=True, eq=False)
+class FinishedHeights:
+    """Heights of a relief and how they were computed.
+
+    Attributes
+    ----------
+    z_mm : (H+1, W+1) float64
+    facts : HeightFacts
+    """
+
+    z_mm: Float64
+    facts: HeightFacts
 
 
 def finish(
@@ -70,17 +82,19 @@ def finish(
     ConvergenceError
         If the solver does not reach its tolerance.
     """
-    wanted_px = _in_px(options.height, layout, pitch_mm)
+    wanted_px = length_px(options.height, layout.motif.shape, pitch_mm)
     if layout.standing is not None:
         above, statistics = heights.at(delta, settings, warm_start)
-        edge_px = _in_px(options.edge_height, layout, pitch_mm)
+        edge_px = length_px(options.edge_height, layout.motif.shape, pitch_mm)
         above = layout.standing.heights(above, options, edge_px, wanted_px)
         return _finished(above, layout, pitch_mm, delta, 1.0, statistics)
     if wanted_px is None or options.fit == "scale":
         above, statistics = heights.at(delta, settings, warm_start)
         scale, range_px = 1.0, layout.range_of(above)
         if wanted_px is not None:
-            scale = _factor(above, range_px, layout, wanted_px, options)
+            base_px = layout.domain.base_px
+            size = max(float(np.abs(above).max()), 0.0 if base_px is None else float(np.abs(base_px).max()))
+            scale = factor_for_height(range_px, size, wanted_px, options)
             above *= scale
             range_px = scale * range_px[0], scale * range_px[1]
         return _finished(above, layout, pitch_mm, delta, scale, statistics, range_px)
@@ -96,18 +110,32 @@ def finish(
     return _finished(above, layout, pitch_mm, delta, slope, statistics)
 
 
-def _in_px(length: Length | None, layout: Layout, pitch_mm: float) -> float | None:
-    return None if length is None else length.to_mm(pitch_mm, max(layout.motif.shape)) / pitch_mm
+def length_px(length: Length | None, shape: tuple[int, ...], pitch_mm: float) -> float | None:
+    """A length in px of a picture of this shape; None if there is none."""
+    return None if length is None else length.to_mm(pitch_mm, max(shape)) / pitch_mm
 
 
-def _factor(
-    above: Float64, range_px: tuple[float, float], layout: Layout, wanted_px: float, options: ReliefOptions
+def factor_for_height(
+    range_px: tuple[float, float], size_px: float, wanted_px: float, options: ReliefOptions
 ) -> float:
-    """Return the factor on all heights."""
+    """Return the factor on all heights that gives them a range.
+
+    Parameters
+    ----------
+    range_px : (float, float)
+        Their lowest and highest value.
+    size_px : float
+        The largest absolute value, with that of the background: ranges of its rounding errors are flat.
+    wanted_px : float
+    options : ReliefOptions
+
+    Raises
+    ------
+    InputError
+        If the heights are flat.
+    """
     low, high = range_px
-    base_px = layout.domain.base_px
-    rounding = 1e-12 * max(1.0, float(np.abs(above).max()), 0.0 if base_px is None else float(np.abs(base_px).max()))
-    if high - low <= rounding:
+    if high - low <= 1e-12 * max(1.0, size_px):
         raise InputError(f"`height='{options.height}'`: the relief is flat, so no factor gives it a height")
     return wanted_px / (high - low)
 
@@ -132,4 +160,5 @@ def _finished(
         above += layout.domain.base_px
         low, high = layout.range_of(above)
     above *= pitch_mm
-    return FinishedHeights(above, (low * pitch_mm, high * pitch_mm), relief_range_mm, below, delta, scale, statistics)
+    range_mm = low * pitch_mm, high * pitch_mm
+    return FinishedHeights(above, HeightFacts(range_mm, relief_range_mm, below, delta, scale, statistics))

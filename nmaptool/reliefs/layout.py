@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,6 +11,31 @@ from nmaptool.core.arrays import Float32, Float64, Mask, read_only
 from nmaptool.core.grid import touching_vertices
 from nmaptool.reliefs.domain import Domain
 from nmaptool.reliefs.standing import Standing
+
+
+@dataclass(frozen=True)
+class MotifFacts:
+    """What a report says about the motif.
+
+    Attributes
+    ----------
+    shape : (int, int)
+        Rows and columns of the picture.
+    share, flat_share, left_alone : float
+        Share of the picture that is motif; share of the motif that is flat against the viewer; share of the picture
+        that is motif without the height term.
+    holds : bool
+        Whether vertices are held.
+    edge_height_mm : float or None
+        Mean height of the motif's walls; None without walls.
+    """
+
+    shape: tuple[int, int]
+    share: float
+    flat_share: float
+    left_alone: float
+    holds: bool
+    edge_height_mm: float | None = None
 
 
 class Layout:
@@ -53,6 +79,12 @@ class Layout:
     @functools.cached_property
     def _motif_vertices(self) -> Mask:
         return touching_vertices(self.motif)
+
+    def facts(self, z_mm: Float64) -> MotifFacts:
+        """Return what a report says, for finished heights."""
+        edge_mm = None if self.standing is None else self.standing.mean_edge(z_mm)
+        rows, cols = self.motif.shape
+        return MotifFacts((rows, cols), self.motif_share, self.flat_share, self.left_alone, self.holds, edge_mm)
 
     def inside(self, z: Float64) -> Float64:
         """Return the heights of the surface's vertices as a 1-D array."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from nmaptool.core.text import in_short
 from nmaptool.options import ReliefOptions
-from nmaptool.reliefs.finish import FinishedHeights
-from nmaptool.reliefs.layout import Layout
+from nmaptool.reliefs.finish import HeightFacts
+from nmaptool.reliefs.layout import MotifFacts
 from nmaptool.reliefs.targets import Weights, to_pixels
 from nmaptool.solver import Solver
 from nmaptool.types.relief import ReliefReport
@@ -44,9 +44,9 @@ def facts_of(solver: Solver) -> SolverFacts:
 
 def report_of(
     options: ReliefOptions,
-    layout: Layout,
+    motif: MotifFacts,
     weights: Weights,
-    heights: FinishedHeights,
+    heights: HeightFacts,
     solver: SolverFacts,
     pitch: tuple[float, str],
     steep_share: float,
@@ -81,28 +81,28 @@ def report_of(
         height_range_mm=high - low,
         relief_range_mm=heights.relief_range_mm,
         below_background_share=heights.below_share,
-        foreground_share=layout.motif_share,
+        foreground_share=motif.share,
         steep_share=steep_share,
-        edge="blend" if layout.standing is None else "wall",
-        edge_height_mm=0.0 if layout.standing is None else layout.standing.mean_edge(heights.z_mm),
-        flat_share=layout.flat_share,
+        edge="blend" if motif.edge_height_mm is None else "wall",
+        edge_height_mm=motif.edge_height_mm or 0.0,
+        flat_share=motif.flat_share,
         scale=heights.scale,
         planned_bytes=solver.planned_bytes,
         warnings=(
-            *_warnings(options, layout, heights.scale, reach_px, pulled),
-            *_size_doubts(layout.motif.shape, pitch, high - low),
+            *_warnings(options, motif, heights.scale, reach_px, pulled),
+            *_size_doubts(motif.shape, pitch, high - low),
         ),
     )
 
 
-def _warnings(options: ReliefOptions, layout: Layout, scale: float, reach_px: float, pulled: bool) -> list[str]:
+def _warnings(options: ReliefOptions, motif: MotifFacts, scale: float, reach_px: float, pulled: bool) -> list[str]:
     found = []
-    if not layout.holds:
+    if not motif.holds:
         if not pulled:
             found.append("`beta` is 0 and nothing is held: `delta` has no effect, and the heights have mean 0")
         elif options.background in ("plane", "surface"):
             found.append("the map has no background to hold: the whole picture is surface, pulled to height `delta`")
-    if layout.left_alone > _MUCH_FLAT * layout.motif_share and pulled:
+    if motif.left_alone > _MUCH_FLAT * motif.share and pulled:
         found.append("much of the motif is flat; for lettering and emblems, `beta=0` keeps every height of the map")
     if reach_px < 1:
         found.append(f"`beta` is so large that it flattens shapes wider than {reach_px:.2g} px; use a smaller `beta`")

@@ -213,9 +213,9 @@ class ReliefSession:
             height = Height(heights.z_mm, case.layout.domain.surface, frame, raised)
             report = report_of(
                 options,
-                case.layout,
+                case.layout.facts(heights.z_mm),
                 weights,
-                heights,
+                heights.facts,
                 case.facts,
                 (pitch_mm, pitch_from),
                 case.steep_share,

@@ -124,7 +124,7 @@ def assembled(job: ReliefJob, pool: Pool, progress: Progress | None) -> Records:
         folder.make_array(f"{load}_coarse", (rows + 2, cols + 2), "f8")
         for number in (0, 1):
             folder.make_array(heights_name(load, number), vertices, "f8")
-    return run_step(job, pool, "assembled", partial(assemble, job), _tell(progress, "reading maps"))
+    return run_step(job, pool, "assembled", partial(assemble, job), teller(progress, "reading maps"))
 
 
 def coarse_problem(job: ReliefJob, records: Records) -> CoarseProblem:
@@ -188,7 +188,7 @@ def solve(
         add_block(total, records[tile][f"{load}_coarse"], grid, tile)
     history: list[float] = []
     iterations = 0
-    tell = _tell(progress, "solving")
+    tell = teller(progress, "solving")
     for number in range(1, options.max_iterations + 1):
         _send_coarse(job, load, coarse.solve(total))
         step = f"{load}_sweep{number}"
@@ -222,5 +222,5 @@ def _share_done(history: list[float], tolerance: float) -> float:
     return 0.0 if not history else float(np.clip(np.log(history[-1]) / np.log(tolerance), 0, 1))
 
 
-def _tell(progress: Progress | None, stage: str) -> Callable[[float], object]:
+def teller(progress: Progress | None, stage: str) -> Callable[[float], object]:
     return (lambda _: None) if progress is None else (lambda share: progress(stage, min(share, 1.0)))

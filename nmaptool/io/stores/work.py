@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
+import os
+import socket
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -17,6 +20,21 @@ from nmaptool.core.errors import InputError, OutputError, reason_of
 
 _CHUNK = 512
 _RECIPE = "recipe.json"
+_LOCK = "lock"
+
+
+def _is_alive(owner: str) -> bool:
+    """Whether the process of a lock runs; one on another machine is taken to."""
+    host, _, number = owner.rpartition(" ")
+    if host != socket.gethostname() or not number.isdecimal():
+        return True
+    try:
+        os.kill(int(number), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
 
 
 @lru_cache(maxsize=64)
@@ -109,6 +127,43 @@ class WorkFolder:
     def begin(self, recipe: Mapping[str, Any]) -> None:
         """Start a folder for a recipe."""
         self._put_bytes(_RECIPE, json.dumps(recipe, indent=1).encode())
+
+    def finished(self) -> int:
+        """Number of finished steps."""
+        files, path = self._files()
+        return len(files.glob(f"{path}/*/*.npz"))
+
+    @contextlib.contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other runs out.
+
+        Raises
+        ------
+        OutputError
+            If another run uses the folder.
+        """
+        mine = f"{socket.gethostname()} {os.getpid()}"
+        owner = (self._bytes(_LOCK) or b"").decode()
+        if owner and owner != mine and _is_alive(owner):
+            raise OutputError(
+                f"{self.url}: another run uses it (process {owner.split()[-1]} on {owner.split()[0]}); wait for it, or "
+                f"remove {_LOCK} in that folder if it has ended"
+            )
+        self._put_bytes(_LOCK, mine.encode())
+        try:
+            yield
+        finally:
+            files, path = self._files()
+            with contextlib.suppress(FileNotFoundError):
+                files.rm_file(f"{path}/{_LOCK}")
+
+    def clear(self) -> None:
+        """Remove what an earlier run left, except the lock."""
+        files, path = self._files()
+        _array.cache_clear()
+        for entry in files.ls(path, detail=False):
+            if not entry.endswith(f"/{_LOCK}"):
+                files.rm(entry, recursive=True)
 
     def remove(self) -> None:
         """Remove the folder with all that is in it."""

@@ -1,0 +1,87 @@
+"""The inputs of a relief by tiles: opened once to settle how they are read, and watched for changes."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+from nmaptool.core.errors import InputError
+from nmaptool.io.stores.normal_maps import open_normal_map
+from nmaptool.io.stores.opening import open_picture
+from nmaptool.options import ReadOptions, ReliefFiles
+from nmaptool.types.plain_arrays import check_sizes
+
+
+@dataclass(frozen=True)
+class Sources:
+    """The inputs of a relief.
+
+    Attributes
+    ----------
+    original : str
+    rows, cols : int
+    pitch_mm : float or None
+    background : str
+        Kind of the original's background.
+    reading, detail_reading : ReadOptions
+        How the maps are read, with nothing left to detect.
+    stamps : dict of str to str
+        For each input, a text that changes when it does.
+    warnings : tuple of str
+    """
+
+    original: str
+    rows: int
+    cols: int
+    pitch_mm: float | None
+    background: str
+    reading: ReadOptions
+    detail_reading: ReadOptions | None
+    stamps: dict[str, str]
+    warnings: tuple[str, ...] = ()
+
+    def check_unchanged(self) -> None:
+        """Check that the inputs are as they were.
+
+        Raises
+        ------
+        InputError
+            If one has changed.
+        """
+        for name, stamp in self.stamps.items():
+            if open_picture(name).stamp() != stamp:
+                raise InputError(f"{name}: changed while it was read; wait until it is complete, and run again")
+
+
+def open_sources(original: str, files: ReliefFiles, reading: ReadOptions) -> Sources:
+    """Open all inputs, check their sizes, and settle how the maps are read.
+
+    Raises
+    ------
+    InputError
+        If one cannot be read, or sizes differ.
+    """
+    first = open_normal_map(original, reading)
+    detail = None
+    if files.detail is not None:
+        detail = open_normal_map(files.detail, dataclasses.replace(reading, layer=None), like=first)
+    given = {name: file for name, file in dataclasses.asdict(files).items() if file is not None}
+    sizes = {}
+    stamps = {original: open_picture(original).stamp()}
+    for role, file in given.items():
+        picture = open_picture(file)
+        extra = 1 if role == "surface" else 0
+        sizes[f"the {role.replace('_', ' ')} {file}"] = (picture.rows - extra, picture.cols - extra)
+        stamps[file] = picture.stamp()
+    check_sizes(original, (first.rows, first.cols), sizes)
+    return Sources(
+        original,
+        first.rows,
+        first.cols,
+        first.pitch_mm,
+        first.decoding.background,
+        first.settled,
+        None if detail is None else detail.settled,
+        stamps,
+        tuple(first.decoding.warnings),
+    )

@@ -1,0 +1,105 @@
+"""How a large map is cut: the coarse grid, the tiles, their overlap, and the number of workers, within a memory limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nmaptool.core.errors import LimitError
+from nmaptool.core.units import memory_text
+from nmaptool.solver.tiling.grid import TileGrid
+
+# measured by bench.tiled at the peak of each pass, per vertex of a window and per vertex of the coarse grid
+BYTES_PER_VERTEX = 150
+BYTES_PER_COARSE_VERTEX = 130
+# Python with its libraries, per process
+_BYTES_PER_PROCESS = 220_000_000
+# vertices of the coarse grid that the overlap spans: errors at the sides of a window shrink by e^-2 pi within about ten
+_COARSE_OVERLAP = 16
+_FACTORS = (4, 8, 16, 32, 64)
+_TILES = (4096, 2048, 1024, 512)
+# fewer tiles for each worker leave workers idle at the end of a pass
+_LEAST_TILES = 8
+# with more memory, a coarse grid of more vertices than this does not pay
+_MOST_COARSE = 20_000_000
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a run is cut, and its memory.
+
+    Attributes
+    ----------
+    grid : TileGrid
+    workers : int
+        0 for a run in one process.
+    worker_bytes, coarse_bytes : int
+        Estimated memory of a worker, and of the coarse grid.
+    disk_bytes : int
+        Space that the work folder needs.
+    """
+
+    grid: TileGrid
+    workers: int
+    worker_bytes: int
+    coarse_bytes: int
+    disk_bytes: int
+
+    @property
+    def total_bytes(self) -> int:
+        """Estimated memory of the run on this machine; the coarse grid is solved while the workers rest."""
+        return max(1, self.workers) * self.worker_bytes + self.coarse_bytes
+
+
+def plan(
+    rows: int, cols: int, cores: int, memory_bytes: int, *, tile: int | None = None, workers: int | None = None, loads: int = 1
+) -> Plan:
+    """Cut a picture.
+
+    Parameters
+    ----------
+    rows, cols : int
+        In faces.
+    cores : int
+        Most workers, unless ``workers`` says otherwise.
+    memory_bytes : int
+        Memory of the machine that the run may use.
+    tile : int, optional
+        Side of a tile. Default: the largest for which there is memory.
+    workers : int, optional
+    loads : int
+        Number of loads to solve for.
+
+    Raises
+    ------
+    LimitError
+        If even the smallest plan needs more memory.
+    """
+    least: Plan | None = None
+    counts = range(cores, 0, -1) if workers is None else (workers,)
+    for factor in _FACTORS:
+        coarse = (rows // factor + 2) * (cols // factor + 2)
+        for count in counts:
+            for side in _TILES if tile is None else (tile,):
+                found = _plan_of(rows, cols, side, factor, count, loads)
+                if tile is None and side > _TILES[-1] and len(found.grid) < _LEAST_TILES * max(count, 1):
+                    continue
+                least = found if least is None or found.total_bytes < least.total_bytes else least
+                if coarse <= _MOST_COARSE and found.total_bytes <= memory_bytes:
+                    return found
+    assert least is not None
+    raise LimitError(
+        f"{cols} x {rows} px by tiles: needs about {memory_text(least.total_bytes)} of memory, "
+        f"`memory_limit` allows {memory_text(memory_bytes)}; raise it to {memory_text(least.total_bytes * 21 // 20)}"
+    )
+
+
+def _plan_of(rows: int, cols: int, tile: int, factor: int, workers: int, loads: int) -> Plan:
+    overlap = _COARSE_OVERLAP * factor
+    side = min(tile, -(-max(rows, cols) // factor) * factor)
+    grid = TileGrid(rows, cols, side, overlap, factor)
+    window = (min(side + 2 * overlap, rows) + 1) * (min(side + 2 * overlap, cols) + 1)
+    coarse_shape = grid.coarse_shape
+    coarse = (coarse_shape[0] + 2) * (coarse_shape[1] + 2)
+    pixels = rows * cols
+    disk = pixels * (5 + 24 * loads)
+    return Plan(grid, workers, window * BYTES_PER_VERTEX + _BYTES_PER_PROCESS, coarse * BYTES_PER_COARSE_VERTEX + _BYTES_PER_PROCESS, disk)

@@ -1,0 +1,140 @@
+"""Where the tasks of a run are done: in this process, in local worker processes, or on a Dask cluster."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+from nmaptool.core.errors import LimitError, NmaptoolError
+from nmaptool.core.parallel import one_by_one
+from nmaptool.solver.tiling.grid import Tile
+
+# tasks that each worker has waiting, so that it never idles
+_WAITING = 2
+# a worker that dies takes its task along this often before the run ends
+_TRIES = 2
+
+
+class HerePool:
+    """Does every task in this process."""
+
+    def each(self, work: Callable[[Tile], object], tiles: Iterable[Tile], done: Callable[[], object]) -> None:
+        """Call ``work`` with every tile, and ``done`` as each is finished."""
+        for tile in tiles:
+            work(tile)
+            done()
+
+
+def _alone(work: Callable[[Tile], object], tile: Tile) -> None:
+    """One task on one thread: the other cores have their own tasks."""
+    with one_by_one():
+        work(tile)
+
+
+class DaskPool:
+    """Does tasks on the workers of a Dask cluster. A task is a tile; results are records in the work folder.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    def each(self, work: Callable[[Tile], object], tiles: Iterable[Tile], done: Callable[[], object]) -> None:
+        """Call ``work`` with every tile, and ``done`` as each is finished.
+
+        Raises
+        ------
+        LimitError
+            If workers die at the same tile again and again.
+        NmaptoolError
+            If there are no workers, or the scheduler goes away.
+        """
+        from concurrent.futures import CancelledError
+
+        from distributed import KilledWorker, as_completed
+        from distributed.comm.core import CommClosedError
+
+        rest = iter(tiles)
+        try:
+            threads = sum(self._client.nthreads().values())
+            if not threads:
+                raise NmaptoolError("the cluster has no workers; start some with `dask worker`, and run again")
+            submit = lambda tile: self._client.submit(_alone, work, tile, pure=False, retries=0)  # noqa: E731
+            first = [submit(tile) for tile, _ in zip(rest, range(_WAITING * threads), strict=False)]
+            running = as_completed(first)
+            try:
+                for future in running:
+                    future.result()
+                    done()
+                    following = next(rest, None)
+                    if following is not None:
+                        running.add(submit(following))
+            except BaseException:
+                self._client.cancel(list(running.futures))
+                raise
+        except KilledWorker as error:
+            raise LimitError(
+                f"workers died {_TRIES + 1} times at one tile, most likely for lack of memory ({error.last_worker.address}); "
+                "use fewer workers, a smaller `tile`, or a larger `memory_limit`; what is finished is kept, run again to go on"
+            ) from None
+        except (CommClosedError, CancelledError, TimeoutError, OSError) as error:
+            if isinstance(error, NmaptoolError):
+                raise
+            raise NmaptoolError(
+                f"the connection to the scheduler was lost ({type(error).__name__}); what is finished is kept, run again to go on"
+            ) from None
+
+
+@contextlib.contextmanager
+def local_pool(workers: int, memory_bytes: int | None = None) -> Iterator[DaskPool | HerePool]:
+    """A pool of processes on this machine, each with one thread.
+
+    Parameters
+    ----------
+    workers : int
+        0 does the work in this process.
+    memory_bytes : int, optional
+        Memory of each worker; one that needs more is stopped and its task is tried again.
+    """
+    if workers == 0:
+        yield HerePool()
+        return
+    import dask
+    from distributed import Client, LocalCluster
+
+    quiet = {"distributed.scheduler.allowed-failures": _TRIES, "distributed.worker.memory.spill": False, "distributed.worker.memory.target": False}
+    with dask.config.set(quiet):
+        cluster = LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            memory_limit=memory_bytes or 0,
+            dashboard_address=None,
+            silence_logs=logging.CRITICAL,
+        )
+        with cluster, Client(cluster) as client:
+            yield DaskPool(client)
+
+
+@contextlib.contextmanager
+def cluster_pool(address: str) -> Iterator[DaskPool]:
+    """The pool of a running cluster.
+
+    Raises
+    ------
+    NmaptoolError
+        If it cannot be reached.
+    """
+    from distributed import Client
+
+    try:
+        client = Client(address, timeout=10)
+    except (OSError, ValueError) as error:
+        raise NmaptoolError(f"`scheduler={address!r}`: cannot be reached ({type(error).__name__}); start one with `dask scheduler`") from None
+    with client:
+        yield DaskPool(client)
