@@ -115,9 +115,7 @@ def length_px(length: Length | None, shape: tuple[int, ...], pitch_mm: float) ->
     return None if length is None else length.to_mm(pitch_mm, max(shape)) / pitch_mm
 
 
-def factor_for_height(
-    range_px: tuple[float, float], size_px: float, wanted_px: float, options: ReliefOptions
-) -> float:
+def factor_for_height(range_px: tuple[float, float], size_px: float, wanted_px: float, options: ReliefOptions) -> float:
     """Return the factor on all heights that gives them a range.
 
     Parameters

@@ -104,9 +104,7 @@ def window_system(
     first = capped_slopes(original.normals, options.slope_cap)
     second = None if maps.detail is None else capped_slopes(maps.detail.normals, options.slope_cap)
     energy = options.energy if maps.detail is not None else "eq6"
-    targets = build_targets(
-        original, maps.detail, domain, weights, options.slope_cap, energy, (first, second)
-    )
+    targets = build_targets(original, maps.detail, domain, weights, options.slope_cap, energy, (first, second))
     acting, here = domain.acting[inner], motif[inner]
     return WindowSystem(
         targets.weight,

@@ -95,13 +95,13 @@ def assemble(job: ReliefJob, tile: Tile) -> None:
     for name, values in loads.items():
         folder.write(name, vertices, values[owned])
         record[f"{name}_coarse"] = restricted(values[owned], grid, tile)
-        record[f"{name}_sums"] = _sums(vertex_labels, count, values[owned], system, owned, unknown[owned])
+        record[f"{name}_sums"] = _sums(vertex_labels, count, values[owned], system, owned)
         add_lines(record, name, values[owned], 1)
     folder.put(f"assembled/{tile.row}_{tile.col}", record)
 
 
 def _counts(system: WindowSystem, own: Box, unknown: NDArray[Any]) -> tuple[int, ...]:
-    """Counts of a tile: motif, selected, steep, acting, flat, where the height term acts, unknown vertices, held ones."""
+    """Counts of a tile: motif, selected, steep, acting, flat, motif without height term, unknown vertices, any held."""
     motif = system.motif[own]
     acts = system.foreground[own]
     return (
@@ -116,20 +116,19 @@ def _counts(system: WindowSystem, own: Box, unknown: NDArray[Any]) -> tuple[int,
     )
 
 
-def _sums(
-    labels: Labels, count: int, load: NDArray[Any], system: WindowSystem, owned: Box, unknown: NDArray[Any]
-) -> NDArray[Any]:
+def _sums(labels: Labels, count: int, load: NDArray[Any], system: WindowSystem, owned: Box) -> NDArray[Any]:
     """(count+1, 7): sums over each island of load^2, load, beta, load beta, beta^2, of held vertices and of all."""
     beta = system.beta[owned].astype(np.float64)
-    held = system.held[owned].astype(np.float64)
-    columns = (load * load, load, beta, load * beta, beta * beta, held, np.ones(load.shape))
+    inside_any = labels > 0
+    held = system.held[owned] & inside_any
+    columns = (load * load, load, beta, load * beta, beta * beta, held, inside_any)
     return np.column_stack([sum_by_label(labels, count, values) for values in columns])
 
 
 def sum_by_label(labels: Labels, count: int, values: NDArray[Any]) -> NDArray[Any]:
-    """(count+1,) float64: sums of values by label."""
-    if count == 1 and labels.all():
-        return np.array([0.0, values.sum()])
+    """(count+1,) float64: sums of values by label; the values must be 0 where the label is 0."""
+    if count == 1:
+        return np.array([0.0, values.sum(dtype=np.float64)])
     return np.bincount(labels.ravel(), values.ravel(), count + 1)
 
 
@@ -157,5 +156,6 @@ def _outer(values: NDArray[Any]) -> dict[str, NDArray[Any]]:
 
 
 def add_lines(record: dict[str, Any], name: str, values: NDArray[Any], width: int) -> None:
+    """Add the outermost lines of an array to a record."""
     lines = lines_of(values, width)
     record |= {f"{name}_{side}": getattr(lines, side) for side in SIDES}

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
-from nmaptool.core.errors import InputError
 from nmaptool.core.grid import corner_mean
 from nmaptool.core.progress import Progress
-from nmaptool.reliefs.finish import HeightFacts, factor_for_height, length_px
-from nmaptool.reliefs.fit import factor_for_range
-from nmaptool.reliefs.heights import SolveStatistics
-from nmaptool.solver.tiling.grid import Tile, inside, of_vertices
+from nmaptool.solver.tiling.grid import Tile, of_vertices
 from nmaptool.tiled.assembly import SURFACE, sum_by_label, tile_labels
 from nmaptool.tiled.job import ReliefJob
 from nmaptool.tiled.solving import Pool, Swept, run_step, teller
@@ -88,7 +83,7 @@ def measure(job: ReliefJob, array: str, tile: Tile) -> None:
         f"{array}_levels/{tile.row}_{tile.col}",
         {
             "pulled": sum_by_label(labels, count, beta * z),
-            "sum": sum_by_label(labels, count, z),
+            "sum": sum_by_label(labels, count, np.where(labels > 0, z, 0)),
             "low": np.append(np.inf, extremes[0]) if count else np.array([np.inf]),
             "high": np.append(-np.inf, extremes[1]) if count else np.array([-np.inf]),
         },
@@ -133,7 +128,7 @@ def hull(job: ReliefJob, arrays: tuple[str, str], shifts: tuple[Shifts | None, S
         _, labels, _ = tile_labels(job, tile, folder.read("weight", window), window)
         for values, shift in zip(pair, shifts, strict=True):
             if shift is not None:
-                values += shift.of(tile)[labels]
+                np.add(values, shift.of(tile)[labels], out=values)
     points = np.column_stack([values[inner] for values in pair])
     folder.put(f"hull/{tile.row}_{tile.col}", {"points": hull_points(points)})
 

@@ -1,4 +1,4 @@
-"""How a large map is cut: the coarse grid, the tiles, their overlap, and the number of workers, within a memory limit."""
+"""How a large map is cut, within a memory limit: the coarse grid, the tiles, their overlap, the number of workers."""
 
 from __future__ import annotations
 
@@ -51,7 +51,14 @@ class Plan:
 
 
 def plan(
-    rows: int, cols: int, cores: int, memory_bytes: int, *, tile: int | None = None, workers: int | None = None, loads: int = 1
+    rows: int,
+    cols: int,
+    cores: int,
+    memory_bytes: int,
+    *,
+    tile: int | None = None,
+    workers: int | None = None,
+    loads: int = 1,
 ) -> Plan:
     """Cut a picture.
 
@@ -102,4 +109,10 @@ def _plan_of(rows: int, cols: int, tile: int, factor: int, workers: int, loads: 
     coarse = (coarse_shape[0] + 2) * (coarse_shape[1] + 2)
     pixels = rows * cols
     disk = pixels * (5 + 24 * loads)
-    return Plan(grid, workers, window * BYTES_PER_VERTEX + _BYTES_PER_PROCESS, coarse * BYTES_PER_COARSE_VERTEX + _BYTES_PER_PROCESS, disk)
+    return Plan(
+        grid,
+        workers,
+        window * BYTES_PER_VERTEX + _BYTES_PER_PROCESS,
+        coarse * BYTES_PER_COARSE_VERTEX + _BYTES_PER_PROCESS,
+        disk,
+    )

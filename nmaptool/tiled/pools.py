@@ -15,6 +15,7 @@ from nmaptool.solver.tiling.grid import Tile
 _WAITING = 2
 # a worker that dies takes its task along this often before the run ends
 _TRIES = 2
+_GO_ON = "what is finished is kept, run again to go on"
 
 
 class HerePool:
@@ -79,14 +80,14 @@ class DaskPool:
                 raise
         except KilledWorker as error:
             raise LimitError(
-                f"workers died {_TRIES + 1} times at one tile, most likely for lack of memory ({error.last_worker.address}); "
-                "use fewer workers, a smaller `tile`, or a larger `memory_limit`; what is finished is kept, run again to go on"
+                f"workers died {_TRIES + 1} times at one tile, the last {error.last_worker.address}, most likely for lack "
+                f"of memory; use fewer `workers`, a smaller `tile` or a larger `memory_limit`; {_GO_ON}"
             ) from None
         except (CommClosedError, CancelledError, TimeoutError, OSError) as error:
             if isinstance(error, NmaptoolError):
                 raise
             raise NmaptoolError(
-                f"the connection to the scheduler was lost ({type(error).__name__}); what is finished is kept, run again to go on"
+                f"the connection to the scheduler was lost ({type(error).__name__}); {_GO_ON}"
             ) from None
 
 
@@ -107,7 +108,11 @@ def local_pool(workers: int, memory_bytes: int | None = None) -> Iterator[DaskPo
     import dask
     from distributed import Client, LocalCluster
 
-    quiet = {"distributed.scheduler.allowed-failures": _TRIES, "distributed.worker.memory.spill": False, "distributed.worker.memory.target": False}
+    quiet = {
+        "distributed.scheduler.allowed-failures": _TRIES,
+        "distributed.worker.memory.spill": False,
+        "distributed.worker.memory.target": False,
+    }
     with dask.config.set(quiet):
         cluster = LocalCluster(
             n_workers=workers,
@@ -135,6 +140,8 @@ def cluster_pool(address: str) -> Iterator[DaskPool]:
     try:
         client = Client(address, timeout=10)
     except (OSError, ValueError) as error:
-        raise NmaptoolError(f"`scheduler={address!r}`: cannot be reached ({type(error).__name__}); start one with `dask scheduler`") from None
+        raise NmaptoolError(
+            f"`scheduler={address!r}`: cannot be reached ({type(error).__name__}); start one with `dask scheduler`"
+        ) from None
     with client:
         yield DaskPool(client)

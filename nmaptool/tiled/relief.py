@@ -110,7 +110,17 @@ def relief(
     grid = made.grid
     report = dataclasses.replace(report, seconds=stages.elapsed)
     return TiledReport(
-        report, output, grid.rows, grid.cols, grid.tile, grid.overlap, grid.factor, len(grid), made.workers, sweeps, resumed
+        report,
+        output,
+        grid.rows,
+        grid.cols,
+        grid.tile,
+        grid.overlap,
+        grid.factor,
+        len(grid),
+        made.workers,
+        sweeps,
+        resumed,
     )
 
 

@@ -109,4 +109,3 @@ def _report(job: ReliefJob, counts: Any, swept: list[Swept], facts: HeightFacts,
     return report_of(
         job.options, about, job.weights, facts, solver, (job.pitch_mm, pitch_from), steep_share, longer, pulled
     )
-

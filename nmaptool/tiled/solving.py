@@ -14,7 +14,7 @@ from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import ConvergenceError
 from nmaptool.core.progress import Progress
 from nmaptool.solver.tiling.coarse import CoarseProblem, add_block, empty_sum
-from nmaptool.solver.tiling.grid import Tile, TileGrid
+from nmaptool.solver.tiling.grid import Tile
 from nmaptool.solver.tiling.islands import merge
 from nmaptool.tiled.assembly import assemble
 from nmaptool.tiled.job import ReliefJob
@@ -87,7 +87,9 @@ class Swept:
     islands: Islands
 
 
-def run_step(job: ReliefJob, pool: Pool, step: str, work: Callable[[Tile], object], tell: Callable[[float], object]) -> Records:
+def run_step(
+    job: ReliefJob, pool: Pool, step: str, work: Callable[[Tile], object], tell: Callable[[float], object]
+) -> Records:
     """Run one step for all tiles that have no record of it yet, and return all records."""
     folder, grid = job.folder, job.grid
     known: Records = {}
@@ -194,7 +196,11 @@ def solve(
         step = f"{load}_sweep{number}"
         at = _share_done(history, options.tolerance)
         swept = run_step(
-            job, pool, step, partial(sweep, job, load, number, _REDUCTION), lambda share, at=at: tell(at + share * (1 - at) / 3)  # type: ignore[misc]
+            job,
+            pool,
+            step,
+            partial(sweep, job, load, number, _REDUCTION),
+            lambda share, at=at: tell(at + share * (1 - at) / 3),  # type: ignore[misc]
         )
         left = Remainder(grid, load, records, swept, islands.numbers, islands.count)
         relative = np.sqrt(left.squares[1:]) / np.where(islands.scale[1:] > 0, islands.scale[1:], np.inf)
@@ -223,4 +229,5 @@ def _share_done(history: list[float], tolerance: float) -> float:
 
 
 def teller(progress: Progress | None, stage: str) -> Callable[[float], object]:
+    """A callback for the share done of a stage."""
     return (lambda _: None) if progress is None else (lambda share: progress(stage, min(share, 1.0)))

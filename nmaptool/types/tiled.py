@@ -15,8 +15,8 @@ class TiledReport(Report):
     Attributes
     ----------
     relief : ReliefReport
-        As for a relief in memory; ``iterations`` sums the largest number of each sweep, ``history`` has one residual for
-        each sweep.
+        As for a relief in memory; ``iterations`` sums the largest number of each sweep, ``history`` has one residual
+        for each.
     output : str
         The store of the heights.
     rows, cols : int

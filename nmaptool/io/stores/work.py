@@ -7,6 +7,7 @@ import io
 import json
 import os
 import socket
+import sys
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -26,7 +27,8 @@ _LOCK = "lock"
 def _is_alive(owner: str) -> bool:
     """Whether the process of a lock runs; one on another machine is taken to."""
     host, _, number = owner.rpartition(" ")
-    if host != socket.gethostname() or not number.isdecimal():
+    # on Windows, signal 0 would interrupt the process
+    if host != socket.gethostname() or not number.isdecimal() or sys.platform == "win32":
         return True
     try:
         os.kill(int(number), 0)
@@ -99,7 +101,9 @@ class WorkFolder:
         try:
             _array(f"{self.url}/{name}")[box] = values
         except OSError as error:
-            raise OutputError(f"{self.url}: cannot write {name}: {reason_of(error)}; free some space and run again, it goes on") from error
+            raise OutputError(
+                f"{self.url}: cannot write {name}: {reason_of(error)}; free some space and run again, it goes on"
+            ) from error
 
     def put(self, key: str, values: Mapping[str, Any]) -> None:
         """Record a finished step, all or nothing."""
@@ -197,4 +201,6 @@ class WorkFolder:
             # a reader checks the sum, so a file that was cut off counts as missing
             files.pipe_file(target, data)
         except OSError as error:
-            raise OutputError(f"{self.url}: cannot write: {reason_of(error)}; free some space and run again, it goes on") from error
+            raise OutputError(
+                f"{self.url}: cannot write: {reason_of(error)}; free some space and run again, it goes on"
+            ) from error

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,7 +14,9 @@ Labels = NDArray[np.int32]
 
 
 def label_faces(weight: Float32) -> tuple[Labels, int]:
-    """(h, w) island of each face with a weight, 0 for none, and their number; faces that share a vertex belong together.
+    """(h, w) island of each face with a weight, 0 for none, and their number.
+
+    Faces that share a vertex belong together.
 
     Parameters
     ----------
@@ -68,7 +71,6 @@ def merge(counts: Sequence[int], pairs: Sequence[tuple[int, Labels, int, Labels]
     graph = sparse.coo_matrix((np.ones(len(a), np.int8), (a, b)), (total, total))
     count, found = sparse.csgraph.connected_components(graph, directed=False)
     numbers = [
-        np.concatenate([[0], found[start:stop] + 1]).astype(np.int32)
-        for start, stop in zip(starts[:-1], starts[1:], strict=True)
+        np.concatenate([[0], found[start:stop] + 1]).astype(np.int32) for start, stop in itertools.pairwise(starts)
     ]
     return numbers, int(count) if total else 0

@@ -55,9 +55,7 @@ class Lines:
 
 def lines_of(values: NDArray[Any], width: int = 2) -> Lines:
     """Return copies of the outermost rows and columns."""
-    return Lines(
-        values[:width].copy(), values[-width:].copy(), values[:, :width].copy(), values[:, -width:].copy()
-    )
+    return Lines(values[:width].copy(), values[-width:].copy(), values[:, :width].copy(), values[:, -width:].copy())
 
 
 @dataclass(frozen=True, eq=False)
