@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from nmaptool.core.arrays import Float64
 from nmaptool.core.grid import corner_mean
 from nmaptool.core.progress import Progress
+from nmaptool.io.stores.height_output import write_heights
 from nmaptool.solver.tiling.grid import Tile, of_vertices
 from nmaptool.tiled.assembly import SURFACE, sum_by_label, tile_labels
 from nmaptool.tiled.job import ReliefJob
@@ -154,8 +155,6 @@ def hull_points(points: Float64) -> Float64:
 
 def write(job: ReliefJob, total: Sum, shifts: tuple[Shifts | None, ...], output: str, at: str, tile: Tile) -> None:
     """Write the finished heights of a tile, in mm."""
-    from nmaptool.io.stores.heights import open_heights_to_write
-
     grid, folder = job.grid, job.folder
     faces = grid.faces(tile)
     box = of_vertices(faces) if at == "centers" else grid.vertices(tile)
@@ -182,6 +181,5 @@ def write(job: ReliefJob, total: Sum, shifts: tuple[Shifts | None, ...], output:
     z *= total.pitch_mm
     if job.options.background in ("free", "cut"):
         z[of_corners == 0] = np.nan
-    store = open_heights_to_write(output)
-    store.write(box[0].start, box[1].start, z)
+    write_heights(output, box[0].start, box[1].start, z)
     folder.put(f"written/{tile.row}_{tile.col}", {})

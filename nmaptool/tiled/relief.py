@@ -11,6 +11,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.core.memory import available_bytes
 from nmaptool.core.parallel import cores
 from nmaptool.core.progress import Progress, Stages
+from nmaptool.io.stores.height_output import HeightOutput
 from nmaptool.io.stores.work import WorkFolder
 from nmaptool.options import HeightsAt, ReadOptions, ReliefFiles, ReliefOptions, TilingOptions
 from nmaptool.options.plain_values import plain_values
@@ -94,14 +95,13 @@ def relief(
         pitch_mm, pitch_from = _pitch(sources, options)
         made = _plan(sources, options, tiling)
     job = _job(sources, options, files, tiling, made, pitch_mm, output)
-    from nmaptool.io.stores.heights import HeightOutput
-
-    target = HeightOutput(output, sources.rows, sources.cols, pitch_mm, at=at, overwrite=overwrite)
+    target = HeightOutput(output, sources.rows, sources.cols, pitch_mm, at, made.grid.tile, overwrite)
     with job.folder.locked(), _pool(tiling, made) as pool:
         resumed = _begin(job, sources, at)
         report, total, shifts = run_relief(job, pool, sources, pitch_from, stages)
         with stages.stage("finish"):
-            target.begin(report.height_min_mm, report.height_max_mm)
+            if not job.folder.has_any("written"):
+                target.begin(report.height_min_mm, report.height_max_mm)
             step = partial(write, job, total, shifts, target.partial_name, at)
             run_step(job, pool, "written", step, teller(progress, "writing heights"))
             target.finish()

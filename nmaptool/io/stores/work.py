@@ -137,6 +137,11 @@ class WorkFolder:
         files, path = self._files()
         return len(files.glob(f"{path}/*/*.npz"))
 
+    def has_any(self, step: str) -> bool:
+        """Whether a step was finished for any tile."""
+        files, path = self._files()
+        return bool(files.glob(f"{path}/{step}/*.npz"))
+
     @contextlib.contextmanager
     def locked(self) -> Iterator[None]:
         """Keep other runs out.
