@@ -66,7 +66,7 @@ class DaskPool:
             if not threads:
                 raise NmaptoolError("the cluster has no workers; start some with `dask worker`, and run again")
             submit = lambda tile: self._client.submit(_alone, work, tile, pure=False, retries=0)  # noqa: E731
-            first = [submit(tile) for tile, _ in zip(rest, range(_WAITING * threads), strict=False)]
+            first = [submit(tile) for _, tile in zip(range(_WAITING * threads), rest, strict=False)]
             running = as_completed(first)
             try:
                 for future in running:
