@@ -79,11 +79,15 @@ def assemble(job: ReliefJob, tile: Tile) -> None:
     folder.write("weight", faces, system.weight[own])
     folder.write("beta", vertices, system.beta[owned])
     folder.write("state", vertices, state[owned].astype(np.uint8))
-    record: dict[str, Any] = {
-        "mean": face_means(system.weight[own], grid),
+    mean = face_means(system.weight[own], grid)
+    blocks: dict[str, Any] = {
+        "mean": mean,
         "tie": restricted(tie[owned], grid, tile),
         "reach": restricted(unknown[owned].astype(np.float64), grid, tile),
+    }
+    record: dict[str, Any] = {
         "counts": np.array(_counts(system, own, unknown[owned])),
+        "most": np.array(system.weight[own].max()),
     }
     labels, vertex_labels, count = tile_labels(job, tile, system.weight, window)
     record["islands"] = np.array(count)
@@ -94,9 +98,10 @@ def assemble(job: ReliefJob, tile: Tile) -> None:
     add_lines(record, "labels", vertex_labels, 1)
     for name, values in loads.items():
         folder.write(name, vertices, values[owned])
-        record[f"{name}_coarse"] = restricted(values[owned], grid, tile)
+        blocks[name] = restricted(values[owned], grid, tile)
         record[f"{name}_sums"] = _sums(vertex_labels, count, values[owned], system, owned)
         add_lines(record, name, values[owned], 1)
+    folder.put(f"assembled_blocks/{tile.row}_{tile.col}", blocks)
     folder.put(f"assembled/{tile.row}_{tile.col}", record)
 
 
@@ -121,6 +126,10 @@ def _sums(labels: Labels, count: int, load: NDArray[Any], system: WindowSystem, 
     beta = system.beta[owned].astype(np.float64)
     inside_any = labels > 0
     held = system.held[owned] & inside_any
+    if count == 1:
+        flat = load.ravel(), beta.ravel()
+        sums = flat[0] @ flat[0], load.sum(), beta.sum(), flat[0] @ flat[1], flat[1] @ flat[1]
+        return np.array([[0.0] * 7, [*sums, np.count_nonzero(held), np.count_nonzero(inside_any)]])
     columns = (load * load, load, beta, load * beta, beta * beta, held, inside_any)
     return np.column_stack([sum_by_label(labels, count, values) for values in columns])
 

@@ -9,12 +9,12 @@ from nmaptool.core.units import memory_text
 from nmaptool.solver.tiling.grid import TileGrid
 
 # measured by bench.tiled at the peak of each pass, per vertex of a window and per vertex of the coarse grid
-BYTES_PER_VERTEX = 150
-BYTES_PER_COARSE_VERTEX = 130
+BYTES_PER_VERTEX = 110
+BYTES_PER_COARSE_VERTEX = 115
 # Python with its libraries, per process
-_BYTES_PER_PROCESS = 220_000_000
+_BYTES_PER_PROCESS = 200_000_000
 # vertices of the coarse grid that the overlap spans: errors at the sides of a window shrink by e^-2 pi within about ten
-_COARSE_OVERLAP = 16
+_COARSE_OVERLAP = 32
 _FACTORS = (4, 8, 16, 32, 64)
 _TILES = (4096, 2048, 1024, 512)
 # fewer tiles for each worker leave workers idle at the end of a pass

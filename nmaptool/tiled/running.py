@@ -35,10 +35,10 @@ def run_relief(
         counts = np.sum([record["counts"] for record in records.values()], axis=0)
         _check_motif(job, sources, counts)
     with stages.stage("setup"):
-        coarse = coarse_problem(job, records)
+        coarse = coarse_problem(job)
     with stages.stage("solve"):
         swept = [solve(job, pool, load, records, coarse, progress) for load in job.loads]
-        most = max(float(record["mean"].max()) for record in records.values())
+        most = max(float(record["most"]) for record in records.values())
         levelled = [level_islands(job, pool, each, most, progress) for each in swept]
     shifts: _Shifts = tuple(shift for shift, _ in levelled)
     with stages.stage("finish"):

@@ -129,17 +129,18 @@ def assembled(job: ReliefJob, pool: Pool, progress: Progress | None) -> Records:
     return run_step(job, pool, "assembled", partial(assemble, job), teller(progress, "reading maps"))
 
 
-def coarse_problem(job: ReliefJob, records: Records) -> CoarseProblem:
+def coarse_problem(job: ReliefJob) -> CoarseProblem:
     """Return the coarse problem."""
     grid = job.grid
     weight, tie, reach = np.zeros(grid.coarse_shape), empty_sum(grid), empty_sum(grid)
     for tile in grid:
         rows, cols = grid.faces(tile)
-        mean = records[tile]["mean"]
+        blocks = job.folder.known("assembled_blocks", tile)
+        mean = blocks["mean"]
         first, left = rows.start // grid.factor, cols.start // grid.factor
         weight[first : first + mean.shape[0], left : left + mean.shape[1]] = mean
-        add_block(tie, records[tile]["tie"], grid, tile)
-        add_block(reach, records[tile]["reach"], grid, tile)
+        add_block(tie, blocks["tie"], grid, tile)
+        add_block(reach, blocks["reach"], grid, tile)
     return CoarseProblem(weight, tie, reach)
 
 
@@ -187,7 +188,7 @@ def solve(
     islands = islands_of(job, records, load)
     total = empty_sum(grid)
     for tile in grid:
-        add_block(total, records[tile][f"{load}_coarse"], grid, tile)
+        add_block(total, job.folder.known("assembled_blocks", tile)[load], grid, tile)
     history: list[float] = []
     iterations = 0
     tell = teller(progress, "solving")
@@ -202,7 +203,7 @@ def solve(
             partial(sweep, job, load, number, _REDUCTION),
             lambda share, at=at: tell(at + share * (1 - at) / 3),  # type: ignore[misc]
         )
-        left = Remainder(grid, load, records, swept, islands.numbers, islands.count)
+        left = Remainder(job, load, number, records, swept, islands.numbers, islands.count)
         relative = np.sqrt(left.squares[1:]) / np.where(islands.scale[1:] > 0, islands.scale[1:], np.inf)
         history.append(float(relative.max(initial=0.0)))
         iterations += max(int(record["iterations"]) for record in swept.values())

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float64
 from nmaptool.solver.tiling.borders import Strip, strip_residual
-from nmaptool.solver.tiling.grid import Tile, TileGrid, inside, of_vertices
+from nmaptool.solver.tiling.coarse import add_block, empty_sum
+from nmaptool.solver.tiling.grid import Tile, inside, of_vertices
 from nmaptool.solver.tiling.tile import TileSystem, correct, restricted
 from nmaptool.solver.tiling.transfer import coarse_box, prolong, restrict
 from nmaptool.tiled.assembly import MOTIF, SURFACE, UNKNOWN, add_lines, sum_by_label, tile_labels
@@ -44,7 +45,6 @@ def sweep(job: ReliefJob, load: str, number: int, reduction: float, tile: Tile) 
     own_state = state[inside(vertices, corners)]
     on_surface = done.z[(own_state & SURFACE) > 0]
     record: dict[str, Any] = {
-        "coarse": restricted(done.residual, grid, tile),
         "squares": sum_by_label(labels, count, done.residual * done.residual),
         "range": np.array([on_surface.min(initial=np.inf), on_surface.max(initial=-np.inf)]),
         "below": np.array(np.count_nonzero((done.z < 0) & ((own_state & MOTIF) > 0))),
@@ -52,7 +52,9 @@ def sweep(job: ReliefJob, load: str, number: int, reduction: float, tile: Tile) 
         "iterations": np.array(done.iterations),
     }
     add_lines(record, "z", done.z, 2)
-    folder.put(f"{load}_sweep{number}/{tile.row}_{tile.col}", record)
+    step, place = f"{load}_sweep{number}", f"{tile.row}_{tile.col}"
+    folder.put(f"{step}_blocks/{place}", {"residual": restricted(done.residual, grid, tile)})
+    folder.put(f"{step}/{place}", record)
 
 
 class Remainder:
@@ -60,8 +62,10 @@ class Remainder:
 
     Parameters
     ----------
-    grid : TileGrid
+    job : ReliefJob
     load : str
+    number : int
+        Of the sweep.
     assembled, swept : dict of Tile to mapping
         Records of the first pass and of the sweep.
     numbers : dict of Tile to (count+1,) int32
@@ -72,21 +76,21 @@ class Remainder:
 
     def __init__(
         self,
-        grid: TileGrid,
+        job: ReliefJob,
         load: str,
+        number: int,
         assembled: Records,
         swept: Records,
         numbers: dict[Tile, NDArray[np.int32]],
         count: int,
     ) -> None:
+        grid = job.grid
         self._grid, self._load = grid, load
         self._assembled, self._swept, self._numbers = assembled, swept, numbers
         self.squares = np.zeros(count + 1)
-        rows, cols = grid.coarse_shape
-        self.coarse: Float64 = np.zeros((rows + 2, cols + 2))
+        self.coarse: Float64 = empty_sum(grid)
         for tile in grid:
-            box = coarse_box(grid.vertices(tile), grid.factor)
-            self.coarse[box] += swept[tile]["coarse"]
+            add_block(self.coarse, job.folder.known(f"{load}_sweep{number}_blocks", tile)["residual"], grid, tile)
             np.add.at(self.squares, numbers[tile], swept[tile]["squares"])
         self._add_borders()
 

@@ -84,7 +84,7 @@ class WorkFolder:
             If it cannot be read.
         """
         try:
-            return np.ascontiguousarray(_array(f"{self.url}/{name}")[box])
+            return np.asarray(_array(f"{self.url}/{name}")[box])
         except (OSError, ValueError, RuntimeError) as error:
             raise InputError(
                 f"{self.url}: a chunk of {name} is missing or damaged ({error}); remove the folder and run again"
@@ -119,6 +119,19 @@ class WorkFolder:
             return None
         with np.load(io.BytesIO(data[4:])) as found:
             return dict(found)
+
+    def known(self, step: str, tile: Any) -> dict[str, NDArray[Any]]:
+        """Return what was recorded for a finished step of a tile, which has a ``row`` and a ``col``.
+
+        Raises
+        ------
+        InputError
+            If the record is gone or damaged.
+        """
+        found = self.get(f"{step}/{tile.row}_{tile.col}")
+        if found is None:
+            raise InputError(f"{self.url}: a record of {step} is missing or damaged; remove the folder and run again")
+        return found
 
     def recipe(self) -> dict[str, Any] | None:
         """Return the recipe that the folder belongs to; None for a new folder."""

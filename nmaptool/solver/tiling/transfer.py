@@ -49,24 +49,27 @@ def restrict(values: Float64, box: Box, factor: int) -> Float64:
     float64
         Values of the coarse vertices in `coarse_box`.
     """
-    down, across = (interpolation(part, factor)[0] for part in box)
-    return _along_blocks(_along_blocks(values, down, box[0], factor).T, across, box[1], factor).T
+    return _restricted(_restricted(values, box[0], factor).T, box[1], factor).T
 
 
-def _along_blocks(values: Float64, weights: Float64, part: slice, factor: int) -> Float64:
-    """The product of the transposed weights with values; by blocks if the part begins at a coarse vertex."""
+def _restricted(values: Float64, part: slice, factor: int) -> Float64:
+    """The sums along the first axis; by blocks if the part begins at a coarse vertex."""
     whole = len(values) // factor
-    out = np.zeros((weights.shape[1], values.shape[1]))
+    first, last = part.start // factor, (part.stop - 1) // factor + 1
+    out = np.zeros((last - first + 1, values.shape[1]))
     done = 0
     if part.start % factor == 0 and whole:
         done = whole * factor
         blocks = values[:done].reshape(whole, factor, values.shape[1])
-        share = np.arange(factor) / factor
-        lower = np.einsum("bfw,f->bw", blocks, share)
-        out[1 : whole + 1] += lower
-        out[:whole] += blocks.sum(axis=1) - lower
+        for row in range(factor):
+            share = row / factor
+            out[:whole] += (1 - share) * blocks[:, row]
+            if row:
+                out[1 : whole + 1] += share * blocks[:, row]
     if done < len(values):
-        out += weights[done:].T @ values[done:]
+        rest = slice(part.start + done, part.stop)
+        weights, start = interpolation(rest, factor)
+        out[start - first : start - first + weights.shape[1]] += weights.T @ values[done:]
     return out
 
 
@@ -87,6 +90,8 @@ def prolong(coarse: Float64, box: Box, factor: int) -> Float64:
 def _interpolated(coarse: Float64, part: slice, factor: int) -> Float64:
     places = np.arange(part.start, part.stop)
     upper, share = places // factor - part.start // factor, (places % factor / factor)[:, None]
-    out: Float64 = coarse[upper] * (1 - share)
-    out += coarse[upper + 1] * share
+    out: Float64 = coarse[upper]
+    step = np.diff(coarse, axis=0)[upper]
+    step *= share
+    out += step
     return out
