@@ -80,8 +80,8 @@ class DaskPool:
                 raise
         except KilledWorker as error:
             raise LimitError(
-                f"workers died {_TRIES + 1} times at one tile, the last {error.last_worker.address}, most likely for lack "
-                f"of memory; use fewer `workers`, a smaller `tile` or a larger `memory_limit`; {_GO_ON}"
+                f"workers died {_TRIES + 1} times at one tile, the last {error.last_worker.address}, most likely for "
+                f"lack of memory; use fewer `workers`, a smaller `tile` or a larger `memory_limit`; {_GO_ON}"
             ) from None
         except (CommClosedError, CancelledError, TimeoutError, OSError) as error:
             if isinstance(error, NmaptoolError):

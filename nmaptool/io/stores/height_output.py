@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -107,7 +106,7 @@ class HeightOutput:
         path, partial = local_path(place), local_path(self.partial_name)
         try:
             if path is not None and partial is not None:
-                os.replace(partial, path)
+                partial.replace(path)
             else:
                 files, root = fsspec_module(place).core.url_to_fs(place)
                 files.mv(files._strip_protocol(self.partial_name), root, recursive=True)
