@@ -114,6 +114,8 @@ class _Range:
 
 def _in_order(picture: PictureStore) -> Iterator[tuple[slice, slice]]:
     """Windows of a picture: some that are spread over it, then all."""
-    side = tuple(max(unit, _LOOK_PX // unit * unit) for unit in picture.chunk)
-    everything = grid_windows((picture.rows, picture.cols), (side[0], side[1]))
+    rows, cols = picture.chunk
+    across = max(cols, _LOOK_PX // cols * cols)
+    most = min(_LOOK_PX, max(1, _LOOK_PX**2 // across))
+    everything = grid_windows((picture.rows, picture.cols), (max(rows, most // rows * rows), across))
     return itertools.chain(spread_windows(picture.rows, picture.cols), everything)

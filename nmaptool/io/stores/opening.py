@@ -6,6 +6,7 @@ from pathlib import Path
 
 from nmaptool.io.pictures.layer_names import Holds
 from nmaptool.io.stores.names import is_zarr, split_name
+from nmaptool.io.stores.tiff_files import TiffPicture, tiff_layout
 from nmaptool.io.stores.tiles import TileFolder, is_tile_folder
 from nmaptool.io.stores.whole_files import WholeFile
 from nmaptool.io.stores.zarr_pictures import ZarrPicture
@@ -16,6 +17,8 @@ from nmaptool.types.windows import PictureStore
 __all__ = ["create_picture", "is_store", "open_picture", "open_writable"]
 
 _LIMIT = ReadOptions().max_megapixels
+# a TIFF in tiles that is larger is not decoded as a whole
+_WHOLE_MEGAPIXELS = 16.0
 
 
 def is_store(name: str, max_megapixels: float = _LIMIT) -> bool:
@@ -30,7 +33,9 @@ def is_store(name: str, max_megapixels: float = _LIMIT) -> bool:
         A TIFF is large if it has more than this.
     """
     place, _ = split_name(name)
-    return is_zarr(place) or is_tile_folder(Path(place))
+    if is_zarr(place) or is_tile_folder(Path(place)):
+        return True
+    return tiff_layout(Path(place))[0] > max_megapixels
 
 
 def open_picture(name: str, layer: str | None = None, *, holds: Holds = "normals") -> PictureStore:
@@ -61,4 +66,7 @@ def open_picture(name: str, layer: str | None = None, *, holds: Holds = "normals
         return ZarrPicture(name, layer)
     if Path(place).is_dir():
         return TileFolder(name)
+    megapixels, tiled = tiff_layout(Path(place))
+    if megapixels > (_WHOLE_MEGAPIXELS if tiled else _LIMIT):
+        return TiffPicture(name, layer, holds)
     return WholeFile(name, layer, holds)
