@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from nmaptool.core.errors import UsageError
 from nmaptool.io.pictures.normal_maps import options_like
 from nmaptool.io.stores.opening import open_picture
 from nmaptool.io.stores.sampling import sample_of
@@ -111,7 +112,7 @@ def open_normal_map(
     return NormalMapStore(picture, settled, decoding)
 
 
-def reopen_normal_map(name: str, settled: SettledReading, decoding: Decoding | None = None) -> NormalMapStore:
+def reopen_normal_map(name: str, settled: ReadOptions, decoding: Decoding | None = None) -> NormalMapStore:
     """Open a normal map again, such as in another process, without looking for its conventions.
 
     Parameters
@@ -121,7 +122,16 @@ def reopen_normal_map(name: str, settled: SettledReading, decoding: Decoding | N
         That of a `NormalMapStore`.
     decoding : Decoding, optional
         The record for the maps that it returns.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    UsageError
+        If the options are not settled.
     """
+    if not isinstance(settled, SettledReading):
+        raise UsageError(f"{name}: these options leave decisions open; use those of open_normal_map")
     known = Decoding(
         green=settled.green,
         green_from="given",

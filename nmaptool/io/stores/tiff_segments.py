@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -136,8 +137,9 @@ class RarePage:
         self._facts = tiff_facts(path, request)
         self._number = page_number(path, request, self._facts)
         with tiff_damage_named(path):
-            self._tiff = tifffile.TiffFile(path)
-            page = usable_page(path, self._tiff, self._number)
+            tiff = tifffile.TiffFile(path)
+            weakref.finalize(self, tiff.close)
+            page = usable_page(path, tiff, self._number)
             self._page = page
             self.shape = (int(page.imagelength), int(page.imagewidth))
             rows = page.tilelength if page.is_tiled else min(page.rowsperstrip, page.imagelength)
