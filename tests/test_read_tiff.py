@@ -234,3 +234,12 @@ def test_what_a_damaged_header_declares_is_not_believed(tmp_path):
             nm.read_raster(path, nm.ReadOptions(max_megapixels=1))
         except (nm.InputError, nm.LimitError) as error:
             assert str(error).startswith(str(path))
+
+
+@pytest.mark.parametrize(
+    "layout", [{"tile": (32, 48)}, {"rowsperstrip": 16}, {"tile": (32, 48), "compression": "deflate"}]
+)
+def test_doubles_in_tiles_keep_their_numbers(tmp_path, layout):
+    values = np.random.default_rng(2).random((70, 50))
+    tifffile.imwrite(tmp_path / "heights.tif", values, **layout)
+    assert np.array_equal(nm.read_raster(tmp_path / "heights.tif").pixels[..., 0], values.astype(np.float32))

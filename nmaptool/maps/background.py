@@ -62,7 +62,7 @@ def alpha_is_data(image: RasterImage) -> bool:
 
 
 @dataclass(frozen=True)
-class _Span:
+class Span:
     """The stored values of -1 and 1 in a picture of (H, W, 3) components, which may be floats from 0 to 1."""
 
     low: float
@@ -79,11 +79,12 @@ class _Span:
         return (self.top - self.low) / 255
 
 
-def _span(image: RasterImage, xyz: NDArray[Any]) -> _Span:
-    return _Span(-1.0 if image.is_float and float(xyz.min()) < -1e-3 else 0.0, float(image.max_code))
+def span_of(image: RasterImage, xyz: NDArray[Any]) -> Span:
+    """The stored values of -1 and 1, for floats from 0 if none is negative."""
+    return Span(-1.0 if image.is_float and float(xyz.min()) < -1e-3 else 0.0, float(image.max_code))
 
 
-def _impossible_colors(span: _Span) -> dict[str, tuple[float, ...]]:
+def impossible_colors(span: Span) -> dict[str, tuple[float, ...]]:
     """Stored colours that are not normals and mean "nothing here"."""
     colors: dict[str, tuple[float, ...]] = {"white": (span.top,) * 3, "black": (0.0,) * 3}
     if span.low == 0:
@@ -91,13 +92,18 @@ def _impossible_colors(span: _Span) -> dict[str, tuple[float, ...]]:
     return colors
 
 
-def _hex_codes(text: str, span: _Span, order: tuple[int, ...]) -> tuple[float, ...]:
+def hex_codes(text: str, span: Span, order: tuple[int, ...]) -> tuple[float, ...]:
     """A colour #rrggbb as stored values of x, y and z."""
     eight = [int(text[1 + 2 * channel : 3 + 2 * channel], 16) for channel in order]
     return tuple(code * span.top / 255 for code in eight)
 
 
-def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
+def color_slack(image: RasterImage, span: Span) -> float:
+    """The difference up to which a stored value is that of a colour."""
+    return (_LOSSY_TOLERANCE if image.lossy else _TOLERANCE) * span.step
+
+
+def near_color(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
     """Pixels within ``slack`` of a colour in every channel."""
     near: Mask = np.ones(xyz.shape[:2], bool)
 
@@ -109,11 +115,11 @@ def _near(xyz: NDArray[Any], codes: tuple[float, ...], slack: float) -> Mask:
     return near
 
 
-def _exactly_flat(image: RasterImage, xyz: NDArray[Any], span: _Span) -> Mask:
+def _exactly_flat(image: RasterImage, xyz: NDArray[Any], span: Span) -> Mask:
     if image.is_float:
         slack = 1e-6 if image.bits == 32 else 3e-4
         middles: tuple[float, ...] = (0.0,) if span.low < 0 else (0.0, 0.5, 128 / 255, 127 / 255)
-        return np.asarray(np.any([_near(xyz, (m, m, span.top), slack) for m in middles], axis=0))
+        return np.asarray(np.any([near_color(xyz, (m, m, span.top), slack) for m in middles], axis=0))
     found: Mask = np.zeros(xyz.shape[:2], bool)
 
     def look(band: slice) -> None:
@@ -124,15 +130,15 @@ def _exactly_flat(image: RasterImage, xyz: NDArray[Any], span: _Span) -> Mask:
     return found
 
 
-def _near_flat(xyz: NDArray[Any], span: _Span, lossy: bool) -> Mask:
+def _near_flat(xyz: NDArray[Any], span: Span, lossy: bool) -> Mask:
     """Pixels that noise or dither may have made of flat."""
     slack = (_LOSSY_FLAT if lossy else _FLAT_NOISE) * span.step
-    near = _near(xyz[..., :2], (span.middle, span.middle), slack)
+    near = near_color(xyz[..., :2], (span.middle, span.middle), slack)
     near &= xyz[..., 2] >= span.top - slack - 2 * span.step
     return near
 
 
-def _noisy(xyz: NDArray[Any], span: _Span, near: Mask) -> Mask:
+def _noisy(xyz: NDArray[Any], span: Span, near: Mask) -> Mask:
     """Those of the pixels near flat that are flat on average and vary from pixel to pixel by more than that average."""
     near = near.copy()
     for channel in range(2):
@@ -145,7 +151,7 @@ def _noisy(xyz: NDArray[Any], span: _Span, near: Mask) -> Mask:
     return near
 
 
-def _noisy_flat(xyz: NDArray[Any], span: _Span, lossy: bool, sides: int) -> Mask:
+def _noisy_flat(xyz: NDArray[Any], span: Span, lossy: bool, sides: int) -> Mask:
     """Flat with noise or dither, its specks filled; empty if it cannot reach this many sides of the picture."""
     if min(xyz.shape[:2]) >= _STRIP_PX:
         # an edge depends only on a strip along it; an edge without noise is too long to be filled as a speck
@@ -170,14 +176,14 @@ def _score(mask: Mask) -> float:
     return float(_edge(mask).mean() + mask.mean())
 
 
-def _fades(flat: Mask, xyz: NDArray[Any], span: _Span) -> bool:
+def _fades(flat: Mask, xyz: NDArray[Any], span: Span) -> bool:
     """Whether the surface around flat patches is as good as flat: a shallow surface, flat only by rounding."""
     around = dilated(flat, 1) & ~flat
     off = np.abs(xyz[around][:, :2].astype(np.float32) - np.float32(span.middle)).max(axis=1)
     return bool((off <= _FLAT_NOISE * span.step).mean() > _FADING) if off.size else False
 
 
-def _find_flat(image: RasterImage, xyz: NDArray[Any], span: _Span, sides: int) -> Background:
+def _find_flat(image: RasterImage, xyz: NDArray[Any], span: Span, sides: int) -> Background:
     exact = edge_patches(_exactly_flat(image, xyz, span), sides)
     if 0 < _edge(exact).mean() < _SURE_EDGE and _fades(exact, xyz, span):
         exact[:] = False
@@ -187,18 +193,18 @@ def _find_flat(image: RasterImage, xyz: NDArray[Any], span: _Span, sides: int) -
     return Background("flat", noisy if is_noise else exact, (span.middle, span.middle, span.top))
 
 
-def _find_impossible(xyz: NDArray[Any], span: _Span, slack: float, wanted: str) -> Background | None:
+def _find_impossible(xyz: NDArray[Any], span: Span, slack: float, wanted: str) -> Background | None:
     """The wanted colour that is not a normal and fills most of the picture; None if there is none."""
     found: list[Background] = []
-    for kind, codes in _impossible_colors(span).items():
+    for kind, codes in impossible_colors(span).items():
         if wanted in ("auto", kind):
-            mask = big_patches(_near(xyz, codes, slack))
+            mask = big_patches(near_color(xyz, codes, slack))
             if wanted != "auto" or mask.mean() >= _MIN_TOTAL_SHARE:
                 found.append(Background(kind, mask, codes))
     return max(found, key=lambda background: _score(background.mask), default=None)
 
 
-def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Background | None:
+def _find_odd(xyz: NDArray[Any], span: Span, order: tuple[int, ...]) -> Background | None:
     """A colour that fills much of the edge: a background if it is not a normal, otherwise only a warning."""
     edge = _edge(xyz)
     colors, counts = np.unique(edge, axis=0, return_counts=True)
@@ -206,7 +212,7 @@ def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Backgro
     vector = (np.array(codes) - span.middle) / ((span.top - span.low) / 2)
     if counts.max() < _ODD_EDGE_SHARE * len(edge):
         return None
-    mask = big_patches(_near(xyz, codes, _TOLERANCE * span.step))
+    mask = big_patches(near_color(xyz, codes, _TOLERANCE * span.step))
     if mask.mean() < _ODD_SHARE:
         return None
     name = "#{:02x}{:02x}{:02x}".format(*(round((codes[order.index(c)] - span.low) / span.step) for c in range(3)))
@@ -219,7 +225,7 @@ def _find_odd(xyz: NDArray[Any], span: _Span, order: tuple[int, ...]) -> Backgro
     return Background("none", np.zeros(mask.shape, bool), warning=warning)
 
 
-def _mostly_off_length(codes: NDArray[Any], span: _Span) -> bool:
+def _mostly_off_length(codes: NDArray[Any], span: Span) -> bool:
     """Whether most of the (N, 3) stored vectors are not of unit length."""
     sample = codes[:: max(1, len(codes) // _PIXELS_AT_ONCE)].astype(np.float64)
     lengths = np.linalg.norm((sample - span.middle) / ((span.top - span.low) / 2), axis=1)
@@ -266,11 +272,11 @@ def find_background(
     by_alpha = _find_alpha(image, wanted, xyz.shape[:2])
     if by_alpha is not None:
         return by_alpha
-    span = _span(image, xyz)
-    slack = (_LOSSY_TOLERANCE if image.lossy else _TOLERANCE) * span.step
+    span = span_of(image, xyz)
+    slack = color_slack(image, span)
     if wanted.startswith("#"):
-        codes = _hex_codes(wanted, span, order)[:components]
-        return Background(wanted, _near(xyz, codes, slack), codes)
+        codes = hex_codes(wanted, span, order)[:components]
+        return Background(wanted, near_color(xyz, codes, slack), codes)
     best = _find_impossible(xyz, span, slack, wanted)
     best = best if best is not None and best.mask.any() else nothing
     if wanted in ("auto", "flat"):

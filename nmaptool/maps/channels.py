@@ -92,7 +92,7 @@ def find_channels(image: RasterImage, options: ReadOptions) -> Channels:
         if image.is_float and encoding == "auto":
             encoding = "unsigned" if is_unsigned_pair(pair_of_channels(image, order)) else "signed"
         image = as_three_channels(image, components, order, encoding)
-    xyz = _finite(image, color_channels(image))
+    xyz = finite(image, color_channels(image))
     if order != (0, 1, 2):
         xyz = xyz[..., list(order)]
     if image.is_float:
@@ -138,8 +138,20 @@ def color_channels(image: RasterImage) -> NDArray[Any]:
     return image.pixels[..., [image.channels.index(c) for c in "RGB"]]
 
 
-def _finite(image: RasterImage, rgb: NDArray[Any]) -> NDArray[Any]:
-    """Replace NaN and infinity by 0 where alpha is 0; refuse them anywhere else."""
+def finite(image: RasterImage, rgb: NDArray[Any], first: tuple[int, int] = (0, 0)) -> NDArray[Any]:
+    """Replace NaN and infinity by 0 where alpha is 0; refuse them anywhere else.
+
+    Parameters
+    ----------
+    image : RasterImage
+    rgb : (H, W, 3)
+    first : (int, int)
+        Row and column of the first pixel in the whole picture, for the message.
+
+    Raises
+    ------
+    InputError
+    """
     if not image.is_float:
         return rgb
     alpha = image.alpha
@@ -156,10 +168,10 @@ def _finite(image: RasterImage, rgb: NDArray[Any]) -> NDArray[Any]:
         row, col = np.argwhere(bad)[0]
         raise InputError(
             f"{image.name}: found {counted(int(bad.sum()), 'pixel')} with NaN or infinite values, the first at "
-            f"x={col}, y={row}; repair them or make them transparent (alpha 0)"
+            f"x={col + first[1]}, y={row + first[0]}; repair them or make them transparent (alpha 0)"
         )
-    finite: NDArray[Any] = np.nan_to_num(rgb, nan=0.0, posinf=0.0, neginf=0.0)
-    return finite
+    replaced: NDArray[Any] = np.nan_to_num(rgb, nan=0.0, posinf=0.0, neginf=0.0)
+    return replaced
 
 
 def is_unsigned_float(rgb: NDArray[Any]) -> bool:

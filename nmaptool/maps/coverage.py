@@ -36,7 +36,9 @@ class Covered(NamedTuple):
     rim_pixels: int
 
 
-def cover(vectors: Float32, mixed: Float32, channels: Channels, background: Background) -> Covered:
+def cover(
+    vectors: Float32, mixed: Float32, channels: Channels, background: Background, *, in_window: bool = False
+) -> Covered:
     """Compute the coverage of a picture, and remove the background that anti-aliasing mixed into its rim.
 
     Parameters
@@ -47,6 +49,8 @@ def cover(vectors: Float32, mixed: Float32, channels: Channels, background: Back
         The stored components that anti-aliasing mixed: the vectors, or the two components they were computed from.
     channels : Channels
     background : Background
+    in_window : bool
+        The picture is a window of a large map, see `repair_rim`.
     """
     everywhere = np.ones(vectors.shape[:2], np.float32)
     alpha = channels.image.alpha
@@ -56,12 +60,12 @@ def cover(vectors: Float32, mixed: Float32, channels: Channels, background: Back
         return _on_flat(vectors, everywhere, background.mask)
     if background.kind == "alpha":
         assert alpha is not None
-        vectors, _, rim_pixels = repair_rim(vectors, alpha <= _SEE_THROUGH, None)
+        vectors, _, rim_pixels = repair_rim(vectors, alpha <= _SEE_THROUGH, None, in_window=in_window)
         return Covered(vectors, alpha.copy(), background.mask, rim_pixels)
     # a colour that is not a normal
     assert background.codes is not None
     behind = decode_color(background.codes, channels.coding)[: mixed.shape[2]]
-    vectors, coverage, rim_pixels = repair_rim(vectors, background.mask, behind, mixed=mixed)
+    vectors, coverage, rim_pixels = repair_rim(vectors, background.mask, behind, mixed=mixed, in_window=in_window)
     return Covered(vectors, coverage, background.mask, rim_pixels)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,7 +17,7 @@ from nmaptool.maps.conventions import GREEN_DOWN, find_directions, fitting_swizz
 from nmaptool.maps.coverage import Covered, cover
 from nmaptool.maps.doubts import as_warning, check_facing, find_doubts
 from nmaptool.maps.layouts import Layout, settle_layout
-from nmaptool.maps.orders import AS_READ, find_evidence, repeats
+from nmaptool.maps.orders import AS_READ, OrderEvidence, find_evidence, repeats
 from nmaptool.maps.two_channel import completed
 from nmaptool.options import ReadOptions
 from nmaptool.types.inputs import RasterLike, as_raster
@@ -23,6 +25,8 @@ from nmaptool.types.inspection import Finding
 from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import RasterImage
 from nmaptool.types.shown import OneLine
+
+Look: TypeAlias = Callable[[Float32, Mask, Mask, float], OrderEvidence]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,7 +85,7 @@ def decode_image(image: RasterLike, options: ReadOptions | None = None) -> Decod
     >>> f"{np.linalg.norm(short):.2f} {np.linalg.norm(unit):.2f}"
     '0.57 1.00'
     """
-    decoded = _decode(as_raster(image), options or ReadOptions())
+    decoded = decode_as_stored(as_raster(image), options or ReadOptions())
     decoding = decoded.normal_map.decoding
     signs = signs_of(parse_swizzle(decoding.swizzle), decoding.green)
     apply_signs(decoded.stored, signs, out=decoded.stored)
@@ -118,13 +122,21 @@ def decode_normal_map(image: RasterLike, options: ReadOptions | None = None) -> 
     [0.0, 0.0, 1.0]
     """
     options = options or ReadOptions()
-    decoded = _decode(as_raster(image), options)
+    decoded = decode_as_stored(as_raster(image), options)
     check_facing(decoded.normal_map, decoded.findings, options)
     return decoded.normal_map
 
 
-def _decode(image: RasterImage, given: ReadOptions) -> Decoded:
-    """Decode a picture; its stored vectors still have the signs of the file."""
+def decode_as_stored(image: RasterImage, given: ReadOptions, look: Look = find_evidence) -> Decoded:
+    """Decode a picture; its stored vectors still have the signs of the file.
+
+    Parameters
+    ----------
+    image : RasterImage
+    given : ReadOptions
+    look : callable
+        How to measure the order of the channels, as `find_evidence` does.
+    """
     layout = settle_layout(image, given)
     options = layout.options
     channels = find_channels(image, options)
@@ -132,7 +144,7 @@ def _decode(image: RasterImage, given: ReadOptions) -> Decoded:
     wanted = options.background_color
     background = find_background(channels.image, channels.xyz, wanted, channels.order, mixed.shape[2])
     covered = cover(vectors, mixed, channels, background)
-    normal_map = _normal_map(image, given, layout, channels, covered, background.kind)
+    normal_map = _normal_map(image, given, layout, channels, covered, background.kind, look)
     findings = find_doubts(image, channels, background, covered, normal_map.decoding, options)
     decoding = replace(normal_map.decoding, warnings=tuple(as_warning(found) for found in findings))
     return Decoded(vectors, background, replace(normal_map, decoding=decoding), channels, findings)
@@ -148,7 +160,13 @@ def _vectors_of(channels: Channels) -> tuple[Float32, Float32]:
 
 
 def _normal_map(
-    image: RasterImage, given: ReadOptions, layout: Layout, channels: Channels, covered: Covered, background: str
+    image: RasterImage,
+    given: ReadOptions,
+    layout: Layout,
+    channels: Channels,
+    covered: Covered,
+    background: str,
+    look: Look,
 ) -> NormalMap:
     """Normalise the vectors, convert them to eye space, and record all decisions."""
     normals = unit(covered.vectors)
@@ -157,7 +175,7 @@ def _normal_map(
         apply_signs(normals, swizzle_signs, out=normals)
     make_flat(normals, covered.background if background == "flat" else covered.coverage <= 0)
     foreground = (covered.coverage >= 0.5) & ~covered.background
-    seen = find_evidence(normals, foreground, covered.coverage >= 0.5, channels.coding.step)
+    seen = look(normals, foreground, covered.coverage >= 0.5, channels.coding.step)
     towards = find_directions(image, given, layout.options, seen, background)
     signs = (-1 if towards.red_left else 1, -1 if towards.green == "down" else 1, 1)
     if -1 in signs:

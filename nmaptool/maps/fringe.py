@@ -19,6 +19,10 @@ _LENGTH_TOLERANCE = 0.03
 _MIXTURE_OFF_LINE = 0.35
 _MIXTURE_ALONG = 0.08
 _VECTORS_AT_ONCE = 1 << 16
+# in windows of a large map, a rim is followed along the outline, and its normals are looked for, only so far; a pixel
+# then depends on no pixel farther than this, so that windows with this margin agree
+_CHAIN_PX, _NEAREST_PX = 20, 12
+RIM_MARGIN_PX = max(_CHAIN_PX + _WIDEST_RIM_PX, 2 * _NEAREST_PX + _RIM_PX)
 
 
 def repair_rim(
@@ -28,6 +32,7 @@ def repair_rim(
     *,
     is_normal: bool = False,
     mixed: Float32 | None = None,
+    in_window: bool = False,
 ) -> tuple[Float32, Float32, int]:
     """Give the anti-aliased rim of a motif the normals just inside it, and compute its coverage.
 
@@ -49,6 +54,9 @@ def repair_rim(
         used.
     mixed : (H, W, K) float32, optional
         The stored components that anti-aliasing mixed, if the vectors were computed from them. Default: the vectors.
+    in_window : bool
+        The vectors are a window of a large map. A rim is then followed over 20 px at most, and takes its normals from
+        at most 12 px away, so that a pixel depends on those within ``RIM_MARGIN_PX`` only.
 
     Returns
     -------
@@ -65,13 +73,14 @@ def repair_rim(
     if not near.any():
         return vectors, coverage, 0
     sound = ~outside & _of_unit_length(vectors)
-    wide = _off_length_rim(near & ~sound, outside, sound)
+    wide = _off_length_rim(near & ~sound, outside, sound, _CHAIN_PX if in_window else None)
     if background is not None and not is_normal and (sound & ~near).any():
-        at = near & sound
+        at = _within_reach(near & sound, sound & ~near) if in_window else near & sound
         inner = mixed[nearest_places(sound & ~near, at)]
         share, off_line = _unmix(mixed[at], inner, background)
         sound[at] = (1 - share < _MIXTURE_ALONG) | (off_line > _MIXTURE_OFF_LINE)
     rim = (near & ~sound) | wide
+    rim = _within_reach(rim, sound) if in_window else rim
     if not rim.any() or not sound.any():
         return vectors, coverage, 0
     nearest = nearest_places(sound, rim)
@@ -82,11 +91,23 @@ def repair_rim(
     return fixed, coverage, int(rim.sum())
 
 
-def _off_length_rim(start: Mask, outside: Mask, sound: Mask) -> Mask:
-    """(H, W) bool: ``start`` and the pixels of wrong length connected to it, up to the widest rim."""
+def _within_reach(at: Mask, sought: Mask) -> Mask:
+    """(H, W) bool: those pixels of ``at`` that have one of ``sought`` close enough."""
+    steps = np.arange(-_NEAREST_PX, _NEAREST_PX + 1)
+    disc = (steps[:, None] ** 2 + steps**2 <= _NEAREST_PX**2).astype(np.uint8)
+    return np.asarray(at & cv2.dilate(sought.view(np.uint8), disc).view(np.bool_))
+
+
+def _off_length_rim(start: Mask, outside: Mask, sound: Mask, most_steps: int | None) -> Mask:
+    """(H, W) bool: ``start`` and the pixels of wrong length connected to it, up to the widest rim and so many steps."""
     if not start.any():
         return start
     off_length = dilated(outside, _WIDEST_RIM_PX) & ~outside & ~sound
+    if most_steps is not None:
+        reached = start
+        for _ in range(most_steps):
+            reached = dilated(reached, 1) & off_length
+        return reached
     count, patches = cv2.connectedComponents(off_length.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
     connected = np.zeros(count, bool)
     connected[patches[start]] = True

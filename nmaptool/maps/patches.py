@@ -11,12 +11,24 @@ from nmaptool.core.arrays import Mask
 # smallest patch of an impossible colour that counts as background; smaller holes are specks
 _MIN_PATCH_PIXELS = 16
 _MIN_PATCH_SHARE = 2e-4
+SPECK_MARGIN_PX = _MIN_PATCH_PIXELS
 
 
 def without_specks(mask: Mask) -> Mask:
     """The mask with its small holes filled."""
     sizes, specks = _sized_patches(~mask)
     return np.asarray(mask | (sizes < _MIN_PATCH_PIXELS)[specks])
+
+
+def large_patches(mask: Mask) -> Mask:
+    """The mask without its small patches.
+
+    Whether a pixel belongs to a small patch depends on those within ``SPECK_MARGIN_PX`` only.
+    """
+    sizes, labels = _sized_patches(mask)
+    keep = sizes >= _MIN_PATCH_PIXELS
+    keep[0] = False
+    return np.asarray(keep[labels])
 
 
 def _sized_patches(mask: Mask) -> tuple[NDArray[np.int64], NDArray[np.int32]]:

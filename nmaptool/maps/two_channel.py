@@ -182,7 +182,9 @@ def pair_of_channels(image: RasterImage, order: tuple[int, ...]) -> NDArray[Any]
     return image.pixels[..., [both[channel] for channel in order[:2]]]
 
 
-def as_three_channels(image: RasterImage, components: str, order: tuple[int, ...], encoding: str) -> RasterImage:
+def as_three_channels(
+    image: RasterImage, components: str, order: tuple[int, ...], encoding: str, keep_grey: bool | None = None
+) -> RasterImage:
     """Return the picture with the blue channel of a three-component map, so that it can be read like one.
 
     Where the two codes are not those of a normal, blue is their mean, so that a white background stays white and a
@@ -197,6 +199,8 @@ def as_three_channels(image: RasterImage, components: str, order: tuple[int, ...
         Which of the channels R, G, B feeds x, y and z.
     encoding : str
         "signed" or "unsigned", for floats.
+    keep_grey : bool, optional
+        Whether grey stays grey. Default: as the picture's own blue says.
 
     Returns
     -------
@@ -220,20 +224,25 @@ def as_three_channels(image: RasterImage, components: str, order: tuple[int, ...
     three = np.empty((*pair.shape[:2], 3), image.pixels.dtype)
     three[..., list(order[:2])] = pair
     three[..., order[2]] = stored
-    _keep_grey(image, order, three, signed)
+    if blue_varies(image, order) if keep_grey is None else keep_grey:
+        _keep_grey(image, order, three, signed)
     if "A" not in image.channels or len(image.channels) == 2:
         return replace(image, pixels=three, channels=("R", "G", "B"))
     alpha = image.pixels[..., [image.channels.index("A")]]
     return replace(image, pixels=np.concatenate([three, alpha], axis=2), channels=("R", "G", "B", "A"))
 
 
-def _keep_grey(image: RasterImage, order: tuple[int, ...], three: NDArray[Any], signed: bool) -> None:
-    """Restore the stored blue where the picture is grey, but only if that blue varies."""
+def blue_varies(image: RasterImage, order: tuple[int, ...]) -> bool:
+    """Whether a picture has a blue, or the channel in its place, that is not the same everywhere."""
     if not {"R", "G", "B"} <= set(image.channels):
-        return
+        return False
     blue = image.pixels[..., image.channels.index("RGB"[order[2]])]
-    if blue.min() == blue.max():
-        return
+    return bool(blue.min() != blue.max())
+
+
+def _keep_grey(image: RasterImage, order: tuple[int, ...], three: NDArray[Any], signed: bool) -> None:
+    """Restore the stored blue where the picture is grey."""
+    blue = image.pixels[..., image.channels.index("RGB"[order[2]])]
     middle = 0.0 if signed else image.max_code / 2
     slack = _GREY_STEPS * image.max_code / 255
     grey = np.abs(blue.astype(np.float64) - middle) <= slack

@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool._version import __version__
 from nmaptool.core.arrays import Float32
@@ -17,7 +19,7 @@ from nmaptool.io.pictures.writer import Picture
 from nmaptool.maps import codec
 from nmaptool.maps.decoding import decode_normal_map
 from nmaptool.options import ReadOptions
-from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.normal_map import Decoding, NormalMap
 from nmaptool.types.picture import RasterImage
 
 
@@ -103,7 +105,14 @@ def read_normal_map(
     return decode_normal_map(image, options_like(image, options, like))
 
 
-def options_like(image: RasterImage, options: ReadOptions, like: NormalMap | None) -> ReadOptions:
+class HasDecoding(Protocol):
+    """A normal map, or a store of one."""
+
+    @property
+    def decoding(self) -> Decoding: ...  # noqa: D102
+
+
+def options_like(image: RasterImage, options: ReadOptions, like: HasDecoding | None) -> ReadOptions:
     """Return the options with green as in ``like``, unless they or the file state its direction."""
     if like is None or options.green != "auto" or image.attributes.get("green") in ("up", "down"):
         return options
@@ -143,8 +152,26 @@ def read_grey(path: str | Path, *, max_megapixels: float = 270.0, upright: bool 
     """
     image = read_raster(path, ReadOptions(max_megapixels=max_megapixels), holds="grey")
     image = image.upright() if upright else image
+    grey = grey_channel(image)
+    if not image.is_float and not image.lossy and grey.max() == 1:
+        raise only_zero_and_one(image)
+    values = grey_values(image, grey, image.max_code)
+    alpha = image.alpha
+    if alpha is not None and values.min() == values.max() and alpha.min() < alpha.max():
+        return alpha
+    return values
+
+
+def grey_channel(image: RasterImage) -> NDArray[Any]:
+    """(H, W): the stored values of a picture whose colour channels are equal.
+
+    Raises
+    ------
+    InputError
+        If they are not.
+    """
     colors = [i for i, name in enumerate(image.channels) if name != "A"] or [0]  # alpha alone is also a mask
-    grey = image.pixels[..., colors[0]]
+    grey: NDArray[Any] = image.pixels[..., colors[0]]
     tolerance = 8 if image.lossy else 0
     for other in colors[1:]:
         difference = np.abs(image.pixels[..., other].astype(np.float64) - grey)
@@ -152,16 +179,27 @@ def read_grey(path: str | Path, *, max_megapixels: float = 270.0, upright: bool 
             raise InputError(
                 f"{image.name}: is a colour picture; a mask or weight map must be grey, or alpha on a single colour"
             )
-    if not image.is_float and not image.lossy and grey.max() == 1:
-        white = image.max_code
-        raise InputError(f"{image.name}: holds only the codes 0 and 1 of {white}; save white as {white}")
-    values = grey.astype(np.float32) / np.float32(image.max_code)
+    return grey
+
+
+def grey_values(image: RasterImage, grey: NDArray[Any], white: int) -> Float32:
+    """(H, W) float32: stored values as shares of the value of white.
+
+    Raises
+    ------
+    InputError
+        If some are NaN or infinite.
+    """
+    values: Float32 = grey.astype(np.float32) / np.float32(white)
     if not np.isfinite(values).all():
         raise InputError(f"{image.name}: holds NaN or infinite values; repair them")
-    alpha = image.alpha
-    if alpha is not None and values.min() == values.max() and alpha.min() < alpha.max():
-        return alpha
     return values
+
+
+def only_zero_and_one(image: RasterImage) -> InputError:
+    """The error about a mask whose white is code 1."""
+    white = image.max_code
+    return InputError(f"{image.name}: holds only the codes 0 and 1 of {white}; save white as {white}")
 
 
 def normal_picture(

@@ -137,12 +137,48 @@ def read_layer(source: Source, chosen: layers.Layer, *, placed: bool = False) ->
     ------
     InputError, LimitError
     """
-    path, facts = source.path, source.facts.of_part(chosen.part)
-    if facts.refusal:
-        raise InputError(f"{path}: {facts.refusal}")
+    refuse_numbers(source, chosen)
     source.reader.seek_subimage(chosen.part, 0)
     spec = source.reader.spec()
     values, stored = _samples(source, spec, chosen)
+    return picture_of(source, spec, chosen, values, stored, placed=placed)
+
+
+def refuse_numbers(source: Source, chosen: layers.Layer) -> None:
+    """Refuse a layer whose numbers are not read.
+
+    Raises
+    ------
+    InputError
+    """
+    refusal = source.facts.of_part(chosen.part).refusal
+    if refusal:
+        raise InputError(f"{source.path}: {refusal}")
+
+
+def picture_of(
+    source: Source, spec: Any, chosen: layers.Layer, values: NDArray[Any], stored: str, *, placed: bool
+) -> RasterImage:
+    """Make a picture of the stored samples of a layer, or of a window of it.
+
+    Parameters
+    ----------
+    source : Source
+    spec : ImageSpec
+        Of the layer's part.
+    chosen : Layer
+    values : (H, W, C)
+        The samples of its channels.
+    stored : str
+        The name of their type in OpenImageIO.
+    placed : bool
+        Leave them in their own data window.
+
+    Raises
+    ------
+    InputError
+    """
+    path, facts = source.path, source.facts.of_part(chosen.part)
     if facts.white_is_zero and values.dtype.itemsize > 1:  # OpenImageIO turns only those of up to 8 bits
         values = np.iinfo(values.dtype).max - values
     pixels, bits, number_notes = as_pixels(str(path), values)
@@ -173,21 +209,44 @@ def read_layer(source: Source, chosen: layers.Layer, *, placed: bool = False) ->
 
 def _samples(source: Source, spec: Any, chosen: layers.Layer) -> tuple[NDArray[Any], str]:
     """The layer's channels as stored, and the name of their type."""
-    first, last = min(chosen.indices), max(chosen.indices) + 1
-    own = [str(spec.channelformat(i)) for i in chosen.indices]
-    stored = own[0] if len(set(own)) == 1 else "float"
-    if stored not in _AS_STORED:
-        raise InputError(f"{source.path}: stores {stored} values; export it as integers of 8 or 16 bits, half or float")
+    first, last = channel_span(chosen)
+    stored, kind = stored_type(source.path, spec, chosen)
     try:
-        values = source.reader.read_image(chosen.part, 0, first, last, _AS_STORED[stored])
+        values = source.reader.read_image(chosen.part, 0, first, last, kind)
     except MemoryError:
         raise LimitError(
             f"{source.path}: {spec.width} x {spec.height} does not fit in memory; make it smaller"
         ) from None
     if values is None:
         raise damaged(source.path, source.kind.name)
+    return chosen_channels(values, chosen), stored
+
+
+def channel_span(chosen: layers.Layer) -> tuple[int, int]:
+    """The first channel of a layer, and that after its last."""
+    return min(chosen.indices), max(chosen.indices) + 1
+
+
+def chosen_channels(values: NDArray[Any], chosen: layers.Layer) -> NDArray[Any]:
+    """The channels of a layer from samples of all channels between its first and its last."""
+    first, last = channel_span(chosen)
     wanted = [i - first for i in chosen.indices]
-    return (values if wanted == list(range(last - first)) else values[..., wanted]), stored
+    return values if wanted == list(range(last - first)) else values[..., wanted]
+
+
+def stored_type(path: Path, spec: Any, chosen: layers.Layer) -> tuple[str, Any]:
+    """The type of a layer's samples, its name and that in which to read them.
+
+    Raises
+    ------
+    InputError
+        If they are of an unknown type.
+    """
+    own = [str(spec.channelformat(i)) for i in chosen.indices]
+    stored = own[0] if len(set(own)) == 1 else "float"
+    if stored not in _AS_STORED:
+        raise InputError(f"{path}: stores {stored} values; export it as integers of 8 or 16 bits, half or float")
+    return stored, _AS_STORED[stored]
 
 
 def _named(facts: Facts, chosen: layers.Layer, pixels: NDArray[Any]) -> tuple[layers.Layer, NDArray[Any]]:

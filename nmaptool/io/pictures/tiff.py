@@ -56,12 +56,15 @@ class _Page:
     nodata: float | None
     metres_per_px: float | None
     reduced: bool
+    tiled: bool
     name: str
 
     @property
     def through_oiio(self) -> bool:
         """Whether OpenImageIO decodes its numbers as stored."""
-        odd = self.bits in (24, 64) and not (self.bits == 64 and self.sample_format == _FLOAT)
+        # OpenImageIO 3.2 gets the numbers of doubles in tiles wrong
+        doubles = self.bits == 64 and self.sample_format == _FLOAT and not self.tiled
+        odd = self.bits in (24, 64) and not doubles
         return self.packing in _COMMON and not odd
 
 
@@ -92,6 +95,7 @@ def _page(page: tifffile.TiffPage) -> _Page:
         nodata=_nodata(tags.valueof(_NODATA, None)),
         metres_per_px=_metres(tags.valueof(_PIXEL_SCALE, None), tags.valueof(_GEO_KEYS, None)),
         reduced=bool(int(tags.valueof(254, 0)) & (1 | _MASK_PAGE)),
+        tiled=bool(page.is_tiled),
         name=_text(tags.valueof(_PAGE_NAME, "")) or page_name(page.index),
     )
 
@@ -180,6 +184,16 @@ def _refusal(page: _Page) -> str:
     if page.sample_format in _COMPLEX:
         return "stores complex numbers; save their real part or their magnitude"
     return ""
+
+
+def is_common_tiff(path: Path) -> bool:
+    """Whether OpenImageIO decodes all pages of a TIFF.
+
+    Raises
+    ------
+    InputError
+    """
+    return all(page.through_oiio for page in _pages(path))
 
 
 def read_tiff(path: Path, request: Request) -> RasterImage:

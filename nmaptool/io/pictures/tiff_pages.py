@@ -71,16 +71,25 @@ def decoded(path: Path, request: Request, facts: Facts) -> RasterImage:
         Also if imagecodecs is needed and not installed.
     LimitError
     """
-    number = _page_number(path, request, facts)
-    own = facts.of_part(number)
-    if own.refusal:
-        raise InputError(f"{path}: {own.refusal}")
+    number = page_number(path, request, facts)
     with tiff_damage_named(path):
         page = _page(path, number, 0)
         # tifffile fills what is missing; what differs between two fillings is missing
         if not np.array_equal(page.values, _page(path, number, 1).values, equal_nan=page.values.dtype.kind in "fc"):
             raise damaged(path, "TIFF")
-    values, channels = _named(path, page)
+    return picture_of_page(path, request, facts, page)
+
+
+def picture_of_page(path: Path, request: Request, facts: Facts, page: Page) -> RasterImage:
+    """Make a picture of a decoded page, or of a window of it.
+
+    Raises
+    ------
+    InputError
+        If its values are not numbers.
+    """
+    own = facts.of_part(page.number)
+    values, channels = _named(page)
     if own.white_is_zero:
         values = np.iinfo(values.dtype).max - values
     pixels = as_pixels(str(path), values)
@@ -103,17 +112,28 @@ def decoded(path: Path, request: Request, facts: Facts) -> RasterImage:
     )
 
 
-def _page_number(path: Path, request: Request, facts: Facts) -> int:
-    if request.layer is None:
-        return 0
-    names = facts.names or (page_name(0),)
-    found = matching(request.layer, [[name, page_name(number)] for number, name in enumerate(names)])
-    if not found:
-        raise InputError(f"{path}: has no layer {request.layer!r}; it holds: {', '.join(names)}")
-    return found[0]
+def page_number(path: Path, request: Request, facts: Facts) -> int:
+    """The number of the page that is wanted.
+
+    Raises
+    ------
+    InputError
+        If there is no such page, or its numbers are not read.
+    """
+    number = 0
+    if request.layer is not None:
+        names = facts.names or (page_name(0),)
+        found = matching(request.layer, [[name, page_name(number)] for number, name in enumerate(names)])
+        if not found:
+            raise InputError(f"{path}: has no layer {request.layer!r}; it holds: {', '.join(names)}")
+        number = found[0]
+    refusal = facts.of_part(number).refusal
+    if refusal:
+        raise InputError(f"{path}: {refusal}")
+    return number
 
 
-class _Page(NamedTuple):
+class Page(NamedTuple):
     """A decoded page.
 
     Attributes
@@ -128,6 +148,7 @@ class _Page(NamedTuple):
     profile : bool
         Whether it has an ICC profile.
     orientation : int
+    number : int
     """
 
     values: NDArray[Any]
@@ -136,40 +157,70 @@ class _Page(NamedTuple):
     description: str
     profile: bool
     orientation: int
+    number: int
 
 
-def _page(path: Path, number: int, filling: int) -> _Page:
+def _page(path: Path, number: int, filling: int) -> Page:
     with tifffile.TiffFile(path) as tiff:
-        page = tiff.pages[number]
-        page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
-        if page.photometric in _CONVERTED and page.compression not in _CONVERTING:
-            words = f"{_CONVERTED[page.photometric]} packed as {page.compression.name}"
-            raise InputError(f"{path}: stores {words}; save it as RGB or grey with LZW or Deflate")
+        page = usable_page(path, tiff, number)
         page.nodata = filling
-        try:
+        with codecs_named(path, page):
             values: NDArray[Any] = page.asarray()
-        except (ValueError, ImportError) as error:  # DelayedImportError is an ImportError
-            if "imagecodecs" in str(error) or isinstance(error, ImportError):
-                raise InputError(
-                    f"{path}: is packed as {page.compression.name}; save it with LZW or Deflate, or install the "
-                    'reader: pip install "nmaptool-relief[codecs]"'
-                ) from None
-            raise
-        planes, slices, rows, cols, count = page.shaped
-        extra, depth = tuple(page.extrasamples), page.bitspersample
-        palette, orientation = page.colormap, int(page.tags.valueof(_ORIENTATION, 1))
-        description, profile = str(page.description), page.iccprofile is not None
-        colored = page.photometric in (_RGB, *_CONVERTED)
-    if slices != 1:
+        planes, _, rows, cols, count = page.shaped
+        return page_of(page, number, values.reshape(planes, rows, cols, count))
+
+
+def usable_page(path: Path, tiff: tifffile.TiffFile, number: int) -> tifffile.TiffPage:
+    """A page of an open TIFF.
+
+    Raises
+    ------
+    InputError
+        If its colours cannot be converted, or it holds a volume.
+    """
+    page = tiff.pages[number]
+    page = page if isinstance(page, tifffile.TiffPage) else page.aspage()
+    if page.photometric in _CONVERTED and page.compression not in _CONVERTING:
+        words = f"{_CONVERTED[page.photometric]} packed as {page.compression.name}"
+        raise InputError(f"{path}: stores {words}; save it as RGB or grey with LZW or Deflate")
+    if page.shaped[1] != 1:
         raise InputError(f"{path}: holds a volume; save one slice of it")
-    values = values.reshape(planes, rows, cols, count)
-    values = values[0] if planes == 1 else np.moveaxis(values[..., 0], 0, -1)
+    return page
+
+
+@contextlib.contextmanager
+def codecs_named(path: Path, page: tifffile.TiffPage) -> Iterator[None]:
+    """Turn the errors about a missing imagecodecs into a clear line.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        yield
+    except (ValueError, ImportError) as error:  # DelayedImportError is an ImportError
+        if "imagecodecs" in str(error) or isinstance(error, ImportError):
+            raise InputError(
+                f"{path}: is packed as {page.compression.name}; save it with LZW or Deflate, or install the "
+                'reader: pip install "nmaptool-relief[codecs]"'
+            ) from None
+        raise
+
+
+def page_of(page: tifffile.TiffPage, number: int, values: NDArray[Any]) -> Page:
+    """A page with its (planes, h, w, samples) values, or those of a window of it."""
+    extra, depth = tuple(page.extrasamples), page.bitspersample
+    palette, orientation = page.colormap, int(page.tags.valueof(_ORIENTATION, 1))
+    description, profile = str(page.description), page.iccprofile is not None
+    colored = page.photometric in (_RGB, *_CONVERTED)
+    values = values[0] if len(values) == 1 else np.moveaxis(values[..., 0], 0, -1)
     if palette is not None and page.photometric == _PALETTE:
         values, colored = (palette >> 8).astype(np.uint8).T[values[..., 0]], True
     elif values.dtype.kind == "u" and depth < _WHOLE:
         values = _widened(values, depth)
     alpha = next((values.shape[2] - len(extra) + i for i, kind in enumerate(extra) if kind in _ALPHA), None)
-    return _Page(values, alpha, colored, description, profile, orientation if 1 <= orientation <= 8 else 1)
+    turned = orientation if 1 <= orientation <= 8 else 1
+    return Page(values, alpha, colored, description, profile, turned, number)
 
 
 def _widened(values: NDArray[Any], depth: int) -> NDArray[Any]:
@@ -179,7 +230,7 @@ def _widened(values: NDArray[Any], depth: int) -> NDArray[Any]:
     return wide.astype(np.uint8 if full == 255 else np.uint16)
 
 
-def _named(path: Path, page: _Page) -> tuple[NDArray[Any], tuple[str, ...]]:
+def _named(page: Page) -> tuple[NDArray[Any], tuple[str, ...]]:
     """The channels to use and their names, as OpenImageIO chooses them from other files."""
     colors = [channel for channel in range(page.values.shape[2]) if channel != page.alpha]
     if page.colored or len(colors) >= 3:
