@@ -66,7 +66,7 @@ def open_sources(original: str, files: ReliefFiles, reading: ReadOptions) -> Sou
     if files.detail is not None:
         detail = open_normal_map(files.detail, dataclasses.replace(reading, layer=None), like=first)
     given = {name: file for name, file in dataclasses.asdict(files).items() if file is not None}
-    sizes = {}
+    sizes: dict[str, tuple[int, ...]] = {}
     stamps = {original: open_picture(original).stamp()}
     for role, file in given.items():
         picture = open_picture(file)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import contextlib
 import logging
 from collections.abc import Callable, Iterable, Iterator
+from importlib import import_module
 from typing import Any
 
-from nmaptool.core.errors import LimitError, NmaptoolError
+from nmaptool.core.errors import InputError, LimitError, NmaptoolError
 from nmaptool.core.parallel import one_by_one
 from nmaptool.solver.tiling.grid import Tile
 
@@ -34,6 +35,22 @@ def _alone(work: Callable[[Tile], object], tile: Tile) -> None:
         work(tile)
 
 
+def _distributed() -> Any:
+    """The module ``distributed``, which has hardly any types.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        return import_module("distributed")
+    except ModuleNotFoundError as error:
+        if error.name != "distributed":
+            raise
+    raise InputError('large maps need the package distributed; install it with: pip install "nmaptool-relief[cluster]"')
+
+
 class DaskPool:
     """Does tasks on the workers of a Dask cluster. A task is a tile; results are records in the work folder.
 
@@ -44,6 +61,9 @@ class DaskPool:
 
     def __init__(self, client: Any) -> None:
         self._client = client
+
+    def _submit(self, work: Callable[[Tile], object], tile: Tile) -> Any:
+        return self._client.submit(_alone, work, tile, pure=False)
 
     def each(self, work: Callable[[Tile], object], tiles: Iterable[Tile], done: Callable[[], object]) -> None:
         """Call ``work`` with every tile, and ``done`` as each is finished.
@@ -57,33 +77,30 @@ class DaskPool:
         """
         from concurrent.futures import CancelledError
 
-        from distributed import KilledWorker, as_completed
-        from distributed.comm.core import CommClosedError
-
+        distributed = _distributed()
         rest = iter(tiles)
         try:
             threads = sum(self._client.nthreads().values())
             if not threads:
                 raise NmaptoolError("the cluster has no workers; start some with `dask worker`, and run again")
-            submit = lambda tile: self._client.submit(_alone, work, tile, pure=False, retries=0)  # noqa: E731
-            first = [submit(tile) for _, tile in zip(range(_WAITING * threads), rest, strict=False)]
-            running = as_completed(first)
+            first = [self._submit(work, tile) for _, tile in zip(range(_WAITING * threads), rest, strict=False)]
+            running = distributed.as_completed(first)
             try:
                 for future in running:
                     future.result()
                     done()
                     following = next(rest, None)
                     if following is not None:
-                        running.add(submit(following))
+                        running.add(self._submit(work, following))
             except BaseException:
                 self._client.cancel(list(running.futures))
                 raise
-        except KilledWorker as error:
+        except distributed.KilledWorker as error:
             raise LimitError(
                 f"workers died {_TRIES + 1} times at one tile, the last {error.last_worker.address}, most likely for "
                 f"lack of memory; use fewer `workers`, a smaller `tile` or a larger `memory_limit`; {_GO_ON}"
             ) from None
-        except (CommClosedError, CancelledError, TimeoutError, OSError) as error:
+        except (distributed.comm.core.CommClosedError, CancelledError, TimeoutError, OSError) as error:
             if isinstance(error, NmaptoolError):
                 raise
             raise NmaptoolError(
@@ -106,15 +123,15 @@ def local_pool(workers: int, memory_bytes: int | None = None) -> Iterator[DaskPo
         yield HerePool()
         return
     import dask
-    from distributed import Client, LocalCluster
 
+    distributed = _distributed()
     quiet = {
         "distributed.scheduler.allowed-failures": _TRIES,
         "distributed.worker.memory.spill": False,
         "distributed.worker.memory.target": False,
     }
     with dask.config.set(quiet):
-        cluster = LocalCluster(
+        cluster = distributed.LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
             processes=True,
@@ -122,7 +139,7 @@ def local_pool(workers: int, memory_bytes: int | None = None) -> Iterator[DaskPo
             dashboard_address=None,
             silence_logs=logging.CRITICAL,
         )
-        with cluster, Client(cluster) as client:
+        with cluster, distributed.Client(cluster) as client:
             yield DaskPool(client)
 
 
@@ -135,10 +152,8 @@ def cluster_pool(address: str) -> Iterator[DaskPool]:
     NmaptoolError
         If it cannot be reached.
     """
-    from distributed import Client
-
     try:
-        client = Client(address, timeout=10)
+        client = _distributed().Client(address, timeout=10)
     except (OSError, ValueError) as error:
         raise NmaptoolError(
             f"`scheduler={address!r}`: cannot be reached ({type(error).__name__}); start one with `dask scheduler`"

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nmaptool.core.errors import InputError, OutputError, reason_of
+from nmaptool.io.stores.extra import fsspec_module
 
 _CHUNK = 512
 _RECIPE = "recipe.json"
@@ -195,9 +196,7 @@ class WorkFolder:
             files.rm(path, recursive=True)
 
     def _files(self) -> tuple[Any, str]:
-        import fsspec
-
-        files, path = fsspec.core.url_to_fs(self.url)
+        files, path = fsspec_module(self.url).core.url_to_fs(self.url)
         return files, path
 
     def _exists(self, key: str) -> bool:
