@@ -136,7 +136,7 @@ def local_pool(workers: int, memory_bytes: int | None = None) -> Iterator[DaskPo
             threads_per_worker=1,
             processes=True,
             memory_limit=memory_bytes or 0,
-            dashboard_address=None,
+            dashboard_address=":0",
             silence_logs=logging.CRITICAL,
         )
         with cluster, distributed.Client(cluster) as client:
