@@ -84,6 +84,7 @@ from .options import LayerOptions as LayerOptions
 from .options import Material as Material
 from .options import MeshReadOptions as MeshReadOptions
 from .options import PackOptions as PackOptions
+from .options import PartOptions as PartOptions
 from .options import PreviewOptions as PreviewOptions
 from .options import ReadOptions as ReadOptions
 from .options import ReconstructOptions as ReconstructOptions
@@ -116,6 +117,8 @@ from .reliefs.inputs import pitch_of as pitch_of
 from .reliefs.integrate import integrate as integrate
 from .reliefs.relief import relief as relief
 from .reliefs.session import ReliefSession as ReliefSession
+from .solids.cutting.cut import parts as parts
+from .solids.cutting.plan import plan_parts as plan_parts
 from .solids.solid import solid as solid
 from .solids.surface import surface_mesh as surface_mesh
 from .types.comparison import Comparison as Comparison
@@ -142,6 +145,7 @@ from .types.mixture import Mixture as Mixture
 from .types.normal_map import Decoding as Decoding
 from .types.normal_map import NormalMap as NormalMap
 from .types.packed_map import PackedMap as PackedMap
+from .types.parts import PlannedPart as PlannedPart
 from .types.picture import DepthFacts as DepthFacts
 from .types.picture import Frame as Frame
 from .types.picture import RasterImage as RasterImage
