@@ -199,7 +199,12 @@ def _piece(
     back: Back | None = None
     if source.back is not None:
         back = cropped_sheet(source.back, mask, top, left, placing, front.node_count)
-        back = dataclasses.replace(back, shape=front.shape, diagonals_of=front)
+        split_as = source.back
+        while split_as.diagonals_of is not None:
+            split_as = split_as.diagonals_of
+        # behind a raised motif and its plate, pixels are split as those of the motif
+        diagonals = front if split_as is source.front else cropped_sheet(split_as, mask, top, left, placing)
+        back = dataclasses.replace(back, shape=front.shape, diagonals_of=diagonals)
     elif whole.solid.is_closed:
         back = back_of(front, edges, source.height, whole.solid, whole.zero_mm)
     return front, edges, back, kept
