@@ -43,6 +43,7 @@ from .io.output.filter_models import write_training as write_training
 from .io.output.layers import write_layers as write_layers
 from .io.output.mesh import write_mesh as write_mesh
 from .io.output.normal_map import write_normal_map as write_normal_map
+from .io.output.parts import write_parts as write_parts
 from .io.output.preview import write_preview as write_preview
 from .io.output.relief import write_relief as write_relief
 from .io.output.targets import OutputStream as OutputStream
@@ -145,6 +146,8 @@ from .types.mixture import Mixture as Mixture
 from .types.normal_map import Decoding as Decoding
 from .types.normal_map import NormalMap as NormalMap
 from .types.packed_map import PackedMap as PackedMap
+from .types.parts import Assembly as Assembly
+from .types.parts import PlacedPart as PlacedPart
 from .types.parts import PlannedPart as PlannedPart
 from .types.picture import DepthFacts as DepthFacts
 from .types.picture import Frame as Frame

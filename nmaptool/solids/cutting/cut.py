@@ -71,17 +71,15 @@ def parts(
     0 0 <Solid 1 x 1 x 2 mm, 1 closed body, 36 faces>
     0 1 <Solid 1 x 1 x 2 mm, 1 closed body, 36 faces>
     """
-    whole, plan, sources, facts = prepared(relief, options, solid or SolidOptions())
-    for part in plan:
-        found = solid_of_part(sources, whole, part, facts)
+    for part, found in cut_relief(relief, options, solid or SolidOptions()):
         if found is not None:
             yield part.row, part.col, found
 
 
-def prepared(
+def cut_relief(
     relief: Height | Relief, options: PartOptions, solid: SolidOptions
-) -> tuple[PartFrame, list[PlannedPart], list[Source], dict[str, Any]]:
-    """What the parts of a relief in memory are cut from."""
+) -> Iterator[tuple[PlannedPart, Solid | None]]:
+    """All planned parts of a relief in memory, as `parts`; None for those that are left out."""
     height = as_height(relief)
     if height.outline is not None:
         raise UsageError(
@@ -91,7 +89,8 @@ def prepared(
     plan = plan_parts(*height.frame.shape, height.pitch_mm, options)
     whole = PartFrame(height.frame, *height.range_mm, solid, zero_of(relief, height), options.part_origin)
     sources, facts = sources_of_relief(relief, height, whole.solid, plan)
-    return whole, plan, sources, facts
+    for part in plan:
+        yield part, solid_of_part(sources, whole, part, facts)
 
 
 def part_of(window: Height, whole: PartFrame, part: PlannedPart) -> Solid | None:
