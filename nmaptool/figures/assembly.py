@@ -76,7 +76,7 @@ def _box(assembly: Assembly, row: int, col: int) -> tuple[float, float, float, f
 def _lines(part: PlacedPart) -> list[str]:
     """What a label says: the files, and the size."""
     names = part.files or (f"{part.row}, {part.col}",)
-    return [*names, " x ".join(f"{side:.4g}" for side in part.size_mm) + " mm"]
+    return [*names, " x ".join(f"{side:.2f}" for side in part.size_mm) + " mm"]
 
 
 def _label(axes: Any, box: tuple[float, float, float, float], lines: list[str], scale: float) -> None:
