@@ -31,6 +31,7 @@ _ORDER = (
     "Frame",
     "Text",
     "Solid",
+    "Parts",
     "Machine",
     "Picture",
     "Studio",

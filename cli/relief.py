@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.mentions import written_name
-from nmaptool.options import HeightsAt, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
+from nmaptool.options import HeightsAt, PartOptions, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
 from nmaptool.options.fields import choice_of, option
 from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS, is_recipe
 from nmaptool.options.kinds import Switch
@@ -20,6 +20,7 @@ from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, 
 from nmaptool.options.relief_presets import PresetOptions
 from nmaptool_cli.command import command
 from nmaptool_cli.outputs import FileOf, ReportOutputs
+from nmaptool_cli.part_outputs import check_part_names, cut_relief
 from nmaptool_cli.relief_sources import Sources, map_sources, recipe_sources
 from nmaptool_cli.run import Run
 from nmaptool_cli.saved_recipe import print_recipe, recipe_text
@@ -55,6 +56,9 @@ class ReliefOutputs(ReportOutputs):
     at:
         Where height files hold heights: at pixel "centers", as a picture of the relief, or at pixel "corners", with one
         more row and column. "corners" loses nothing and can be read back exactly as --surface.
+    assembly:
+        Index (.json) or picture (.png) of the parts of --part or --parts: which file goes where, with sizes in mm.
+        Repeat the flag for both.
     save_recipe:
         Recipe (.toml) with all values of this run, preset and machine included, to edit and run again; - prints it.
         Alone, without solving.
@@ -65,6 +69,7 @@ class ReliefOutputs(ReportOutputs):
     output: tuple[Path, ...] = option((), FileOf(formats=lambda: RELIEF_FORMATS), short="-o")
     preview: Path | None = option(None)
     at: HeightsAt = option("centers", choice_of(HeightsAt))
+    assembly: tuple[Path, ...] = option(())
     save_recipe: Path | None = option(None)
     dry_run: bool = option(False, Switch())
 
@@ -73,18 +78,22 @@ class ReliefOutputs(ReportOutputs):
         """The outputs that hold triangles."""
         return [path for path in self.output if path.suffix.lower() in MESH_FORMATS]
 
-    def plan(self, prints_json: bool, solid: Mapping[str, Any], recipe: str | None) -> Outputs[WrittenRelief]:
+    def plan(
+        self, prints_json: bool, solid: Mapping[str, Any], recipe: str | None, parts: PartOptions
+    ) -> Outputs[WrittenRelief]:
         """The files to write."""
         from nmaptool.io.output.relief import relief_outputs
 
         refuse_stream("a relief or a preview is written to a file, such as -o relief.stl", *self.output, self.preview)
-        if not (self.output or self.preview or self.report or prints_json or self.save_recipe):
+        if not (self.output or self.preview or self.report or prints_json or self.save_recipe or self.assembly):
             raise UsageError("no output given: add one, such as -o relief.stl --preview relief.png")
+        check_part_names(self.output, self.assembly, parts)
         if solid and not (self.meshes or self.is_recipe_only):
             raise UsageError(f"`{next(iter(solid))}`: is for meshes; name one, such as -o relief.3mf")
         saved = None if self.prints_recipe else self.save_recipe
         written = None if saved is None or recipe is None else (saved, recipe)
-        return relief_outputs(self.output, preview=self.preview, at=self.at, recipe=written, **self.shared)
+        wanted: dict[str, Any] = {"preview": self.preview, "at": self.at, "recipe": written, **self.shared}
+        return relief_outputs(self.output, assembly=self.assembly, **wanted)
 
     @property
     def prints_recipe(self) -> bool:
@@ -99,7 +108,7 @@ class ReliefOutputs(ReportOutputs):
 
 @command(
     *(ReliefFiles, ReliefOutputs, PresetOptions, ReliefOptions),
-    *(PlateOptions, FrameOptions, TextOptions, SolidOptions, MachineOptions, ReadOptions),
+    *(PlateOptions, FrameOptions, TextOptions, SolidOptions, PartOptions, MachineOptions, ReadOptions),
     completed=(ReliefOptions, PlateOptions, FrameOptions, TextOptions, SolidOptions, MachineOptions),
 )
 def relief(run: Run, map: str, /) -> None:
@@ -116,7 +125,8 @@ def relief(run: Run, map: str, /) -> None:
         (.toml): its layers are composed, and its table [relief] holds options and files, which flags replace.
     """
     import nmaptool as nm
-    from nmaptool.io.output.relief import WrittenRelief
+    from nmaptool.io.output.relief import WrittenRelief, with_parts
+    from nmaptool_cli.wording.parts import describe_parts, written_names
     from nmaptool_cli.wording.plates import describe_machine, describe_plate
     from nmaptool_cli.wording.reliefs import describe_relief
     from nmaptool_cli.wording.solids import describe_solid
@@ -128,7 +138,8 @@ def relief(run: Run, map: str, /) -> None:
     with run.work() as (files, progress), _named_inputs(sources.files):
         work = sources.read(run, files, progress)
         result = work.solved(progress)
-        solid = nm.solid(result, sources.solid) if given.meshes else None
+        cut = cut_relief(run, result, sources.solid, given.meshes)
+        solid = nm.solid(result, sources.solid) if given.meshes and cut is None else None
     run.say(*work.notes)
     describe_relief(run, work.maps, result)
     describe_machine(run, work.machine, sources.solid, result)
@@ -136,6 +147,8 @@ def relief(run: Run, map: str, /) -> None:
         describe_plate(run, result.plate)
     if solid is not None:
         describe_solid(run, solid, given.meshes)
+    if cut is not None:
+        describe_parts(run, cut)
     read = [{"name": m.name, "cols": m.frame.cols, "rows": m.frame.rows, **asdict(m.decoding)} for m in work.maps]
     metadata = run.header(inputs=read, reading=asdict(run[ReadOptions]), **work.facts, **result.report.to_dict())
     if result.plate is not None:
@@ -144,18 +157,23 @@ def relief(run: Run, map: str, /) -> None:
         metadata["machine"] = {written_name(name): value for name, value in plain_values(work.machine).items()}
     if solid is not None:
         metadata["solid"] = {"options": plain_values(sources.solid), **solid.to_dict()}
+    if cut is not None:
+        metadata["solid"] = {"options": plain_values(sources.solid)}
+        metadata["parts"] = {"options": plain_values(run[PartOptions]), **cut.assembly.to_dict()}
+        outputs = with_parts(outputs, cut)
     if given.dry_run:
         run.say("  nothing written (--dry-run)")
-        run.finish(dataclasses.replace(outputs, targets=(), report=None), WrittenRelief(result), metadata)
+        nothing = dataclasses.replace(outputs, targets=(), report=None, folders=())
+        run.finish(nothing, WrittenRelief(result), metadata)
         if given.prints_recipe and recipe is not None:
             print_recipe(recipe)
         return
-    written = [f"{path}{_png_range(path, result) if path in given.output else ''}" for path in outputs.paths]
+    written = [f"{name}{_png_range(name, given, result)}" for name in written_names(outputs.paths, cut)]
 
     def watched(value: WrittenRelief, progress: Progress) -> WrittenRelief:
         return dataclasses.replace(value, progress=progress)
 
-    run.finish(outputs, WrittenRelief(result, solid), metadata, written=written, watched=watched)
+    run.finish(outputs, WrittenRelief(result, solid, cut=cut), metadata, written=written, watched=watched)
     if given.prints_recipe and recipe is not None:
         print_recipe(recipe)
 
@@ -165,7 +183,7 @@ def _begin(run: Run, name: str) -> tuple[ReliefOutputs, Outputs[WrittenRelief], 
     given = run[ReliefOutputs]
     sources = recipe_sources(run, name) if is_recipe(name) else map_sources(run)
     recipe = None if given.save_recipe is None else recipe_text(run, name, sources, given.save_recipe)
-    outputs = given.plan(run.options.json, run.named(SolidOptions), recipe)
+    outputs = given.plan(run.options.json, run.named(SolidOptions), recipe, run[PartOptions])
     run.begin(outputs, **{sources.role: name}, **sources.inputs)
     if given.prints_recipe and run.options.json:
         raise UsageError("`save_recipe` and `json` both print to standard output; save the recipe in a file")
@@ -198,6 +216,8 @@ def _named_inputs(inputs: Mapping[str, str | None]) -> Iterator[None]:
         raise InputError(text) from None
 
 
-def _png_range(path: Path, result: nm.Relief) -> str:
+def _png_range(name: str, given: ReliefOutputs, result: nm.Relief) -> str:
+    """The heights of black and white in a picture of heights."""
     low, high = result.height.range_mm
-    return f" (black {low:.3f} mm, white {high:.3f} mm)" if path.suffix.lower() == ".png" else ""
+    is_heights = Path(name) in given.output and name.lower().endswith(".png")
+    return f" (black {low:.3f} mm, white {high:.3f} mm)" if is_heights else ""

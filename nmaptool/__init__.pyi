@@ -43,6 +43,7 @@ from .io.output.filter_models import write_training as write_training
 from .io.output.layers import write_layers as write_layers
 from .io.output.mesh import write_mesh as write_mesh
 from .io.output.normal_map import write_normal_map as write_normal_map
+from .io.output.parts import write_parts as write_parts
 from .io.output.preview import write_preview as write_preview
 from .io.output.relief import write_relief as write_relief
 from .io.output.targets import OutputStream as OutputStream
@@ -84,6 +85,7 @@ from .options import LayerOptions as LayerOptions
 from .options import Material as Material
 from .options import MeshReadOptions as MeshReadOptions
 from .options import PackOptions as PackOptions
+from .options import PartOptions as PartOptions
 from .options import PreviewOptions as PreviewOptions
 from .options import ReadOptions as ReadOptions
 from .options import ReconstructOptions as ReconstructOptions
@@ -116,6 +118,8 @@ from .reliefs.inputs import pitch_of as pitch_of
 from .reliefs.integrate import integrate as integrate
 from .reliefs.relief import relief as relief
 from .reliefs.session import ReliefSession as ReliefSession
+from .solids.cutting.cut import parts as parts
+from .solids.cutting.plan import plan_parts as plan_parts
 from .solids.solid import solid as solid
 from .solids.surface import surface_mesh as surface_mesh
 from .types.comparison import Comparison as Comparison
@@ -142,6 +146,9 @@ from .types.mixture import Mixture as Mixture
 from .types.normal_map import Decoding as Decoding
 from .types.normal_map import NormalMap as NormalMap
 from .types.packed_map import PackedMap as PackedMap
+from .types.parts import Assembly as Assembly
+from .types.parts import PlacedPart as PlacedPart
+from .types.parts import PlannedPart as PlannedPart
 from .types.picture import DepthFacts as DepthFacts
 from .types.picture import Frame as Frame
 from .types.picture import RasterImage as RasterImage

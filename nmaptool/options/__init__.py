@@ -19,6 +19,7 @@ from nmaptool.options.depth import DepthBackground, DepthOptions
 from nmaptool.options.filter import FilterOptions, SplitOptions
 from nmaptool.options.learned import DescriptorOptions, TrainOptions
 from nmaptool.options.materials import MATERIALS, Material
+from nmaptool.options.parts import PartOptions, PartOrigin
 from nmaptool.options.preview import PreviewOptions
 from nmaptool.options.reading import Components, Encoding, Green, ReadOptions, ZeroCode
 from nmaptool.options.reconstruct import Boundary, ReconstructOptions, Scheme, SmoothOptions
@@ -63,6 +64,8 @@ __all__ = [
     "NewGround",
     "Outline",
     "PackOptions",
+    "PartOptions",
+    "PartOrigin",
     "PreviewOptions",
     "ReadOptions",
     "ReconstructOptions",

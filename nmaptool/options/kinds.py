@@ -224,6 +224,16 @@ class ManyText(Text):
         return text
 
 
+@dataclass(frozen=True)
+class CountsText(Text):
+    """Numbers across and down, such as 3x4."""
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        parse_counts(name, str(value))
+        return str(value)
+
+
 def _is_number(text: str) -> bool:
     try:
         return math.isfinite(float(text))
@@ -273,3 +283,18 @@ def parse_size(name: str, text: str) -> tuple[int, int]:
     if min(cols, rows) < 1:
         raise UsageError(f"`{name}={text!r}`: expected columns x rows in px, such as 1000x900")
     return cols, rows
+
+
+def parse_counts(name: str, text: str) -> tuple[int, int]:
+    """Numbers across and down, such as ``3x4``.
+
+    Raises
+    ------
+    UsageError
+        If the text is not two numbers of at least 1.
+    """
+    match = _SIZE.fullmatch(text)
+    across, down = (int(match.group(1)), int(match.group(2))) if match else (0, 0)
+    if min(across, down) < 1:
+        raise UsageError(f"`{name}={text!r}`: expected numbers across x down, such as 3x4")
+    return across, down

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar
@@ -11,6 +12,9 @@ from nmaptool.core.units import Length, Offset, length, offset, offsets
 from nmaptool.options.kinds import SignedText, require_number
 
 _T = TypeVar("_T")
+# width, its unit if it is not that of the height, and height; not the x of px
+_SIDES = re.compile(r"\s*(\d[\d.]*)\s*([a-z]*)\s*[x×]\s*(\d.*)", re.IGNORECASE)
+_UNIT_AT_END = re.compile(r"[\d.\s]+")
 _SMALLEST_SCALE, _LARGEST_SCALE = 1e-3, 1e3
 
 
@@ -36,6 +40,16 @@ class LengthText(SignedText):
         if self.absolute and not value.is_absolute:
             raise UsageError(f"`{name}='{value}'`: sets {self.sets}; give it in mm, cm, m or in")
         return value
+
+
+@dataclass(frozen=True)
+class SidesText(SignedText):
+    """A length for both sides, such as 400mm, or width and height, such as 600x400mm; a `Length` becomes text."""
+
+    def read(self, name: str, value: Any) -> Any:
+        """As `Kind.read`."""
+        parse_sides(name, str(value))
+        return str(value)
 
 
 @dataclass(frozen=True)
@@ -153,6 +167,27 @@ def parse_scale(text: str, name: str = "scale") -> tuple[float, float] | Length:
         expected = f"one or two factors between {_SMALLEST_SCALE:g} and {_LARGEST_SCALE:g}, such as 0.5"
         raise UsageError(f"`{name}={text!r}`: expected {expected}")
     return factors[0], factors[-1]
+
+
+def parse_sides(name: str, text: str) -> tuple[float, float]:
+    """Width and height in mm, from one length for both, such as ``400mm``, or two, such as ``600x400mm``.
+
+    Raises
+    ------
+    UsageError
+        If it is neither, or the unit is not mm, cm, m or in.
+    """
+    both = _SIDES.fullmatch(text)
+    texts = (text,) if both is None else (both[1] + (both[2] or _UNIT_AT_END.split(both[3], maxsplit=1)[-1]), both[3])
+    try:
+        sides = [length(side) for side in texts]
+    except UsageError:
+        accepted = "a length, such as 400mm, or width and height, such as 600x400mm"
+        raise UsageError(f"`{name}={text!r}`: expected {accepted}") from None
+    for side in sides:
+        if not side.is_absolute:
+            raise UsageError(f"`{name}={text!r}`: sets the size of a part; give it in mm, cm, m or in, such as 400mm")
+    return sides[0].to_mm(1.0, 1), sides[-1].to_mm(1.0, 1)
 
 
 def parse_distances(name: str, text: str, counts: tuple[int, ...], such_as: str) -> tuple[Offset, ...]:

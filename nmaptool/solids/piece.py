@@ -140,7 +140,11 @@ def back_of(front: Sheet, edges: OutlineEdges, height: Height, options: SolidOpt
 def base_below(height: Height, options: SolidOptions, zero_mm: float, lowest_mm: float) -> float:
     """How far a flat back lies below height 0, in mm; the lowest point of the front must lie above it."""
     assert options.base is not None
-    base_mm = in_mm(options.base, height) - zero_mm
+    return check_base(options, in_mm(options.base, height) - zero_mm, lowest_mm)
+
+
+def check_base(options: SolidOptions, base_mm: float, lowest_mm: float) -> float:
+    """Refuse a base that lies above the lowest point of the front, both in mm below height 0."""
     if -lowest_mm >= base_mm:
         raise InputError(
             f"`base='{options.base}'`: the relief reaches {-lowest_mm:.4g} mm below height 0, so its base must be "

@@ -25,24 +25,28 @@ def pieces_of(shape: Shape) -> Iterator[tuple[Shape, int, int]]:
         return
     labels, _ = ndimage.label(shape.mask)
     for number, (rows, cols) in enumerate(ndimage.find_objects(labels), start=1):
-        yield _cropped(shape, labels[rows, cols] == number, rows.start, cols.start), rows.start, cols.start
+        piece, _ = cropped(shape, labels[rows, cols] == number, rows.start, cols.start)
+        yield piece, rows.start, cols.start
 
 
-def _cropped(shape: Shape, mask: Mask, top: int, left: int) -> Shape:
-    """The piece of a shape that has its own mask, moved to its own corner."""
+def cropped(shape: Shape, mask: Mask, top: int, left: int, within: Mask | None = None) -> tuple[Shape, Nodes]:
+    """The piece of a shape that has its own mask, moved to its own corner, and which of the moved nodes it has.
+
+    Moved nodes belong to it if they touch its pixels, or those of ``within``.
+    """
     splits = find_splits(mask)
     moved, by_px = shape.moved, shape.by_px
     row, col = np.divmod(shape.vertex_of(moved), shape.mask.shape[1] + 1)
     row, col = row - top, col - left
-    local, kept = _local_nodes(shape.splits, splits, mask, moved, row, col)
-    order = np.argsort(local[kept])
+    local, kept = _local_nodes(shape.splits, splits, mask if within is None else within, moved, row, col)
+    at = np.flatnonzero(kept)
+    at = at[np.argsort(local[at])]
     forced_row, forced_col = np.divmod(shape.forced, shape.mask.shape[1])
     forced_row, forced_col = forced_row - top, forced_col - left
     own = _at(mask, forced_row, forced_col)
     forced = forced_row[own] * mask.shape[1] + forced_col[own]
-    return Shape(
-        mask, splits, local[kept][order], by_px[kept][order], forced, shape.forced_falls[own], shape.keeps_heights
-    )
+    piece = Shape(mask, splits, local[at], by_px[at], forced, shape.forced_falls[own], shape.keeps_heights)
+    return piece, at
 
 
 def _local_nodes(whole: Splits, own: Splits, mask: Mask, nodes: Nodes, row: Nodes, col: Nodes) -> tuple[Nodes, Mask]:

@@ -19,7 +19,7 @@ from nmaptool.solids.outline import OutlineEdges, find_splits, outline_edges
 from nmaptool.solids.piece import Back, lowest_of, volume_below_back
 from nmaptool.solids.shape import Shape, pixel_shape
 from nmaptool.solids.sheet import Placing, Sheet
-from nmaptool.solids.smooth import joined, smooth_foot_line, smooth_shape
+from nmaptool.solids.smooth import NO_CUTS, Cuts, joined, smooth_foot_line, smooth_shape
 from nmaptool.solids.walls import wall_parts
 from nmaptool.types.height import Height
 from nmaptool.types.solid import Body, Nodes, Part
@@ -111,7 +111,12 @@ class InsetFront(RaisedFront):
 
 
 def raised_front(
-    height: Height, coverage: Float32 | None, is_smooth: bool, beside: Mask | None = None, inner: Mask | None = None
+    height: Height,
+    coverage: Float32 | None,
+    is_smooth: bool,
+    beside: Mask | None = None,
+    inner: Mask | None = None,
+    cuts: Cuts = NO_CUTS,
 ) -> tuple[RaisedFront, float]:
     """The front of a height field with a raised motif.
 
@@ -127,6 +132,8 @@ def raised_front(
         Rest of the motif, which runs down into the plate. It must not touch what is raised.
     inner : (H, W) bool, optional
         Pixels of the plate and the motif, which lies well inside. Default: the whole picture.
+    cuts : Cuts
+        Nodes on them move only along them.
 
     Returns
     -------
@@ -146,9 +153,9 @@ def raised_front(
     around = shape
     if is_smooth:
         coverage = mask.astype(np.float32) if coverage is None else coverage
-        around = shape = smooth_shape(mask, _only(mask, coverage))[0]
+        around = shape = smooth_shape(mask, _only(mask, coverage), cuts=cuts)[0]
         if beside is not None and beside.any():
-            shape, around = joined(shape, smooth_foot_line(beside, _only(beside, coverage))[0])
+            shape, around = joined(shape, smooth_foot_line(beside, _only(beside, coverage), cuts)[0])
         deviation_px = float(np.hypot(*around.by_px.T).max(initial=0.0))
     placing = Placing(height.pitch_mm, 0, 0)
     motif = Sheet(_in_range(height, shape, placing), shape, placing)

@@ -50,7 +50,20 @@ def has_soft_edges(mask: Mask, coverage: Float32) -> bool:
     return soft_share(mask, coverage) >= _SOFT_SHARE
 
 
-def smooth_shape(mask: Mask, coverage: Float32, *, rounds_border: bool = False) -> tuple[Shape, float]:
+@dataclass(frozen=True)
+class Cuts:
+    """Rows and columns of vertices along which a shape will be cut."""
+
+    rows: tuple[int, ...] = ()
+    cols: tuple[int, ...] = ()
+
+
+NO_CUTS = Cuts()
+
+
+def smooth_shape(
+    mask: Mask, coverage: Float32, *, rounds_border: bool = False, cuts: Cuts = NO_CUTS
+) -> tuple[Shape, float]:
     """The shape of a mask with its outline moved to where coverage is one half.
 
     The nodes of the outline move by less than half a pixel, and no pixel is turned over, so islands, holes and bridges
@@ -64,6 +77,8 @@ def smooth_shape(mask: Mask, coverage: Float32, *, rounds_border: bool = False) 
     rounds_border : bool
         Whether coverage also describes the border of the picture, where its corners are rounded; otherwise nodes on the
         border slide along it.
+    cuts : Cuts
+        Nodes on them move only along them.
 
     Returns
     -------
@@ -73,7 +88,7 @@ def smooth_shape(mask: Mask, coverage: Float32, *, rounds_border: bool = False) 
     """
     splits = find_splits(mask)
     edges = outline_edges(mask, splits)
-    ring = _Ring.of(edges, mask, splits.first, splits.vertices, slides=not rounds_border)
+    ring = _Ring.of(edges, mask, splits.first, splits.vertices, slides=not rounds_border, cuts=cuts)
     contour = _Contour.of(
         coverage if has_soft_edges(mask, coverage) else _blurred(coverage, rounds_border), rounds_border
     )
@@ -88,13 +103,14 @@ def smooth_shape(mask: Mask, coverage: Float32, *, rounds_border: bool = False) 
     return shape, deviation_px
 
 
-def smooth_foot_line(motif: Mask, coverage: Float32) -> tuple[Shape, float]:
+def smooth_foot_line(motif: Mask, coverage: Float32, cuts: Cuts = NO_CUTS) -> tuple[Shape, float]:
     """The shape of a whole picture, in which the outline of a motif on a plate is moved as by `smooth_shape`.
 
     Parameters
     ----------
     motif : (H, W) bool
     coverage : (H, W) float32
+    cuts : Cuts
 
     Returns
     -------
@@ -102,7 +118,7 @@ def smooth_foot_line(motif: Mask, coverage: Float32) -> tuple[Shape, float]:
         Of all pixels.
     deviation_px : float
     """
-    shape, deviation_px = smooth_shape(motif, coverage)
+    shape, deviation_px = smooth_shape(motif, coverage, cuts=cuts)
     first = shape.splits.first
     kept = (shape.moved < first) & ~np.isin(shape.moved, shape.splits.vertices)
     whole = np.ones_like(motif)
@@ -160,7 +176,7 @@ class _Ring:
     is_split: Mask
 
     @classmethod
-    def of(cls, edges: OutlineEdges, mask: Mask, first_second: int, split: Nodes, *, slides: bool) -> _Ring:
+    def of(cls, edges: OutlineEdges, mask: Mask, first_second: int, split: Nodes, *, slides: bool, cuts: Cuts) -> _Ring:
         rows, cols = mask.shape
         order = np.argsort(edges.start)
         nodes = edges.start[order]
@@ -177,6 +193,8 @@ class _Ring:
         along = border & border[before] & border[after]
         moves = np.column_stack([~sides & ~along, ~ends & ~along] if slides else [~(sides & ends)] * 2)
         free = moves.astype(np.float64)
+        on_cut = np.column_stack([np.isin(col, cuts.cols), np.isin(row, cuts.rows)])
+        free[on_cut] = 0.0
         free[is_split] = 0.0
         return cls(nodes, grid, before, after, free, is_split)
 

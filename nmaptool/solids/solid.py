@@ -9,20 +9,19 @@ from typing import Any
 import numpy as np
 
 from nmaptool.core.arrays import Float32, Mask
-from nmaptool.core.errors import InputError, UsageError
-from nmaptool.core.grid import touching_vertices
+from nmaptool.core.errors import InputError
 from nmaptool.core.units import Length
 from nmaptool.options.solid import SolidOptions
+from nmaptool.solids.bodies import closed_solid
 from nmaptool.solids.exact.build import plate_solid
-from nmaptool.solids.flat_back import FlatBack, rectangle_corners
-from nmaptool.solids.outline import find_splits, outline_edges
-from nmaptool.solids.piece import Back, Piece, back_of, bounds_of, in_mm, pocket_mm3
+from nmaptool.solids.fronts import check_raised_back, in_range, raised_surface, shape_of, zero_of
+from nmaptool.solids.outline import outline_edges
+from nmaptool.solids.piece import Piece, back_of, bounds_of, pocket_mm3
 from nmaptool.solids.pieces import pieces_of
-from nmaptool.solids.raised import RaisedFront, RaisedPiece, raised_front, raised_mask
-from nmaptool.solids.shape import Shape, pixel_shape
+from nmaptool.solids.raised import RaisedPiece, raised_mask
+from nmaptool.solids.shape import Shape
 from nmaptool.solids.sheet import Placing, Sheet
-from nmaptool.solids.smooth import has_soft_edges, smooth_foot_line, smooth_shape
-from nmaptool.solids.thinned_sheet import Surfaces, Thinning, thin_pieces
+from nmaptool.solids.thinning import thinned_front, thinned_surfaces
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import as_height
 from nmaptool.types.relief import Relief
@@ -70,18 +69,18 @@ def solid(relief: Height | Relief, options: SolidOptions | None = None) -> Solid
     if raised is not None:
         beside = relief.foreground & ~raised if isinstance(relief, Relief) else None
         return _raised(height, coverage, beside, options)
-    shape, facts = _shape_of(relief, height, coverage, options)
-    height = _in_range(height, shape)
+    shape, facts = shape_of(relief, height, coverage, options)
+    height = in_range(height, shape)
     if not options.is_closed:
         return _surface(height, shape, options, facts)
-    zero_mm = _zero_of(relief, height)
+    zero_mm = zero_of(relief, height)
     pieces = [_piece_of(height, *placed, options, zero_mm) for placed in pieces_of(shape)]
     _check_count(pieces, options)
     if options.hollow is not None:
         facts["hollowed_mm3"] = sum(pocket_mm3(piece.back) for piece in pieces)
-    thinned = _thinned([(piece.front, piece.edges, piece.back) for piece in pieces], height, options, facts)
+    thinned = thinned_surfaces([(piece.front, piece.edges, piece.back) for piece in pieces], height, options, facts)
     pieces = [Piece(front, edges, back) for front, edges, back in thinned if back is not None]
-    return _solid_of(pieces, facts)
+    return closed_solid(pieces, facts)
 
 
 def _of_plate(options: SolidOptions, relief: Height | Relief) -> SolidOptions:
@@ -96,19 +95,6 @@ def _of_plate(options: SolidOptions, relief: Height | Relief) -> SolidOptions:
         if each is not None and each.unit == "%"
     }
     return dataclasses.replace(options, **shares)
-
-
-def _solid_of(pieces: Sequence[Piece | RaisedPiece], facts: dict[str, Any]) -> Solid:
-    """A solid of closed bodies."""
-    bounds = np.array([piece.bounds_mm for piece in pieces])
-    name = "relief" if len(pieces) == 1 else "relief {}"
-    return Solid(
-        tuple(piece.body(name.format(number)) for number, piece in enumerate(pieces, start=1)),
-        True,
-        np.stack([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)]),
-        sum(piece.volume_mm3 for piece in pieces),
-        {**facts, "pieces": len(pieces)},
-    )
 
 
 def _piece_of(height: Height, shape: Shape, top: int, left: int, options: SolidOptions, zero_mm: float) -> Piece:
@@ -132,112 +118,24 @@ def _check_count(pieces: Sequence[Piece], options: SolidOptions) -> None:
 
 def _raised(height: Height, coverage: Float32 | None, beside: Mask | None, options: SolidOptions) -> Solid:
     """The solid or surface of a motif that stands on its plate with walls."""
-    assert height.raised is not None
-    smooth = options.outline == "smooth"
-    if options.outline == "auto" and coverage is not None:
-        smooth = has_soft_edges(height.raised, coverage)
-    front, deviation_px = raised_front(height, coverage, smooth, beside)
-    facts: dict[str, Any] = {
-        "outline": "smooth" if smooth else "exact",
-        "outline_deviation_mm": deviation_px * height.pitch_mm,
-    }
+    front, facts = raised_surface(height, coverage, beside, options)
     if not options.is_closed:
-        front = _thinned_front(front, height, options, facts, ())
+        front = thinned_front(front, height, options, facts, ())
         body = Body("relief", front.parts, front.face_count, front.node_count)
         return Solid((body,), False, front.bounds_mm, facts=facts)
     back = back_of(front.whole, front.border(), height, options, 0.0)
-    if isinstance(back, Sheet) and (options.max_error is not None or options.triangles is not None):
-        name = "max_error" if options.max_error is not None else "triangles"
-        kind = "shell" if options.shell is not None else "hollow"
-        raise UsageError(f"`{name}` and `{kind}` do not go together with a raised motif; leave one of them out")
+    check_raised_back(back, options)
     if options.hollow is not None:
         facts["hollowed_mm3"] = pocket_mm3(back)
-    front = _thinned_front(front, height, options, facts, (back,))
-    return _solid_of([RaisedPiece.of(front, back)], facts)
-
-
-def _zero_of(relief: Height | Relief, height: Height) -> float:
-    """The height that a base is measured from: the plate's, or the lowest of a relief without a plate."""
-    if isinstance(relief, Relief) and relief.report.options.background != "plane":
-        return height.range_mm[0]
-    return 0.0
-
-
-def _shape_of(
-    relief: Height | Relief, height: Height, coverage: Float32 | None, options: SolidOptions
-) -> tuple[Shape, dict[str, Any]]:
-    """The shape of a relief's surface, and what was found."""
-    mask = height.domain
-    motif = relief.foreground if isinstance(relief, Relief) else mask
-    has_foot_line = mask.all() and not motif.all()
-    edge = motif if has_foot_line else mask
-    is_smooth = options.outline == "smooth" or (
-        options.outline == "auto" and coverage is not None and has_soft_edges(edge, coverage)
-    )
-    if not is_smooth or edge.all():
-        shape = pixel_shape(mask, find_splits(mask))
-        return shape, {"outline": "exact", "outline_deviation_mm": 0.0, "split_corners": len(shape.splits.vertices)}
-    coverage = edge.astype(np.float32) if coverage is None else coverage
-    if has_foot_line:
-        shape, deviation_px = smooth_foot_line(edge, coverage)
-    else:
-        rounds = isinstance(relief, Relief) and relief.report.options.outline_round is not None
-        shape, deviation_px = smooth_shape(edge, coverage, rounds_border=rounds)
-    facts = {"outline": "smooth", "outline_deviation_mm": deviation_px * height.pitch_mm}
-    return shape, {**facts, "split_corners": len(shape.splits.vertices)}
-
-
-def _in_range(height: Height, shape: Shape) -> Height:
-    """Heights whose range is kept by the moved nodes of the outline."""
-    if shape.keeps_heights:
-        return height
-    low, high = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0)).z_range()
-    wanted_low, wanted_high = height.range_mm
-    if (low, high) == (wanted_low, wanted_high) or low == high:
-        return height
-    factor = (wanted_high - wanted_low) / (high - low)
-    return dataclasses.replace(height, z_mm=(height.z_mm - low) * factor + wanted_low)
+    front = thinned_front(front, height, options, facts, (back,))
+    return closed_solid([RaisedPiece.of(front, back)], facts)
 
 
 def _surface(height: Height, shape: Shape, options: SolidOptions, facts: dict[str, Any]) -> Solid:
     """The open surface, as one body."""
     sheet = Sheet(height.z_mm, shape, Placing(height.pitch_mm, 0, 0))
-    ((sheet, edges, _),) = _thinned([(sheet, outline_edges(shape.mask, shape.splits), None)], height, options, facts)
+    ((sheet, edges, _),) = thinned_surfaces(
+        [(sheet, outline_edges(shape.mask, shape.splits), None)], height, options, facts
+    )
     body = Body("relief", sheet.parts, sheet.face_count, shape.node_count)
     return Solid((body,), False, bounds_of(sheet, edges), facts=facts)
-
-
-def _thinned(
-    surfaces: Sequence[Surfaces], height: Height, options: SolidOptions, facts: dict[str, Any]
-) -> Sequence[Surfaces]:
-    """The pieces with as many triangles as the options ask for."""
-    if options.max_error is None and options.triangles is None:
-        return surfaces
-    error_mm = None if options.max_error is None else in_mm(options.max_error, height)
-    pieces = [Thinning(*each) for each in surfaces]
-    thinned, facts["max_error_mm"] = thin_pieces(pieces, error_mm, options.triangle_count, options.triangles)
-    return thinned
-
-
-def _thinned_front(
-    front: RaisedFront, height: Height, options: SolidOptions, facts: dict[str, Any], backs: Sequence[Back]
-) -> RaisedFront:
-    """A raised front with as many triangles as the options ask for."""
-    if options.max_error is None and options.triangles is None:
-        return front
-    error_mm = None if options.max_error is None else in_mm(options.max_error, height)
-    # motif and plate share their outline
-    kept = touching_vertices(front.motif.shape.mask) & touching_vertices(front.plate.shape.mask)
-    for back in backs:
-        if isinstance(back, FlatBack):
-            kept |= rectangle_corners(back)
-    pieces = [Thinning(front.motif, front.motif_edges, kept=kept), Thinning(front.plate, front.plate_edges, kept=kept)]
-    limit = wanted = options.triangle_count
-    while True:
-        thinned, facts["max_error_mm"] = thin_pieces(pieces, error_mm, limit, options.triangles)
-        (motif, motif_edges, _), (plate, plate_edges, _) = thinned
-        found = RaisedFront(motif, plate, motif_edges, plate_edges)
-        faces = RaisedPiece.of(found, backs[0]).face_count if backs else found.face_count
-        if limit is None or wanted is None or faces <= wanted:
-            return found
-        limit -= faces - wanted  # the walls and the back need triangles, too

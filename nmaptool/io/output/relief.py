@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
 
 from nmaptool._version import __version__
 from nmaptool.core.progress import Progress
+from nmaptool.io.output.parts import (
+    CutRelief,
+    assembly_targets,
+    check_templates,
+    is_template,
+    new_folders,
+    part_targets,
+)
 from nmaptool.io.output.targets import Destination, place_of
 from nmaptool.io.output.transaction import Metadata, Outputs, Target, wanted
 from nmaptool.options import HeightsAt
@@ -22,11 +30,12 @@ from nmaptool.types.solid import Solid
 
 @dataclass(frozen=True, eq=False)
 class WrittenRelief:
-    """A relief, its triangles for files of meshes, and what is told the progress of writing them."""
+    """A relief, its triangles for files of meshes, what is told the progress of writing them, and its parts."""
 
     relief: Relief
     solid: Solid | None = None
     progress: Progress | None = None
+    cut: CutRelief | None = None
 
 
 class _Surface:
@@ -35,7 +44,7 @@ class _Surface:
     def __init__(self, at: HeightsAt, written: WrittenRelief, metadata: Metadata) -> None:
         recipe = {key: metadata[key] for key in ("options", "reading", "files") if key in metadata}
         self.relief, self.height, self.at = written.relief, written.relief.height, at
-        self._solid, self.progress = written.solid, written.progress
+        self._solid, self.progress, self.cut = written.solid, written.progress, written.cut
         self.attributes = {"version": __version__, **{key: json.dumps(value) for key, value in recipe.items()}}
 
     @cached_property
@@ -56,10 +65,16 @@ def relief_outputs(
     overwrite: bool = False,
     at: HeightsAt = "centers",
     recipe: tuple[Destination, str] | None = None,
+    assembly: Iterable[Destination] = (),
 ) -> Outputs[WrittenRelief]:
-    """The plan of `write_relief`; the text of a recipe may be written with it."""
+    """The plan of `write_relief`; the text of a recipe may be written with it.
+
+    The files of parts come in with `with_parts`, once their number is known; names for them are checked here.
+    """
     choice_of(HeightsAt).read("at", at)
-    places = [place_of(output) for output in outputs]
+    outputs = list(outputs)
+    templates = [str(output) for output in outputs if is_template(output)]
+    places = [place_of(output) for output in outputs if not is_template(output)]
     surfaces = [
         Target(place, "a relief", tuple(RELIEF_FORMATS), partial(_write_surface, title=Path(str(place)).stem))
         for place in places
@@ -68,7 +83,21 @@ def relief_outputs(
     if recipe is not None:
         place, text = recipe
         views += wanted(place, "a recipe", (RECIPE_ENDING,), lambda _, path: _write_text(text, path))
-    return Outputs([*surfaces, *views], place_of(report), overwrite, report_endings=(), prepare=partial(_Surface, at))
+    return Outputs(
+        [*surfaces, *views, *assembly_targets(assembly)],
+        place_of(report),
+        overwrite,
+        new_folders(templates),
+        "parts are written into it; give another name",
+        report_endings=(),
+        rules=[partial(check_templates, templates, overwrite)],
+        prepare=partial(_Surface, at),
+    )
+
+
+def with_parts(outputs: Outputs[WrittenRelief], cut: CutRelief) -> Outputs[WrittenRelief]:
+    """The plan with the files of the parts."""
+    return replace(outputs, targets=[*part_targets(cut), *outputs.targets])
 
 
 def write_relief(
