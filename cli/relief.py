@@ -11,14 +11,23 @@ from typing import TYPE_CHECKING, Any, cast
 
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.core.mentions import written_name
-from nmaptool.options import HeightsAt, PartOptions, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions
+from nmaptool.options import (
+    HeightsAt,
+    PartOptions,
+    ReadOptions,
+    ReliefFiles,
+    ReliefOptions,
+    SolidOptions,
+    TilingOptions,
+)
 from nmaptool.options.fields import choice_of, option
-from nmaptool.options.formats import MESH_FORMATS, RELIEF_FORMATS, is_recipe
+from nmaptool.options.formats import LARGE_RELIEF_FORMATS, MESH_FORMATS, RELIEF_FORMATS, FileFormat, is_recipe
 from nmaptool.options.kinds import Switch
 from nmaptool.options.plain_values import plain_values
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
 from nmaptool.options.relief_presets import PresetOptions
 from nmaptool_cli.command import command
+from nmaptool_cli.large_relief import is_large, large_relief
 from nmaptool_cli.outputs import FileOf, ReportOutputs
 from nmaptool_cli.part_outputs import check_part_names, cut_relief
 from nmaptool_cli.relief_sources import Sources, map_sources, recipe_sources
@@ -41,6 +50,10 @@ _CALLED = {
     "wall_mask": "the wall mask",
     "surface": "the curved background",
 }
+
+
+def _output_formats() -> Mapping[str, FileFormat]:
+    return {**RELIEF_FORMATS, **LARGE_RELIEF_FORMATS}
 
 
 @dataclass(frozen=True)
@@ -66,7 +79,7 @@ class ReliefOutputs(ReportOutputs):
         Solve, and print size, triangles and file sizes, but write no files.
     """
 
-    output: tuple[Path, ...] = option((), FileOf(formats=lambda: RELIEF_FORMATS), short="-o")
+    output: tuple[Path, ...] = option((), FileOf(formats=_output_formats), short="-o")
     preview: Path | None = option(None)
     at: HeightsAt = option("centers", choice_of(HeightsAt))
     assembly: tuple[Path, ...] = option(())
@@ -108,7 +121,7 @@ class ReliefOutputs(ReportOutputs):
 
 @command(
     *(ReliefFiles, ReliefOutputs, PresetOptions, ReliefOptions),
-    *(PlateOptions, FrameOptions, TextOptions, SolidOptions, PartOptions, MachineOptions, ReadOptions),
+    *(PlateOptions, FrameOptions, TextOptions, SolidOptions, PartOptions, MachineOptions, TilingOptions, ReadOptions),
     completed=(ReliefOptions, PlateOptions, FrameOptions, TextOptions, SolidOptions, MachineOptions),
 )
 def relief(run: Run, map: str, /) -> None:
@@ -122,7 +135,8 @@ def relief(run: Run, map: str, /) -> None:
     ----------
     map:
         Original or base normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input. Or a recipe
-        (.toml): its layers are composed, and its table [relief] holds options and files, which flags replace.
+        (.toml): its layers are composed, and its table [relief] holds options and files, which flags replace. Or a map
+        larger than memory: a Zarr store, a folder of tiles, a large TIFF; its heights go to a Zarr store.
     """
     import nmaptool as nm
     from nmaptool.io.output.relief import WrittenRelief, with_parts
@@ -131,6 +145,11 @@ def relief(run: Run, map: str, /) -> None:
     from nmaptool_cli.wording.reliefs import describe_relief
     from nmaptool_cli.wording.solids import describe_solid
 
+    if is_large(map, run[ReliefOutputs].output):
+        large_relief(run, map, run[ReliefOutputs])
+        return
+    if run.named(TilingOptions):
+        raise UsageError(f"`{next(iter(run.named(TilingOptions)))}`: is for large maps, such as -o heights.zarr")
     given, outputs, sources, recipe = _begin(run, map)
     if given.is_recipe_only and not run.options.json:
         _save_recipe(run, outputs, sources, recipe, map)

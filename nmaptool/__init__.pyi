@@ -1,3 +1,4 @@
+from . import tiled as tiled
 from ._version import __version__ as __version__
 from .baking.bake import bake as bake
 from .baking.bake import bake_views as bake_views

@@ -84,6 +84,11 @@ MESH_FORMATS: dict[str, FileFormat] = {
 }
 # a relief is written as heights or as a mesh: a view of both tables, where heights take precedence
 RELIEF_FORMATS: Mapping[str, FileFormat] = ChainMap(MESH_FORMATS, HEIGHT_FORMATS)
+# a relief of a large map is written to a store, and from there to other files
+LARGE_ENDING = ".zarr"
+LARGE_RELIEF_FORMATS: Mapping[str, FileFormat] = {
+    LARGE_ENDING: FileFormat("heights in mm, 32-bit floats, for maps larger than memory")
+}
 WORKSPACE_FORMATS: dict[str, WorkspaceFormat] = {
     ".psd": WorkspaceFormat("Photoshop and most editors", bits=(8, 16)),
     ".psb": WorkspaceFormat("Photoshop, for very large pictures", bits=(8, 16)),

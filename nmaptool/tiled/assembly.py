@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.core.arrays import Float32
+from nmaptool.core.arrays import Float32, Float64
+from nmaptool.core.errors import InputError
 from nmaptool.core.grid import touching_vertices
 from nmaptool.options import ReadOptions
 from nmaptool.reliefs.inputs import ReliefMaps, check_weights
@@ -39,6 +40,30 @@ def _grey(name: str) -> Any:
     return open_grey(name)
 
 
+@lru_cache(maxsize=8)
+def _heights(name: str) -> Any:
+    from nmaptool.io.stores.heights import open_heights
+
+    return open_heights(name)
+
+
+def base_of_window(job: ReliefJob, window: Box) -> Float64 | None:
+    """(h+1, w+1) heights in px of the curved background in a window of faces; None without one.
+
+    Raises
+    ------
+    InputError
+        If it has holes.
+    """
+    name = job.files.surface
+    if name is None:
+        return None
+    base = np.asarray(_heights(name).window(*of_vertices(window)), np.float64)
+    if not np.isfinite(base).all():
+        raise InputError(f"the curved background {name} has holes; it must be defined everywhere")
+    return base / job.pitch_mm
+
+
 def window_of_maps(job: ReliefJob, window: Box) -> ReliefMaps:
     """Read a window of all inputs."""
     files = job.files
@@ -62,7 +87,8 @@ def assemble(job: ReliefJob, tile: Tile) -> None:
     own, owned = inside(faces, window), inside(vertices, of_vertices(window))
     maps = window_of_maps(job, window)
     weights = dataclasses.replace(job.weights, mu_map=maps.mu, beta_map=maps.beta, delta_map=maps.delta)
-    system = window_system(maps, job.options, weights, job.pitch_mm, own)
+    base = base_of_window(job, window)
+    system = window_system(maps, job.options, weights, job.pitch_mm, own, base)
     unknown = touching_vertices(system.weight > 0)
     unknown |= system.beta > 0
     unknown &= ~system.held
@@ -96,11 +122,19 @@ def assemble(job: ReliefJob, tile: Tile) -> None:
     add_lines(record, "beta", system.beta[owned], 1)
     add_lines(record, "unknown", unknown[owned], 1)
     add_lines(record, "labels", vertex_labels, 1)
-    for name, values in loads.items():
-        folder.write(name, vertices, values[owned])
+    if base is not None:
+        folder.write("base", vertices, base[owned])
+        # what the held heights leave
+        rest = np.zeros(load.shape)
+        if whole is not None:
+            whole.residual(loads["load"], np.where(unknown, 0.0, base), rest)
+            rest[~unknown] = 0
+    for name, stored in loads.items():
+        folder.write(name, vertices, stored[owned])
+        values = rest if job.base_of(name) else stored
         blocks[name] = restricted(values[owned], grid, tile)
         record[f"{name}_sums"] = _sums(vertex_labels, count, values[owned], system, owned)
-        add_lines(record, name, values[owned], 1)
+        add_lines(record, name, stored[owned], 1)
     folder.put(f"assembled_blocks/{tile.row}_{tile.col}", blocks)
     folder.put(f"assembled/{tile.row}_{tile.col}", record)
 

@@ -13,8 +13,8 @@ from nmaptool.core.arrays import Float64
 from nmaptool.core.grid import corner_mean
 from nmaptool.core.progress import Progress
 from nmaptool.io.stores.height_output import write_heights
-from nmaptool.solver.tiling.grid import Tile, of_vertices
-from nmaptool.tiled.assembly import SURFACE, sum_by_label, tile_labels
+from nmaptool.solver.tiling.grid import Tile, inside, of_vertices
+from nmaptool.tiled.assembly import MOTIF, SURFACE, sum_by_label, tile_labels
 from nmaptool.tiled.job import ReliefJob
 from nmaptool.tiled.solving import Pool, Swept, run_step, teller
 
@@ -166,6 +166,7 @@ def write(job: ReliefJob, total: Sum, shifts: tuple[Shifts | None, ...], output:
             part -= base
         part *= factor
         z += part
+    below = _count_below(job, tile, z, box)
     if base is not None:
         z += base
     window = grid.window(tile, 1)
@@ -182,4 +183,13 @@ def write(job: ReliefJob, total: Sum, shifts: tuple[Shifts | None, ...], output:
     if job.options.background in ("free", "cut"):
         z[of_corners == 0] = np.nan
     write_heights(output, box[0].start, box[1].start, z)
-    folder.put(f"written/{tile.row}_{tile.col}", {})
+    extent = np.array([np.nanmin(z, initial=np.inf), np.nanmax(z, initial=-np.inf)])
+    folder.put(f"written/{tile.row}_{tile.col}", {"below": np.array(below), "range": extent})
+
+
+def _count_below(job: ReliefJob, tile: Tile, above: Float64, box: tuple[slice, slice]) -> tuple[int, int]:
+    """Vertices of the motif below the background, and vertices of the motif, of those that a tile owns."""
+    vertices = job.grid.vertices(tile)
+    motif = (job.folder.read("state", vertices) & MOTIF) > 0
+    own = above[inside(vertices, box)]
+    return int(np.count_nonzero((own < 0) & motif)), int(np.count_nonzero(motif))

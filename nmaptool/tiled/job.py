@@ -43,6 +43,10 @@ class ReliefJob:
     pitch_mm: float
     margin: int
 
+    def base_of(self, load: str) -> bool:
+        """Whether a load was made for the heights of a curved background; that of delta is not."""
+        return self.files.surface is not None and load == "load"
+
     @property
     def loads(self) -> tuple[str, ...]:
         """The loads to solve for: one, or that of the shape and that of delta where their sum is found afterwards."""

@@ -62,8 +62,6 @@ def _finish(
     wanted = length_px(options.height, (grid.rows, grid.cols), pitch_mm)
     arrays = tuple(each.array for each in swept)
     has_base = job.files.surface is not None
-    below = sum(int(record["below"]) for record in swept[0].records.values())
-    motif = sum(int(record["motif"]) for record in swept[0].records.values())
     statistics = SolveStatistics(
         max(each.residual for each in swept),
         sum(each.iterations for each in swept),
@@ -91,8 +89,8 @@ def _finish(
         factors = (scale, delta)
         heights = scale * first + delta * second
         low, high = float(heights.min()), float(heights.max())
-    holds = below / motif if motif else 0.0
-    facts = HeightFacts((low * pitch_mm, high * pitch_mm), (high - low) * pitch_mm, holds, delta, scale, statistics)
+    # the share below the background is counted when the heights are written
+    facts = HeightFacts((low * pitch_mm, high * pitch_mm), (high - low) * pitch_mm, 0.0, delta, scale, statistics)
     return Sum(arrays, factors, pitch_mm, has_base), facts
 
 

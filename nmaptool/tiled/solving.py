@@ -120,6 +120,8 @@ def assembled(job: ReliefJob, pool: Pool, progress: Progress | None) -> Records:
     folder.make_array("weight", (grid.rows, grid.cols), "f4", packed=True)
     folder.make_array("beta", vertices, "f4", packed=True)
     folder.make_array("state", vertices, "u1", packed=True)
+    if job.files.surface is not None:
+        folder.make_array("base", vertices, "f8")
     rows, cols = grid.coarse_shape
     for load in job.loads:
         folder.make_array(load, vertices, "f8")

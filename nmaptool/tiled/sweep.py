@@ -13,7 +13,7 @@ from nmaptool.solver.tiling.coarse import add_block, empty_sum
 from nmaptool.solver.tiling.grid import Tile, inside, of_vertices
 from nmaptool.solver.tiling.tile import TileSystem, correct, restricted
 from nmaptool.solver.tiling.transfer import coarse_box, prolong, restrict
-from nmaptool.tiled.assembly import MOTIF, SURFACE, UNKNOWN, add_lines, sum_by_label, tile_labels
+from nmaptool.tiled.assembly import SURFACE, UNKNOWN, add_lines, sum_by_label, tile_labels
 from nmaptool.tiled.job import ReliefJob
 
 Records = dict[Tile, dict[str, NDArray[Any]]]
@@ -33,7 +33,8 @@ def sweep(job: ReliefJob, load: str, number: int, reduction: float, tile: Tile) 
     unknown = (state & UNKNOWN) > 0
     coarse = folder.read(f"{load}_coarse", coarse_box(corners, grid.factor))
     z = prolong(coarse, corners, grid.factor)
-    z[~unknown] = 0
+    base = folder.read("base", corners) if job.base_of(load) else None
+    z[~unknown] = 0 if base is None or number > 1 else base[~unknown]
     if number > 1:
         z += folder.read(heights_name(load, number - 1), corners)
     weight = folder.read("weight", window)
@@ -43,12 +44,11 @@ def sweep(job: ReliefJob, load: str, number: int, reduction: float, tile: Tile) 
     folder.write(heights_name(load, number), vertices, done.z)
     _, labels, count = tile_labels(job, tile, weight, window)
     own_state = state[inside(vertices, corners)]
-    on_surface = done.z[(own_state & SURFACE) > 0]
+    above = done.z if base is None else done.z - base[inside(vertices, corners)]
+    on_surface = above[(own_state & SURFACE) > 0]
     record: dict[str, Any] = {
         "squares": sum_by_label(labels, count, done.residual * done.residual),
         "range": np.array([on_surface.min(initial=np.inf), on_surface.max(initial=-np.inf)]),
-        "below": np.array(np.count_nonzero((done.z < 0) & ((own_state & MOTIF) > 0))),
-        "motif": np.array(np.count_nonzero(own_state & MOTIF)),
         "iterations": np.array(done.iterations),
     }
     add_lines(record, "z", done.z, 2)

@@ -24,7 +24,9 @@ class TiledReport(Report):
         Side of a tile, how far its window reaches into its neighbours, and side of a coarse face, in px.
     tiles, workers, sweeps : int
     resumed : int
-        Tiles and passes that an earlier run had finished.
+        Steps of tiles that an earlier run had finished.
+    warnings : tuple of str
+        Doubts about the inputs.
     """
 
     relief: ReliefReport
@@ -38,3 +40,4 @@ class TiledReport(Report):
     workers: int
     sweeps: int
     resumed: int = 0
+    warnings: tuple[str, ...] = ()

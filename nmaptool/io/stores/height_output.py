@@ -74,15 +74,8 @@ class HeightOutput:
         """The name of the store until it is complete."""
         return f"{self.name.rstrip('/').removesuffix(_ENDING)}.partial{_ENDING}"
 
-    def begin(self, low_mm: float, high_mm: float) -> None:
-        """Create the store; keep one that an earlier run began."""
-        attributes = {
-            "kind": "height",
-            "unit": "mm",
-            "at": self.at,
-            "height_min_mm": repr(low_mm),
-            "height_max_mm": repr(high_mm),
-        }
+    def begin(self) -> None:
+        """Create the store."""
         extra = 1 if self.at == "corners" else 0
         inner = next(size for size in (_INNER, 256, 128, 64, 1) if self.chunk % size == 0)
         rows, cols = self.rows + extra, self.cols + extra
@@ -95,12 +88,18 @@ class HeightOutput:
             chunk=self.chunk,
             inner=inner,
             pitch_mm=self.pitch_mm,
-            attributes=attributes,
+            attributes=self._attributes,
             overwrite=True,
         )
 
-    def finish(self) -> None:
-        """Give the store its name."""
+    @property
+    def _attributes(self) -> dict[str, str]:
+        return {"kind": "height", "unit": "mm", "at": self.at}
+
+    def finish(self, low_mm: float, high_mm: float) -> None:
+        """State the range of the heights, and give the store its name."""
+        extent = {"height_min_mm": repr(low_mm), "height_max_mm": repr(high_mm)}
+        open_writable(self.partial_name).add_attributes(extent)
         place = self.name.rstrip("/")
         make_room(place, self.overwrite)
         path, partial = local_path(place), local_path(self.partial_name)

@@ -69,6 +69,19 @@ class ZarrWriter:
         except OSError as error:
             raise OutputError(f"{self.name}: cannot be written ({reason_of(error)})") from None
 
+    def add_attributes(self, attributes: Mapping[str, Any]) -> None:
+        """Add metadata, as in `nmaptool.RasterImage`.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written.
+        """
+        try:
+            self._array.update_attributes({OWN: {**dict(self._array.attrs.get(OWN, {})), **attributes}})
+        except OSError as error:
+            raise OutputError(f"{self.name}: cannot be written ({reason_of(error)})") from None
+
 
 def create_picture(
     name: str,

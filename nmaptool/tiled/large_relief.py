@@ -6,6 +6,8 @@ import dataclasses
 from contextlib import AbstractContextManager
 from functools import partial
 
+import numpy as np
+
 from nmaptool._version import __version__
 from nmaptool.core.errors import UsageError
 from nmaptool.core.memory import available_bytes
@@ -24,7 +26,9 @@ from nmaptool.tiled.planning import Plan, plan
 from nmaptool.tiled.pools import cluster_pool, local_pool
 from nmaptool.tiled.running import run_relief
 from nmaptool.tiled.solving import Pool, run_step, teller
+from nmaptool.tiled.sweep import Records
 from nmaptool.types.height import DEFAULT_LONGER_SIDE_MM
+from nmaptool.types.relief import ReliefReport
 from nmaptool.types.tiled import TiledReport
 
 # where the system does not report its memory
@@ -101,10 +105,11 @@ def relief(
         report, total, shifts = run_relief(job, pool, sources, pitch_from, stages)
         with stages.stage("finish"):
             if not job.folder.has_any("written"):
-                target.begin(report.height_min_mm, report.height_max_mm)
+                target.begin()
             step = partial(write, job, total, shifts, target.partial_name, at)
-            run_step(job, pool, "written", step, teller(progress, "writing heights"))
-            target.finish()
+            records = run_step(job, pool, "written", step, teller(progress, "writing heights"))
+            report = _with_background(report, records)
+            target.finish(report.height_min_mm, report.height_max_mm)
         sweeps = len(report.history)
         job.folder.remove()
     grid = made.grid
@@ -121,7 +126,20 @@ def relief(
         made.workers,
         sweeps,
         resumed,
+        sources.warnings,
     )
+
+
+def _with_background(report: ReliefReport, records: Records) -> ReliefReport:
+    """The report with what only the finished heights tell: how they lie to the background."""
+    if report.options.background == "surface":
+        low = min(float(record["range"][0]) for record in records.values())
+        high = max(float(record["range"][1]) for record in records.values())
+        report = dataclasses.replace(report, height_min_mm=low, height_max_mm=high, height_range_mm=high - low)
+    if report.options.background not in ("plane", "surface"):
+        return report
+    below, motif = np.sum([record["below"] for record in records.values()], axis=0)
+    return dataclasses.replace(report, below_background_share=float(below / motif))
 
 
 def _check(options: ReliefOptions, files: ReliefFiles) -> None:

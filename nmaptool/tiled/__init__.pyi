@@ -1,0 +1,1 @@
+from .large_relief import relief as relief
