@@ -33,6 +33,7 @@ _ORDER = (
     "Solid",
     "Parts",
     "Machine",
+    "Large maps",
     "Picture",
     "Studio",
     "Reading",
