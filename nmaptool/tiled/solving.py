@@ -117,17 +117,18 @@ def assembled(job: ReliefJob, pool: Pool, progress: Progress | None) -> Records:
     """Run the first pass."""
     grid, folder = job.grid, job.folder
     vertices = grid.rows + 1, grid.cols + 1
-    folder.make_array("weight", (grid.rows, grid.cols), "f4", packed=True)
-    folder.make_array("beta", vertices, "f4", packed=True)
-    folder.make_array("state", vertices, "u1", packed=True)
+    tile = grid.tile
+    folder.make_array("weight", (grid.rows, grid.cols), "f4", tile, packed=True)
+    folder.make_array("beta", vertices, "f4", tile, packed=True)
+    folder.make_array("state", vertices, "u1", tile, packed=True)
     if job.files.surface is not None:
-        folder.make_array("base", vertices, "f8")
+        folder.make_array("base", vertices, "f8", tile)
     rows, cols = grid.coarse_shape
     for load in job.loads:
-        folder.make_array(load, vertices, "f8")
-        folder.make_array(f"{load}_coarse", (rows + 2, cols + 2), "f8")
+        folder.make_array(load, vertices, "f8", tile)
+        folder.make_array(f"{load}_coarse", (rows + 2, cols + 2), "f8", tile)
         for number in (0, 1):
-            folder.make_array(heights_name(load, number), vertices, "f8")
+            folder.make_array(heights_name(load, number), vertices, "f8", tile)
     return run_step(job, pool, "assembled", partial(assemble, job), teller(progress, "reading maps"))
 
 

@@ -14,10 +14,10 @@ from nmaptool.io.output.targets import exists_already
 from nmaptool.io.stores.extra import fsspec_module
 from nmaptool.io.stores.names import local_path
 from nmaptool.io.stores.opening import create_picture, open_writable
+from nmaptool.io.stores.work import chunk_of
 from nmaptool.io.stores.zarr_writing import make_room
 
 _ENDING = ".zarr"
-_INNER = 512
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,6 @@ class HeightOutput:
     def begin(self) -> None:
         """Create the store."""
         extra = 1 if self.at == "corners" else 0
-        inner = next(size for size in (_INNER, 256, 128, 64, 1) if self.chunk % size == 0)
         rows, cols = self.rows + extra, self.cols + extra
         create_picture(
             self.partial_name,
@@ -86,7 +85,7 @@ class HeightOutput:
             ("Y",),
             np.float32,
             chunk=self.chunk,
-            inner=inner,
+            inner=chunk_of(self.chunk),
             pitch_mm=self.pitch_mm,
             attributes=self._attributes,
             overwrite=True,

@@ -47,6 +47,15 @@ def _array(url: str) -> Any:
     return zarr.open_array(url, mode="r+")
 
 
+def chunk_of(tile: int) -> int:
+    """Side of the chunks of an array that is written by tiles: the largest power of two up to 512 that divides them.
+
+    >>> chunk_of(2048), chunk_of(320)
+    (512, 64)
+    """
+    return min(_CHUNK, tile & -tile)
+
+
 @dataclass(frozen=True)
 class WorkFolder:
     """Arrays and records below one folder or address.
@@ -59,8 +68,20 @@ class WorkFolder:
 
     url: str
 
-    def make_array(self, name: str, shape: tuple[int, ...], dtype: str, *, packed: bool = False) -> None:
-        """Create an array of zeros, unless it is there; ``packed`` compresses it."""
+    def make_array(self, name: str, shape: tuple[int, ...], dtype: str, tile: int, *, packed: bool = False) -> None:
+        """Create an array of zeros, unless it is there.
+
+        Parameters
+        ----------
+        name : str
+        shape : tuple of int
+        dtype : str
+        tile : int
+            Side of the part that one task writes. It consists of whole chunks, because two tasks must never write to
+            the same one.
+        packed : bool
+            Compress it.
+        """
         import zarr
         from zarr.codecs import BloscCodec
 
@@ -70,7 +91,7 @@ class WorkFolder:
         zarr.create_array(
             f"{self.url}/{name}",
             shape=shape,
-            chunks=tuple(min(_CHUNK, size) for size in shape),
+            chunks=(chunk_of(tile),) * len(shape),
             dtype=dtype,
             compressors=codec,
             overwrite=True,
