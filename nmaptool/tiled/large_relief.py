@@ -100,7 +100,8 @@ def relief(
         made = _plan(sources, options, tiling)
     job = _job(sources, options, files, tiling, made, pitch_mm, output)
     target = HeightOutput(output, sources.rows, sources.cols, pitch_mm, at, made.grid.tile, overwrite)
-    with job.folder.locked(), _pool(tiling, made) as pool:
+    with job.folder.locked() as folder, _pool(tiling, made) as pool:
+        job = dataclasses.replace(job, folder=folder)
         resumed = _begin(job, sources, at)
         report, total, shifts = run_relief(job, pool, sources, pitch_from, stages)
         with stages.stage("finish"):

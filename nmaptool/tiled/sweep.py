@@ -41,6 +41,7 @@ def sweep(job: ReliefJob, load: str, number: int, reduction: float, tile: Tile) 
     system = TileSystem(weight, folder.read("beta", corners), unknown, folder.read(load, corners), z)
     done = correct(system, grid, tile, reduction, job.options.solver)
     vertices = grid.vertices(tile)
+    folder.check_owner()
     folder.write(heights_name(load, number), vertices, done.z)
     _, labels, count = tile_labels(job, tile, weight, window)
     own_state = state[inside(vertices, corners)]

@@ -6,11 +6,12 @@ import contextlib
 import io
 import json
 import os
+import secrets
 import socket
 import sys
 import zlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -27,7 +28,7 @@ _LOCK = "lock"
 
 def _is_alive(owner: str) -> bool:
     """Whether the process of a lock runs; one on another machine is taken to."""
-    host, _, number = owner.rpartition(" ")
+    host, number, *_ = (*owner.split(), "", "")
     # on Windows, signal 0 would interrupt the process
     if host != socket.gethostname() or not number.isdecimal() or sys.platform == "win32":
         return True
@@ -64,9 +65,12 @@ class WorkFolder:
     ----------
     url : str
         A folder, or an address that fsspec knows.
+    owner : str
+        The run that may write; empty if it does not matter.
     """
 
     url: str
+    owner: str = ""
 
     def make_array(self, name: str, shape: tuple[int, ...], dtype: str, tile: int, *, packed: bool = False) -> None:
         """Create an array of zeros, unless it is there.
@@ -128,7 +132,14 @@ class WorkFolder:
             ) from error
 
     def put(self, key: str, values: Mapping[str, Any]) -> None:
-        """Record a finished step, all or nothing."""
+        """Record a finished step, all or nothing.
+
+        Raises
+        ------
+        OutputError
+            If it cannot be written, or another run has taken over.
+        """
+        self.check_owner()
         buffer = io.BytesIO()
         np.savez(buffer, **values)
         data = buffer.getvalue()
@@ -178,28 +189,43 @@ class WorkFolder:
         return bool(files.glob(f"{path}/{step}/*.npz"))
 
     @contextlib.contextmanager
-    def locked(self) -> Iterator[None]:
-        """Keep other runs out.
+    def locked(self) -> Iterator[WorkFolder]:
+        """Keep other runs out; yields the folder for this run, which refuses to write once another has taken over.
 
         Raises
         ------
         OutputError
             If another run uses the folder.
         """
-        mine = f"{socket.gethostname()} {os.getpid()}"
-        owner = (self._bytes(_LOCK) or b"").decode()
-        if owner and owner != mine and _is_alive(owner):
+        owner = self._owner()
+        if owner and _is_alive(owner):
+            host, number, _ = owner.split()
             raise OutputError(
-                f"{self.url}: another run uses it (process {owner.split()[-1]} on {owner.split()[0]}); wait for it, or "
-                f"remove {_LOCK} in that folder if it has ended"
+                f"{self.url}: another run uses it (process {number} on {host}); wait for it, or remove {_LOCK} in that "
+                "folder if it has ended"
             )
+        mine = f"{socket.gethostname()} {os.getpid()} {secrets.token_hex(8)}"
         self._put_bytes(_LOCK, mine.encode())
         try:
-            yield
+            yield replace(self, owner=mine)
         finally:
             files, path = self._files()
             with contextlib.suppress(FileNotFoundError):
                 files.rm_file(f"{path}/{_LOCK}")
+
+    def _owner(self) -> str:
+        return (self._bytes(_LOCK) or b"").decode()
+
+    def check_owner(self) -> None:
+        """Check that this run still has the folder.
+
+        Raises
+        ------
+        OutputError
+            If another has taken over.
+        """
+        if self.owner and self._owner() != self.owner:
+            raise OutputError(f"{self.url}: another run has taken over; what is finished is kept")
 
     def clear(self) -> None:
         """Remove what an earlier run left, except the lock."""
