@@ -131,14 +131,19 @@ def local_pool(workers: int, memory_bytes: int | None = None) -> Iterator[DaskPo
         "distributed.worker.memory.target": False,
     }
     with dask.config.set(quiet):
-        cluster = distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            memory_limit=memory_bytes or 0,
-            dashboard_address=":0",
-            silence_logs=logging.CRITICAL,
-        )
+        try:
+            cluster = distributed.LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                memory_limit=memory_bytes or 0,
+                dashboard_address=":0",
+                silence_logs=logging.CRITICAL,
+            )
+        except (RuntimeError, OSError, TimeoutError) as error:
+            raise NmaptoolError(
+                f"worker processes could not be started ({error}); run again, or use `workers=1`"
+            ) from None
         with cluster, distributed.Client(cluster) as client:
             yield DaskPool(client)
 
