@@ -15,7 +15,7 @@ from nmaptool.maps.background import span_of
 from nmaptool.maps.decoding import Decoded, decode_as_stored
 from nmaptool.maps.doubts import as_warning, check_facing
 from nmaptool.maps.layouts import arranged
-from nmaptool.maps.orders import OrderEvidence, find_evidence, outline_matrix
+from nmaptool.maps.orders import OrderEvidence, find_evidence
 from nmaptool.maps.two_channel import blue_varies
 from nmaptool.maps.zero_code import ZERO_CODES
 from nmaptool.options import ReadOptions
@@ -26,6 +26,8 @@ from nmaptool.types.picture import RasterImage
 
 # the largest value of codes of 8 bits in floats
 _IN_FLOATS = 255
+# squared change of a vector within a pixel, beyond which more does not count
+_LARGEST_CHANGE = 0.25
 Windows = Sequence[tuple[slice, slice]]
 _FLAT = Finding(
     "background-missing",
@@ -170,9 +172,26 @@ def narrowed_as_settled(image: RasterImage, settled: SettledReading) -> RasterIm
 
 
 def _evidence(normals: Float32, foreground: Mask, defined: Mask, step: float, windows: Windows) -> OrderEvidence:
-    """What the window with most of the motif tells, and the mean outline of all windows; seams do not count."""
-    best = max(windows, key=lambda window: int(np.count_nonzero(foreground[window])))
-    seen = find_evidence(normals[best], np.ascontiguousarray(foreground[best]), defined[best], step)
-    outlines = [outline_matrix(normals[one], np.ascontiguousarray(foreground[one])) for one in windows]
-    known = [one for one in outlines if one is not None]
-    return replace(seen, outline=np.mean(known, axis=0) if known else None)
+    """What the windows tell together, each on its own, so that the seams between them do not count."""
+    if len(windows) == 1:
+        return find_evidence(normals, foreground, defined, step)
+    seen, weights = [], []
+    for window in windows:
+        part, motif = normals[window], np.ascontiguousarray(foreground[window])
+        if motif.any():
+            seen.append(find_evidence(part, motif, np.ascontiguousarray(defined[window]), step))
+            change = np.square(np.diff(part, axis=1)).sum(axis=2)[motif[:, 1:] & motif[:, :-1]]
+            weights.append(float(np.minimum(change, _LARGEST_CHANGE).sum(dtype=np.float64)) + 1e-12)
+    if not seen:
+        return find_evidence(normals[windows[0]], foreground[windows[0]], defined[windows[0]], step)
+    telling = [(one.curl2, weight) for one, weight in zip(seen, weights, strict=True) if one.curl2]
+    total = sum(weight for _, weight in telling)
+    outlines = [one.outline for one in seen if one.outline is not None]
+    return OrderEvidence(
+        curl2={axes: sum(curl2[axes] * weight for curl2, weight in telling) / total for axes in telling[0][0]}
+        if telling
+        else {},
+        outline=np.mean(outlines, axis=0) if outlines else None,
+        away=np.mean([one.away for one in seen], axis=0),
+        mean=np.mean([one.mean for one in seen], axis=0),
+    )

@@ -211,7 +211,7 @@ def height_of_picture(path: Path, image: RasterImage, pitch_mm: float | None, *,
             f"{image.name}: the name of its layer says that it holds distances from the camera, not heights; make a "
             "normal map of it with nmap compose depth, or save heights in mm"
         )
-    z_mm, pitch_mm = _in_mm(image, facts), image.frame.pitch_mm or pitch_mm
+    z_mm, pitch_mm = heights_in_mm(image, facts), image.frame.pitch_mm or pitch_mm
     if facts.at == "corners":
         return height_of_corners(str(path), z_mm, lower_right_of(image.alpha, z_mm.shape), pitch_mm)
     if facts.at != "centers":
@@ -219,8 +219,14 @@ def height_of_picture(path: Path, image: RasterImage, pitch_mm: float | None, *,
     return height_of_centers(str(path), z_mm, image.alpha, pitch_mm, with_gaps=with_gaps)
 
 
-def _in_mm(image: RasterImage, facts: DepthFacts) -> Float64:
-    """The (h, w) stored heights in mm, regardless of alpha."""
+def heights_in_mm(image: RasterImage, facts: DepthFacts) -> Float64:
+    """The (h, w) stored heights in mm, regardless of alpha.
+
+    Raises
+    ------
+    InputError
+        If some have the value for no data, or they are codes and the file does not state their range.
+    """
     values = image.pixels[..., 0].astype(np.float64)
     if image.nodata is not None and (image.pixels[..., 0] == np.float32(image.nodata)).any():
         raise InputError(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from nmaptool.core.errors import UsageError
@@ -9,11 +11,12 @@ from nmaptool.io.pictures.normal_maps import options_like
 from nmaptool.io.stores.opening import open_picture
 from nmaptool.io.stores.sampling import sample_of
 from nmaptool.io.stores.windows import bounds, widened, within
+from nmaptool.maps.channels import finite
 from nmaptool.maps.settled import SettledReading, settle
 from nmaptool.maps.windows import WINDOW_MARGIN_PX, decode_window
 from nmaptool.options import ReadOptions
 from nmaptool.types.normal_map import Decoding, NormalMap
-from nmaptool.types.picture import Frame
+from nmaptool.types.picture import Frame, RasterImage
 from nmaptool.types.windows import PictureStore
 
 
@@ -88,7 +91,7 @@ def open_normal_map(
 ) -> NormalMapStore:
     """Open a normal map to read it by windows.
 
-    Its conventions are found in 4 x 4 windows of 512 px, spread over the map and along its edges.
+    Its conventions are found in 4 x 4 windows of 512 px: along the edges, and where the map varies most.
 
     Parameters
     ----------
@@ -107,9 +110,16 @@ def open_normal_map(
     """
     options = options or ReadOptions()
     picture = open_picture(name, options.layer)
-    sample, windows = sample_of(picture)
+    sample, windows = sample_of(picture, partial(_refuse_gaps, options))
     settled, decoding = settle(sample, windows, options_like(sample, options, like))
     return NormalMapStore(picture, settled, decoding)
+
+
+def _refuse_gaps(options: ReadOptions, image: RasterImage, first: tuple[int, int]) -> None:
+    """Refuse NaN and infinity in a window of the sample, with its place in the map."""
+    if image.is_float:
+        three = {"R", "G", "B"} <= set(image.channels) and options.components in ("auto", "xyz")
+        finite(image, image.pixels[..., : 3 if three else 2], first)
 
 
 def reopen_normal_map(name: str, settled: ReadOptions, decoding: Decoding | None = None) -> NormalMapStore:

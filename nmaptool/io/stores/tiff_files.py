@@ -74,8 +74,8 @@ class TiffPicture:
         self.channels = corner.channels
         self.pitch_mm = corner.frame.pitch_mm
         self.attributes: Mapping[str, str] = corner.attributes
-        slow = not self._page.tiled and self._page.packed and self.cols > _WIDE_PX
-        self._notes = (_IN_STRIPS,) if slow else ()
+        self.is_slow = not self._page.tiled and self._page.packed and self.cols > _WIDE_PX
+        self._notes = (_IN_STRIPS,) if self.is_slow else ()
 
     def __reduce__(self) -> tuple[Any, ...]:
         return TiffPicture, self._asked
