@@ -22,10 +22,9 @@ def describe_parts(run: Run, cut: CutRelief) -> None:
     """How many parts there are, how large they are, and which are left out."""
     assembly, solids = cut.assembly, cut.solids
     wide, tall, deep = (max(part.size_mm[axis] for part in assembly.parts) for axis in range(3))
-    run.say(
-        f"  {assembly.cols} x {assembly.rows} parts: {counted(len(assembly.parts), 'file')} of at most "
-        f"{wide:.5g} x {tall:.5g} x {deep:.4g} mm{_volume(assembly.volume_mm3)}"
-    )
+    count = counted(len(assembly.parts), "part")
+    size = f"{wide:.5g} x {tall:.5g} x {deep:.4g} mm"
+    run.say(f"  {count} in {assembly.cols} x {assembly.rows}, at most {size}{_volume(assembly.volume_mm3)}")
     if assembly.left_out:
         run.say(f"  left out, because nothing of the relief lies there: {_listed(assembly.left_out)}")
     pieces = [part for part in assembly.parts if part.bodies > 1]

@@ -141,6 +141,8 @@ def _write_tiff(source: HeightSource, side: int, found: HeightRange, progress: P
             software="nmaptool",
             metadata=None,
         )
+    if progress is not None:
+        progress("writing", 1.0)
 
 
 def _tiff_tiles(
@@ -157,7 +159,7 @@ def _tiff_tiles(
             if alpha is not None:
                 tile[: part.shape[0], : part.shape[1], 1] = alpha[:, left : left + side]
             yield tile if channels == 2 else tile[..., 0]
-        if progress is not None:
+        if progress is not None and rows.stop < source.rows:
             progress("writing", rows.stop / source.rows)
 
 

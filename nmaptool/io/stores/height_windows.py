@@ -211,6 +211,8 @@ def height_window(source: HeightSource, rows: slice, cols: slice) -> Height | No
         None if no pixel of the window is surface.
     """
     shape = (rows.stop - rows.start, cols.stop - cols.start)
+    if min(shape) < 1:
+        return None
     if source.at == "corners":
         z_mm = source.window(slice(rows.start, rows.stop + 1), slice(cols.start, cols.stop + 1)).astype(np.float64)
         domain = surface_between(z_mm)
@@ -250,3 +252,27 @@ def _filled(centre: Float64) -> Float64:
         lines, neighbours = sums / counts
     filled = np.where(counts[0] > 0, lines, np.where(counts[1] > 0, neighbours, 0.0))
     return np.where(known, centre, filled)
+
+
+def surface_range(source: HeightSource, progress: Progress | None = None) -> HeightRange:
+    """The range of the surface's corners, which a base is measured from: as `range_of` for heights at corners.
+
+    Raises
+    ------
+    InputError
+        As `range_of`, or if no pixel is surface.
+    """
+    found = range_of(source, progress)
+    if source.at == "corners" and not found.has_gaps:
+        return found
+    low, high = np.inf, -np.inf
+    frame = frame_of(source)
+    for rows, cols in blocks(source):
+        window = height_window(
+            source, slice(rows.start, min(rows.stop, frame.rows)), slice(cols.start, min(cols.stop, frame.cols))
+        )
+        if window is not None:
+            low, high = min(low, window.range_mm[0]), max(high, window.range_mm[1])
+    if low > high:
+        raise InputError("the heights hold no surface: no pixel has heights at all its corners")
+    return HeightRange(low, high, found.has_gaps)

@@ -21,7 +21,7 @@ from nmaptool.io.stores.height_windows import (
     blocks,
     frame_of,
     height_window,
-    range_of,
+    surface_range,
 )
 from nmaptool.options.parts import PartOptions
 from nmaptool.options.solid import SolidOptions
@@ -51,16 +51,16 @@ def part_frame(
     options : PartOptions
     solid : SolidOptions, optional
     found : HeightRange, optional
-        Default: all heights are read once.
+        Of the surface's corners. Default: all heights are read.
     on_plate : bool
         Whether the base is measured from height 0; otherwise from the lowest point.
 
     Raises
     ------
     InputError
-        As `PartFrame` and `range_of`.
+        As `PartFrame` and `surface_range`.
     """
-    found = range_of(source) if found is None else found
+    found = surface_range(source) if found is None else found
     zero_mm = 0.0 if on_plate else found.low_mm
     return PartFrame(
         frame_of(source), found.low_mm, found.high_mm, solid or SolidOptions(), zero_mm, options.part_origin
@@ -127,7 +127,7 @@ def export_parts(
     solid : SolidOptions, optional
         Default: open surfaces. The outline follows the pixels.
     found : HeightRange, optional
-        Default: all heights are read once before.
+        Of the surface's corners. Default: all heights are read before.
     on_plate : bool
         Whether the base is measured from height 0; otherwise from the lowest point.
     assembly : sequence of str, Path or OutputStream
