@@ -18,7 +18,8 @@ class TilingOptions(Options, group="Large maps"):
     tile:
         Side of a tile in px, a multiple of 64. Default: the largest for which there is memory.
     workers:
-        Worker processes on this machine. Default: one per core, as far as the memory allows.
+        Worker processes on this machine; 0 works in the process of the command. Default: one per core, as far as the
+        memory allows.
     scheduler:
         Use the workers of a running Dask cluster, such as tcp://10.0.0.5:8786. They must see the same files.
     work_folder:
@@ -27,7 +28,7 @@ class TilingOptions(Options, group="Large maps"):
     """
 
     tile: int | None = option(None, Count("2048"))
-    workers: int | None = option(None, Count("2"))
+    workers: int | None = option(None, Count("2", low=0))
     scheduler: str | None = option(None, Text("tcp://10.0.0.5:8786"))
     work_folder: str | None = option(None, Text("/scratch/relief.work"))
 

@@ -23,7 +23,7 @@ _RAMP_PER_PX = 0.2
 _FAINTEST = 0.02
 # smaller slopes cannot be told from flat in 8-bit codes
 _FLAT_TILT = 1.5 / 127
-_SAME_PITCH = 1e-3
+SAME_PITCH = 1e-3
 
 
 def check_weights(maps: dict[str, Any]) -> dict[str, Float32 | None]:
@@ -281,7 +281,7 @@ def base_of(surface: Any, frame_pitch_mm: float, options: ReliefOptions) -> tupl
         raise UsageError(f"the curved background must be a NormalMap or a Height, found {type(surface).__name__}")
     if not surface.domain.all():
         raise InputError("the curved background has holes; it must be defined everywhere")
-    if abs(surface.pitch_mm - frame_pitch_mm) > _SAME_PITCH * frame_pitch_mm:
+    if abs(surface.pitch_mm - frame_pitch_mm) > SAME_PITCH * frame_pitch_mm:
         raise InputError(
             f"the curved background has {surface.pitch_mm:.4g} mm per pixel but the relief {frame_pitch_mm:.4g}; "
             "give both the same `width`"

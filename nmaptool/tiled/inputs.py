@@ -5,10 +5,12 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from nmaptool.core.errors import InputError
+from nmaptool.core.errors import InputError, UsageError
+from nmaptool.io.stores.heights import open_heights
 from nmaptool.io.stores.normal_maps import open_normal_map
 from nmaptool.io.stores.opening import open_picture
 from nmaptool.options import ReadOptions, ReliefFiles
+from nmaptool.reliefs.inputs import SAME_PITCH
 from nmaptool.types.plain_arrays import check_sizes
 
 
@@ -53,6 +55,27 @@ class Sources:
                 raise InputError(f"{name}: changed while it was read; wait until it is complete, and run again")
 
 
+def check_background(name: str, pitch_mm: float) -> None:
+    """Check that a curved background can be read by windows.
+
+    Raises
+    ------
+    InputError
+        If its heights are not at corners, or have another pitch.
+    """
+    source = open_heights(name)
+    if source.at != "corners":
+        raise InputError(
+            f"the curved background {name} has heights at pixel centres; a large map needs them at corners: write them "
+            "with `at='corners'`"
+        )
+    if abs(source.pitch_mm - pitch_mm) > SAME_PITCH * pitch_mm:
+        raise InputError(
+            f"the curved background {name} has {source.pitch_mm:.4g} mm per pixel but the relief {pitch_mm:.4g}; give "
+            "both the same `width`"
+        )
+
+
 def open_sources(original: str, files: ReliefFiles, reading: ReadOptions) -> Sources:
     """Open all inputs, check their sizes, and settle how the maps are read.
 
@@ -74,6 +97,8 @@ def open_sources(original: str, files: ReliefFiles, reading: ReadOptions) -> Sou
         sizes[f"the {role.replace('_', ' ')} {file}"] = (picture.rows - extra, picture.cols - extra)
         stamps[file] = picture.stamp()
     check_sizes(original, (first.rows, first.cols), sizes)
+    if files.mu_map is not None and files.detail is None:
+        raise UsageError("`mu_map`: has no effect without a detail map; give one with `detail`")
     return Sources(
         original,
         first.rows,

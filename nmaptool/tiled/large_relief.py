@@ -20,7 +20,7 @@ from nmaptool.options.plain_values import plain_values
 from nmaptool.reliefs.targets import Weights, to_pixels
 from nmaptool.reliefs.window import margin_px
 from nmaptool.tiled.finishing import write
-from nmaptool.tiled.inputs import Sources, open_sources
+from nmaptool.tiled.inputs import Sources, check_background, open_sources
 from nmaptool.tiled.job import ReliefJob
 from nmaptool.tiled.planning import Plan, plan
 from nmaptool.tiled.pools import cluster_pool, local_pool
@@ -97,6 +97,8 @@ def relief(
     with stages.stage("inputs"):
         sources = open_sources(original, files, reading or ReadOptions())
         pitch_mm, pitch_from = _pitch(sources, options)
+        if files.surface is not None:
+            check_background(files.surface, pitch_mm)
         made = _plan(sources, options, tiling)
     job = _job(sources, options, files, tiling, made, pitch_mm, output)
     target = HeightOutput(output, sources.rows, sources.cols, pitch_mm, at, made.grid.tile, overwrite)
