@@ -102,6 +102,7 @@ def relief(
         made = _plan(sources, options, tiling)
     job = _job(sources, options, files, tiling, made, pitch_mm, output)
     target = HeightOutput(output, sources.rows, sources.cols, pitch_mm, at, made.grid.tile, overwrite)
+    job.folder.check_room(made.disk_bytes)
     with job.folder.locked() as folder, _pool(tiling, made) as pool:
         job = dataclasses.replace(job, folder=folder)
         resumed = _begin(job, sources, at)

@@ -19,6 +19,7 @@ from nmaptool.solver.tiling.islands import merge
 from nmaptool.tiled.assembly import assemble
 from nmaptool.tiled.job import ReliefJob
 from nmaptool.tiled.sweep import Records, Remainder, heights_name, sweep
+from nmaptool.types.shown import counted
 
 # by how much a tile reduces its residual in one sweep; more would be lost at the borders
 _REDUCTION = 1e-4
@@ -216,8 +217,8 @@ def solve(
             break
         total = left.coarse
     raise ConvergenceError(
-        f"the tiles stopped at a relative residual of {history[-1]:.1e} after {len(history)} sweeps, but the tolerance "
-        f"is {options.tolerance:.0e}; raise `max_iterations` or `tolerance`, or use a larger `beta` "
+        f"the tiles stopped at a relative residual of {history[-1]:.1e} after {counted(len(history), 'sweep')}, but "
+        f"the tolerance is {options.tolerance:.0e}; raise `max_iterations` or `tolerance`, or use a larger `beta` "
         f"(history: {' '.join(f'{r:.1e}' for r in history[-8:])})",
         tuple(history),
     )

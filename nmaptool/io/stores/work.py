@@ -7,6 +7,7 @@ import io
 import json
 import os
 import secrets
+import shutil
 import socket
 import sys
 import zlib
@@ -18,8 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.core.errors import InputError, OutputError, reason_of
+from nmaptool.core.errors import InputError, LimitError, OutputError, reason_of
+from nmaptool.core.units import memory_text
 from nmaptool.io.stores.extra import fsspec_module
+from nmaptool.io.stores.names import local_path
 
 _CHUNK = 512
 _RECIPE = "recipe.json"
@@ -177,6 +180,25 @@ class WorkFolder:
     def begin(self, recipe: Mapping[str, Any]) -> None:
         """Start a folder for a recipe."""
         self._put_bytes(_RECIPE, json.dumps(recipe, indent=1).encode())
+
+    def check_room(self, needed_bytes: int) -> None:
+        """Check that a disk of this machine has room for the arrays; what is there already counts.
+
+        Raises
+        ------
+        LimitError
+            If it has not.
+        """
+        place = local_path(self.url)
+        if place is None:
+            return
+        there = sum(path.stat().st_size for path in place.rglob("*") if path.is_file()) if place.is_dir() else 0
+        free = shutil.disk_usage(next(folder for folder in place.absolute().parents if folder.is_dir())).free
+        if needed_bytes > free + there:
+            raise LimitError(
+                f"{self.url}: needs about {memory_text(needed_bytes)} of disk space, {memory_text(free + there)} are "
+                "free; give another `work_folder`"
+            )
 
     def finished(self) -> int:
         """Number of finished steps."""
