@@ -163,7 +163,7 @@ class Run:
         watched : callable, optional
             Gives the value the function that reports progress. Default: writing reports none.
         """
-        report = {**metadata, "outputs": outputs.names}
+        report = {**metadata, "outputs": [*metadata.get("outputs", ()), *outputs.names]}
         if self._reading_s:
             report["seconds"] = {"reading": round(self._reading_s, 4), **report.get("seconds", {})}
         with self.progress() as progress:
