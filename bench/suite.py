@@ -15,6 +15,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "compose": (),
     "solids": (),
     "plates": (),
+    "tiled": ("--side", "8192"),
     "files": (),
     "compression": (),
 }
