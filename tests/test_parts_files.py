@@ -23,7 +23,7 @@ PARTS = "{row}_{col}"
 @pytest.mark.parametrize("ending", [".stl", ".ply", ".obj", ".glb", ".3mf"])
 def test_every_mesh_format_holds_parts(ending, tmp_path):
     height, given = plane(), options(base="2mm")
-    made = nm.write_parts(height, tmp_path / f"{PARTS}{ending}", options=nm.PartOptions(parts="2x2"), solid=given)
+    made = nm.write_parts(height, tmp_path / f"{PARTS}{ending}", nm.PartOptions(parts="2x2"), given)
     assert sorted(file.name for file in tmp_path.iterdir()) == [
         f"{row}_{col}{ending}" for row in (0, 1) for col in (0, 1)
     ]
@@ -41,9 +41,7 @@ def test_the_assembly_says_which_part_goes_where(tmp_path):
     height = height_of(np.ones((21, 31)), domain)
     given = nm.PartOptions(part="4mm", part_origin="own")
     index, picture = tmp_path / "parts.json", tmp_path / "parts.png"
-    made = nm.write_parts(
-        height, tmp_path / f"p{PARTS}.stl", options=given, solid=options(base="1mm"), assembly=[index, picture]
-    )
+    made = nm.write_parts(height, tmp_path / f"p{PARTS}.stl", given, options(base="1mm"), assembly=[index, picture])
     assert (made.rows, made.cols, made.size_mm) == (2, 2, (7.5, 5.0))
     assert made.left_out == ((1, 0), (1, 1))
     assert (made.cuts_x_mm, made.cuts_y_mm) == ((0, 3.75, 7.5), (0, 2.5, 5))
@@ -62,7 +60,7 @@ def test_the_picture_of_an_assembly_shows_the_lines_and_what_is_left_out(tmp_pat
     domain = np.zeros((40, 60), bool)
     domain[:, :30] = True
     height = height_of(np.ones((41, 61)), domain)
-    made = nm.write_parts(height, tmp_path / f"{PARTS}.stl", options=nm.PartOptions(parts="2x1"))
+    made = nm.write_parts(height, tmp_path / f"{PARTS}.stl", nm.PartOptions(parts="2x1"))
     blank = np.full((40, 60, 3), 200, np.uint8)
     drawn = assembly_picture(made, blank, 800).astype(int)
     assert max(drawn.shape[:2]) == 800
@@ -76,7 +74,7 @@ def test_the_picture_of_an_assembly_shows_the_lines_and_what_is_left_out(tmp_pat
 
 
 def test_the_volume_of_open_parts_is_not_known(tmp_path):
-    made = nm.write_parts(plane(), tmp_path / f"{PARTS}.ply", options=nm.PartOptions(parts="2x1"))
+    made = nm.write_parts(plane(), tmp_path / f"{PARTS}.ply", nm.PartOptions(parts="2x1"))
     assert made.volume_mm3 is None
     assert made.to_dict()["volume_mm3"] is None
 
@@ -97,7 +95,7 @@ def test_names_of_parts_are_checked_before_the_work(name, error, pattern, tmp_pa
     (tmp_path / "earlier").mkdir()
     (tmp_path / "earlier" / "0_7.stl").write_text("")
     with pytest.raises(error, match=pattern):
-        nm.write_parts(plane(), name, options=nm.PartOptions(parts="2x1"))
+        nm.write_parts(plane(), name, nm.PartOptions(parts="2x1"))
     assert [file.name for file in tmp_path.rglob("*.*")] == ["0_7.stl"]
 
 
@@ -121,7 +119,7 @@ def test_all_parts_appear_or_none(tmp_path, monkeypatch):
 
     monkeypatch.setattr(writer, "check_written", failing)
     with pytest.raises(nm.OutputError, match=r"1_0\.stl: failed the check after writing"):
-        nm.write_parts(plane(), tmp_path / "new" / f"{PARTS}.stl", options=nm.PartOptions(parts="2x2"))
+        nm.write_parts(plane(), tmp_path / "new" / f"{PARTS}.stl", nm.PartOptions(parts="2x2"))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -259,7 +257,5 @@ def test_the_command_refuses_wrong_names_of_parts(run, words, pattern, tmp_path,
 
 
 def test_a_relief_of_a_smooth_cap_in_parts_has_one_bottom(tmp_path):
-    made = nm.write_parts(
-        relief_of(cap()), tmp_path / f"{PARTS}.stl", options=nm.PartOptions(parts="3x3"), solid=options(base="2mm")
-    )
+    made = nm.write_parts(relief_of(cap()), tmp_path / f"{PARTS}.stl", nm.PartOptions(parts="3x3"), options(base="2mm"))
     assert {part.low_mm[2] for part in made.parts} == {-2.0}

@@ -231,9 +231,10 @@ class _Parts:
 
 def write_parts(
     relief: Height | Relief,
-    *outputs: Destination,
+    outputs: str | Path | Sequence[str | Path],
     options: PartOptions,
     solid: SolidOptions | None = None,
+    *,
     assembly: Sequence[Destination] = (),
     overwrite: bool = False,
 ) -> Assembly:
@@ -242,7 +243,7 @@ def write_parts(
     Parameters
     ----------
     relief : Height or Relief
-    *outputs : str or Path
+    outputs : str, Path or sequence of them
         Names with {row} and {col}, such as ``parts/{row}_{col}.stl``; the extension sets the format: .stl .ply .obj
         .glb .3mf. The folder is created if missing. Files are read back and checked.
     options : PartOptions
@@ -270,11 +271,11 @@ def write_parts(
     Examples
     --------
     >>> height = nm.Height(np.zeros((3, 5)), np.ones((2, 4), bool), nm.Frame(2, 4, pitch_mm=0.5))
-    >>> made = nm.write_parts(height, "{row}_{col}.stl", options=nm.PartOptions(parts="2x1"))
+    >>> made = nm.write_parts(height, "{row}_{col}.stl", nm.PartOptions(parts="2x1"))
     >>> [part.files for part in made.parts]
     [('0_0.stl',), ('0_1.stl',)]
     """
-    templates = [str(output) for output in outputs]
+    templates = [str(output) for output in ([outputs] if isinstance(outputs, str | Path) else outputs)]
     check_templates(templates, overwrite)
     plan: Outputs[_Parts] = Outputs(assembly_targets(assembly), None, overwrite, new_folders(templates))
     plan.check()

@@ -49,12 +49,10 @@ def parts(
     solid : SolidOptions, optional
         Default: open surfaces with two triangles for each pixel.
 
-    Yields
-    ------
-    row, col : int
-        From 0 at the upper left.
-    solid : Solid
-        Parts without any pixel of the relief are left out.
+    Returns
+    -------
+    iterator of (int, int, Solid)
+        Row and column, from 0 at the upper left, and the part; parts without any pixel of the relief are left out.
 
     Raises
     ------
@@ -68,8 +66,8 @@ def parts(
     >>> height = nm.Height(np.zeros((3, 5)), np.ones((2, 4), bool), nm.Frame(2, 4, pitch_mm=0.5))
     >>> for row, col, part in nm.parts(height, nm.PartOptions(parts="2x1"), nm.SolidOptions(base=nm.length("2mm"))):
     ...     print(row, col, part)
-    0 0 <Solid 1 x 1 x 2 mm, 1 closed body, 36 faces>
-    0 1 <Solid 1 x 1 x 2 mm, 1 closed body, 36 faces>
+    0 0 <Solid 1 x 1 x 2 mm, 1 closed body, 32 faces>
+    0 1 <Solid 1 x 1 x 2 mm, 1 closed body, 32 faces>
     """
     for part, found in cut_relief(relief, options, solid or SolidOptions()):
         if found is not None:
