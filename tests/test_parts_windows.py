@@ -23,9 +23,12 @@ from solid_cases import check_solid, options
 
 import nmaptool as nm
 from nmaptool.io.stores.height_windows import ArrayHeights, frame_of, height_window, range_of, surface_range
-from nmaptool.io.stores.part_files import export_parts, part_frame, small_height, write_part
+from nmaptool.io.stores.part_files import check_parts, export_parts, part_frame, small_height, write_part
 from nmaptool.solids.cutting.cut import part_of
 from nmaptool.solids.cutting.whole import PartFrame
+
+
+SMOOTH = nm.SolidOptions(outline="smooth")
 
 
 def window_of(height: nm.Height, rows: slice, cols: slice) -> nm.Height | None:
@@ -204,3 +207,35 @@ def test_borders_of_windows_agree_bit_by_bit():
         shared = along(left, 0, cols // 2 * PITCH_MM)
         assert len(shared) == 2 * (rows + 1)
         assert shared == along(right, 0, cols // 2 * PITCH_MM)
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "more", "error", "pattern"),
+    [
+        ("a.stl", {"parts": "2x2"}, {}, nm.UsageError, r"a\.stl: does not name \{row\} and \{col\}"),
+        ("{row}_{col}.stl", {}, {}, nm.UsageError, "no parts are asked for"),
+        ("{row}_{col}.stl", {"part": "0.1mm"}, {}, nm.InputError, "is smaller than a pixel"),
+        ("no/such/{row}_{col}.stl", {"parts": "2x2"}, {}, nm.OutputError, "the folder no does not exist"),
+        ("{row}_{col}.stl", {"parts": "2x2"}, {"assembly": ["a.txt"]}, nm.UsageError, r"written as \.json, \.png"),
+        (
+            "{row}_{col}.stl",
+            {"parts": "2x2"},
+            {"solid": nm.SolidOptions(outline="smooth")},
+            nm.UsageError,
+            "follow its",
+        ),
+    ],
+)
+def test_wrong_parts_are_refused_before_any_height_is_read(name, given, more, error, pattern, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    class Unread(ArrayHeights):
+        def window(self, rows, cols):
+            raise AssertionError("read")
+
+    source = Unread(np.ones((20, 30)), PITCH_MM)
+    with pytest.raises(error, match=pattern):
+        export_parts(source, name, options=nm.PartOptions(**given), **more)
+    with pytest.raises(error, match=pattern):
+        check_parts(frame_of(source), [name], nm.PartOptions(**given), **more)
+    assert list(tmp_path.iterdir()) == []

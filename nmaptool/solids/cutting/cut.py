@@ -120,13 +120,18 @@ def part_of(window: Height, whole: PartFrame, part: PlannedPart) -> Solid | None
             f"the window of part {part.row}, {part.col} is {window.frame.with_pitch}; expected "
             f"{Frame(*wanted, whole.pitch_mm).with_pitch}"
         )
-    if whole.options.outline == "smooth":
-        raise UsageError("`outline='smooth'`: the parts of a large map follow its pixels; use `outline='exact'`")
+    check_outline(whole.options)
     down, across = part.top - rows.start, part.left - cols.start
     if not window.domain[down : down + part.shape[0], across : across + part.shape[1]].any():
         return None
     sources = sources_of_window(window, rows.start, cols.start, whole.solid)
     return solid_of_part(sources, whole, part, {"outline": "exact", "outline_deviation_mm": 0.0})
+
+
+def check_outline(options: SolidOptions) -> None:
+    """Refuse a smooth outline of a relief that is not in memory as a whole."""
+    if options.outline == "smooth":
+        raise UsageError("`outline='smooth'`: the parts of a large map follow its pixels; use `outline='exact'`")
 
 
 def solid_of_part(
