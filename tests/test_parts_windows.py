@@ -27,7 +27,6 @@ from nmaptool.io.stores.part_files import check_parts, export_parts, part_frame,
 from nmaptool.solids.cutting.cut import part_of
 from nmaptool.solids.cutting.whole import PartFrame
 
-
 SMOOTH = nm.SolidOptions(outline="smooth")
 
 
