@@ -13,6 +13,7 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options.parts import PartOptions
 from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.bodies import closed_solid
+from nmaptool.solids.cutting.clipped import check_clipped, clipped_parts, several_pieces
 from nmaptool.solids.cutting.crop import cropped_sheet, cut_vertices
 from nmaptool.solids.cutting.plan import plan_parts
 from nmaptool.solids.cutting.raised_part import raised_part
@@ -23,6 +24,7 @@ from nmaptool.solids.outline import OutlineEdges, outline_edges
 from nmaptool.solids.piece import Back, Piece, back_of, bounds_of, pocket_mm3
 from nmaptool.solids.raised import RaisedFront
 from nmaptool.solids.sheet import Sheet
+from nmaptool.solids.solid import solid as solid_of
 from nmaptool.solids.thinning import thinned_surfaces
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import as_height
@@ -79,16 +81,23 @@ def cut_relief(
 ) -> Iterator[tuple[PlannedPart, Solid | None]]:
     """All planned parts of a relief in memory, as `parts`; None for those that are left out."""
     height = as_height(relief)
-    if height.outline is not None:
-        raise UsageError(
-            "`part` and `parts` cut a relief along its pixels, but this plate has an exact outline; make a relief "
-            "without a plate, such as one with `background='cut'`"
-        )
     plan = plan_parts(*height.frame.shape, height.pitch_mm, options)
+    if height.outline is not None:
+        yield from _cut_plate(relief, height, plan, options, solid)
+        return
     whole = PartFrame(height.frame, *height.range_mm, solid, zero_of(relief, height), options.part_origin)
     sources, facts = sources_of_relief(relief, height, whole.solid, plan)
     for part in plan:
         yield part, solid_of_part(sources, whole, part, facts)
+
+
+def _cut_plate(
+    relief: Height | Relief, height: Height, plan: Sequence[PlannedPart], options: PartOptions, solid: SolidOptions
+) -> Iterator[tuple[PlannedPart, Solid | None]]:
+    """The parts of a plate with an exact outline."""
+    whole = PartFrame(height.frame, *height.range_mm, solid, origin=options.part_origin)
+    check_clipped(whole)
+    yield from clipped_parts(solid_of(relief, dataclasses.replace(solid, one_piece=False)), whole, plan)
 
 
 def part_of(window: Height, whole: PartFrame, part: PlannedPart) -> Solid | None:
@@ -148,10 +157,7 @@ def solid_of_part(
     if not cut:
         return None
     if whole.solid.one_piece and len(cut) > 1:
-        raise InputError(
-            f"`one_piece`: part {part.row}, {part.col} has {len(cut)} separate pieces; use other parts, connect them "
-            "in the mask, or leave out `one_piece`"
-        )
+        raise several_pieces(part, len(cut))
     facts["split_corners"] = sum(len(front.shape.splits.vertices) for front, *_ in cut)
     if whole.solid.hollow is not None:
         facts["hollowed_mm3"] = sum(pocket_mm3(back) for _, _, back, _ in cut if back is not None)
