@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from cli_cases import bad_words
 from part_cases import PITCH_MM, cap, height_of, plane, relief_of
-from solid_cases import options, plate
+from solid_cases import options
 
 import nmaptool as nm
 from nmaptool.figures.assembly import assembly_picture
@@ -165,10 +165,6 @@ def test_parts_are_equal_and_no_larger_than_asked_for():
 
 
 def test_what_cannot_be_cut_is_refused():
-    square = np.array([[0.5, 0.5], [5.5, 0.5], [5.5, 5.5], [0.5, 5.5]])
-    exact = plate([square], 1.0, 60, 60)
-    with pytest.raises(nm.UsageError, match="this plate has an exact outline; make a relief without a plate"):
-        list(nm.parts(exact, nm.PartOptions(parts="2x2")))
     with pytest.raises(nm.UsageError, match="the height field must be a Height or a Relief, found ndarray"):
         list(nm.parts(np.ones((3, 3)), nm.PartOptions(parts="2x2")))
     mask = np.zeros((20, 20), bool)
@@ -242,8 +238,8 @@ def test_the_command_names_what_is_left_out_and_left_over(run, tmp_path):
         ),
         ("--part 30mm --assembly -", "an assembly is written to files, such as --assembly parts.json"),
         (
-            "-o {row}_{col}.stl --part 30mm --shape round",
-            "--part and --parts cut a relief along its pixels",
+            "-o {row}_{col}.stl --part 30mm --shape round --base 3mm --hollow 1mm",
+            "--hollow 1mm: parts of a plate with an exact outline would be open where they are cut",
         ),
     ]
 )

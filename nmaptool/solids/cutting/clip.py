@@ -12,8 +12,8 @@ from nmaptool.core.grid import found_in
 from nmaptool.solids.exact.triangulate import triangulated
 from nmaptool.types.solid import Nodes
 
-# vertices so near to a plane are moved onto it, as a share of a pixel: nearer ones would make needles
-SNAP_PX = 0.01
+# vertices beside a plane are moved so far away from it, as a share of a pixel: nearer ones would make needles
+SNAP_PX = 1 / 256
 
 
 def split(
@@ -33,7 +33,7 @@ def split(
     at_mm : float
         Place of the plane on that axis.
     snap_mm : float
-        Vertices nearer to the plane are moved onto it.
+        Vertices beside the plane are moved at least so far away from it, and those on it stay.
     is_closed : bool
         Whether the mesh is closed.
 
@@ -50,8 +50,10 @@ def split(
         If the section touches itself.
     """
     vertices = vertices.copy()
-    vertices[np.abs(vertices[:, axis] - at_mm) <= snap_mm, axis] = at_mm
-    side = np.sign(vertices[:, axis] - at_mm).astype(np.int64)
+    beside = vertices[:, axis] - at_mm
+    side = np.sign(beside).astype(np.int64)
+    near = (side != 0) & (np.abs(beside) < snap_mm)
+    vertices[near, axis] = at_mm + side[near] * snap_mm
     sides = side[faces]
     crosses = (sides.min(axis=1) < 0) & (sides.max(axis=1) > 0)
     kept = faces[~crosses]
@@ -61,7 +63,12 @@ def split(
     if not (is_closed and len(below) and len(above)):
         return vertices, below, above
     wall = _wall(vertices, below, axis, at_mm)
-    return vertices, np.concatenate([below, wall]), np.concatenate([above, wall[:, ::-1]])
+    below, above = np.concatenate([below, wall]), np.concatenate([above, wall[:, ::-1]])
+    for half in (below, above):
+        at = _twice(half, vertices[:, axis] == at_mm)
+        if at is not None:
+            raise _touching(axis, at_mm, vertices[at])
+    return vertices, below, above
 
 
 def _lies_below(vertices: Float64, faces: Nodes, sides: Nodes, axis: int) -> Mask:
@@ -130,22 +137,39 @@ def _wall(vertices: Float64, below: Nodes, axis: int, at_mm: float) -> Nodes:
     try:
         faces: Nodes = numbers[triangulated([plane[ring] for ring in rings])]
     except InputError:
-        other = "y" if axis == 0 else "x"
-        raise InputError(
-            f"the plate cannot be cut at {'xy'[axis]} = {at_mm:.6g} mm, where its section touches itself near "
-            f"{other} = {vertices[numbers[0], 1 - axis]:.6g} mm; use other parts"
-        ) from None
+        raise _touching(axis, at_mm, vertices[numbers[0]]) from None
     return faces
+
+
+def _touching(axis: int, at_mm: float, near_mm: Float64) -> InputError:
+    other = "yx"[axis]
+    return InputError(
+        f"the plate cannot be cut at {'xy'[axis]} = {at_mm:.6g} mm, where its section touches itself near "
+        f"{other} = {near_mm[1 - axis]:.6g} mm; use other parts"
+    )
+
+
+def _twice(faces: Nodes, on_plane: Mask) -> int | None:
+    """A vertex of an edge on the plane that is used twice in one direction; None if there is none."""
+    start, end = _edges_along(faces, on_plane)
+    codes = np.sort(start * np.int64(len(on_plane)) + end)
+    twice = np.flatnonzero(codes[1:] == codes[:-1])
+    return int(codes[twice[0]] // len(on_plane)) if len(twice) else None
 
 
 def _open_edges(faces: Nodes, on_plane: Mask) -> Nodes:
     """(k, 2): directed edges on the plane without a triangle on the other side."""
-    ends = np.roll(faces, -1, axis=1)
-    along = on_plane[faces] & on_plane[ends]
-    start, end = faces[along], ends[along]
+    start, end = _edges_along(faces, on_plane)
     count = np.int64(len(on_plane))
     alone = ~np.isin(start * count + end, end * count + start, kind="sort")
     return np.column_stack([start[alone], end[alone]])
+
+
+def _edges_along(faces: Nodes, on_plane: Mask) -> tuple[Nodes, Nodes]:
+    """Both ends of the directed edges on the plane."""
+    ends = np.roll(faces, -1, axis=1)
+    along = on_plane[faces] & on_plane[ends]
+    return faces[along], ends[along]
 
 
 def _rings(edges: Nodes) -> list[Nodes]:

@@ -9,17 +9,19 @@ import numpy as np
 
 from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError, UsageError
+from nmaptool.options.parts import PartOrigin
+from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.cutting.clip import SNAP_PX, split
-from nmaptool.solids.cutting.whole import PartFrame
 from nmaptool.types.parts import PlannedPart
+from nmaptool.types.picture import Frame
 from nmaptool.types.solid import Body, Faces, Nodes, Part, Solid
 
 
-def check_clipped(whole: PartFrame) -> None:
+def check_clipped(options: SolidOptions) -> None:
     """Refuse a back that parts cannot share."""
-    if whole.options.hollow is not None:
+    if options.hollow is not None:
         raise UsageError(
-            f"`hollow='{whole.options.hollow}'`: parts of a plate with an exact outline would be open where they are "
+            f"`hollow='{options.hollow}'`: parts of a plate with an exact outline would be open where they are "
             "cut; use `shell` instead of `base` and `hollow`"
         )
 
@@ -33,7 +35,7 @@ def several_pieces(part: PlannedPart, count: int) -> InputError:
 
 
 def clipped_parts(
-    solid: Solid, whole: PartFrame, plan: Sequence[PlannedPart]
+    solid: Solid, frame: Frame, plan: Sequence[PlannedPart], *, origin: PartOrigin, one_piece: bool
 ) -> Iterator[tuple[PlannedPart, Solid | None]]:
     """Cut a solid or surface along the lines between parts; None for parts without a triangle.
 
@@ -41,10 +43,16 @@ def clipped_parts(
     ----------
     solid : Solid
         In the frame of the whole.
-    whole : PartFrame
+    frame : Frame
+        Of the whole.
     plan : sequence of PlannedPart
+    origin : str
+        Where the coordinates of a part begin.
+    one_piece : bool
+        Whether to refuse parts that fall apart.
     """
-    mesh, pitch_mm = solid.to_mesh(), whole.pitch_mm
+    assert frame.pitch_mm is not None
+    mesh, pitch_mm = solid.to_mesh(), frame.pitch_mm
     cut = partial(split, snap_mm=SNAP_PX * pitch_mm, is_closed=solid.is_closed)
     vertices, faces = mesh.vertices.astype(np.float64), mesh.faces.astype(np.int64)
     columns = []
@@ -57,12 +65,18 @@ def clipped_parts(
     for col, column in enumerate(columns):
         vertices, faces = column
         for row in range(len(tops) - 1, 0, -1):
-            at_mm = (whole.frame.rows - tops[row]) * pitch_mm
+            at_mm = (frame.rows - tops[row]) * pitch_mm
             vertices, own, faces = cut(vertices, faces, 1, at_mm)
             found[row, col] = _compact(vertices, own)
         found[0, col] = _compact(vertices, faces)
     for part in plan:
-        yield part, _part(*found[part.row, part.col], solid, whole, part)
+        vertices, faces = found[part.row, part.col]
+        if origin == "own":
+            vertices = vertices - [part.left * pitch_mm, (frame.rows - part.bottom) * pitch_mm, 0]
+        made = _part(vertices, faces, solid)
+        if made is not None and one_piece and len(made.bodies) > 1:
+            raise several_pieces(part, len(made.bodies))
+        yield part, made
 
 
 def _compact(vertices: Float64, faces: Nodes) -> tuple[Float64, Nodes]:
@@ -73,15 +87,11 @@ def _compact(vertices: Float64, faces: Nodes) -> tuple[Float64, Nodes]:
     return vertices[used], numbers[faces]
 
 
-def _part(vertices: Float64, faces: Nodes, solid: Solid, whole: PartFrame, part: PlannedPart) -> Solid | None:
+def _part(vertices: Float64, faces: Nodes, solid: Solid) -> Solid | None:
     """The solid of a part from its triangles."""
     if not len(faces):
         return None
-    if whole.origin == "own":
-        vertices = vertices - [part.left * whole.pitch_mm, (whole.frame.rows - part.bottom) * whole.pitch_mm, 0]
     pieces = _pieces(faces, len(vertices)) if solid.is_closed else [faces]
-    if whole.options.one_piece and len(pieces) > 1:
-        raise several_pieces(part, len(pieces))
     name = "relief" if len(pieces) == 1 else "relief {}"
     bodies = tuple(_body(name.format(number), vertices, own) for number, own in enumerate(pieces, start=1))
     bounds = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
