@@ -36,39 +36,39 @@ def test_every_mesh_format_holds_parts(ending, tmp_path):
 
 
 def test_the_assembly_says_which_part_goes_where(tmp_path):
-    domain = np.zeros((20, 30), bool)
-    domain[:10] = True
-    height = height_of(np.ones((21, 31)), domain)
+    domain = np.zeros((24, 36), bool)
+    domain[2:12, 3:33] = domain[2:22, 3:7] = True  # the plan divides the box around it
+    height = height_of(np.ones((25, 37)), domain)
     given = nm.PartOptions(part="4mm", part_origin="own")
     index, picture = tmp_path / "parts.json", tmp_path / "parts.png"
     made = nm.write_parts(height, tmp_path / f"p{PARTS}.stl", given, options(base="1mm"), assembly=[index, picture])
-    assert (made.rows, made.cols, made.size_mm) == (2, 2, (7.5, 5.0))
-    assert made.left_out == ((1, 0), (1, 1))
-    assert (made.cuts_x_mm, made.cuts_y_mm) == ((0, 3.75, 7.5), (0, 2.5, 5))
+    assert (made.rows, made.cols, made.size_mm) == (2, 2, (9.0, 6.0))
+    assert made.left_out == ((1, 1),)
+    assert (made.cuts_x_mm, made.cuts_y_mm) == ((0.75, 4.5, 8.25), (0.5, 3.0, 5.5))
     second = made.parts[1]
     assert (second.row, second.col, second.files) == (0, 1, ("p0_1.stl",))
-    assert (second.low_mm, second.high_mm, second.size_mm) == ((3.75, 2.5, -1), (7.5, 5, 1), (3.75, 2.5, 2))
-    assert made.volume_mm3 == pytest.approx(7.5 * 2.5 * 2)
+    assert (second.low_mm, second.high_mm, second.size_mm) == ((4.5, 3.0, -1), (8.25, 5.5, 1), (3.75, 2.5, 2))
+    assert made.volume_mm3 == pytest.approx((7.5 * 2.5 + 1 * 2.5) * 2)
     found = json.loads(index.read_text())
     assert found["parts"][1]["files"] == ["p0_1.stl"]
-    assert (found["left_out"], found["origin"], found["unit"]) == ([[1, 0], [1, 1]], "own", "mm")
+    assert (found["left_out"], found["origin"], found["unit"]) == ([[1, 1]], "own", "mm")
     assert found["parts"][1]["size_mm"] == [3.75, 2.5, 2]
     assert nm.read_raster(picture).attributes["kind"] == "assembly"
 
 
 def test_the_picture_of_an_assembly_shows_the_lines_and_what_is_left_out(tmp_path):
     domain = np.zeros((40, 60), bool)
-    domain[:, :30] = True
+    domain[:, :20] = domain[:, 50:] = True
     height = height_of(np.ones((41, 61)), domain)
-    made = nm.write_parts(height, tmp_path / f"{PARTS}.stl", nm.PartOptions(parts="2x1"))
+    made = nm.write_parts(height, tmp_path / f"{PARTS}.stl", nm.PartOptions(parts="3x1"))
+    assert made.left_out == ((0, 1),)
     blank = np.full((40, 60, 3), 200, np.uint8)
     drawn = assembly_picture(made, blank, 800).astype(int)
     assert max(drawn.shape[:2]) == 800
     is_line = drawn[..., 0] - drawn[..., 2] > 60
     middle = np.flatnonzero(is_line.sum(axis=0) > drawn.shape[0] / 2)
-    assert len(middle)
-    assert np.ptp(middle) <= 3
-    left, right = drawn[:, 90 : middle[0] - 5], drawn[:, middle[-1] + 5 : -40]
+    (gap,) = np.flatnonzero(np.diff(middle) > 5)  # two lines
+    left, right = drawn[:, 90 : middle[0] - 5], drawn[:, middle[gap] + 5 : middle[gap + 1] - 5]
     hatched = [(np.abs(side - [0x8D, 0x87, 0x7D]) < 30).all(axis=2).mean() for side in (left, right)]
     assert hatched[1] > 0.02 > hatched[0]
 

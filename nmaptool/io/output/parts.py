@@ -21,6 +21,7 @@ from nmaptool.options.parts import PartOptions
 from nmaptool.options.solid import SolidOptions
 from nmaptool.types.height import Height
 from nmaptool.types.parts import Assembly, PlannedPart, assembly_of, placed_part
+from nmaptool.types.picture import Frame
 from nmaptool.types.relief import Relief
 from nmaptool.types.solid import Solid
 
@@ -98,6 +99,8 @@ class CutRelief:
     Attributes
     ----------
     relief : Height or Relief
+    frame : Frame
+        Of the whole, in the pixels of the parts.
     options : PartOptions
     parts : sequence of (PlannedPart, Solid or None)
         None for parts that hold nothing of the relief.
@@ -106,6 +109,7 @@ class CutRelief:
     """
 
     relief: Height | Relief
+    frame: Frame
     options: PartOptions
     parts: Sequence[tuple[PlannedPart, Solid | None]]
     templates: Sequence[str]
@@ -117,7 +121,8 @@ class CutRelief:
         """Cut a relief in memory."""
         from nmaptool.solids.cutting.cut import cut_relief
 
-        return cls(relief, options, list(cut_relief(relief, options, solid)), templates)
+        frame, parts = cut_relief(relief, options, solid)
+        return cls(relief, frame, options, list(parts), templates)
 
     @property
     def solids(self) -> list[Solid]:
@@ -127,8 +132,7 @@ class CutRelief:
     @cached_property
     def assembly(self) -> Assembly:
         """Which part goes where, with the names of its files."""
-        height = self.relief.height if isinstance(self.relief, Relief) else self.relief
-        frame, origin = height.frame, self.options.part_origin
+        frame, origin = self.frame, self.options.part_origin
         placed = {
             (part.row, part.col): placed_part(
                 part, frame, origin, solid, [file_of_part(each, part.row, part.col).name for each in self.templates]

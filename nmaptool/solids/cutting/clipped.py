@@ -11,7 +11,7 @@ from nmaptool.core.arrays import Float64
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options.parts import PartOrigin
 from nmaptool.options.solid import SolidOptions
-from nmaptool.solids.cutting.clip import SNAP_PX, split
+from nmaptool.solids.cutting.clip import split
 from nmaptool.types.parts import PlannedPart
 from nmaptool.types.picture import Frame
 from nmaptool.types.solid import Body, Faces, Nodes, Part, Solid
@@ -35,7 +35,7 @@ def several_pieces(part: PlannedPart, count: int) -> InputError:
 
 
 def clipped_parts(
-    solid: Solid, frame: Frame, plan: Sequence[PlannedPart], *, origin: PartOrigin, one_piece: bool
+    solid: Solid, frame: Frame, plan: Sequence[PlannedPart], snap_mm: float, *, origin: PartOrigin, one_piece: bool
 ) -> Iterator[tuple[PlannedPart, Solid | None]]:
     """Cut a solid or surface along the lines between parts; None for parts without a triangle.
 
@@ -44,8 +44,10 @@ def clipped_parts(
     solid : Solid
         In the frame of the whole.
     frame : Frame
-        Of the whole.
+        Of the whole, in the pixels of the plan.
     plan : sequence of PlannedPart
+    snap_mm : float
+        As for `split`.
     origin : str
         Where the coordinates of a part begin.
     one_piece : bool
@@ -53,7 +55,7 @@ def clipped_parts(
     """
     assert frame.pitch_mm is not None
     mesh, pitch_mm = solid.to_mesh(), frame.pitch_mm
-    cut = partial(split, snap_mm=SNAP_PX * pitch_mm, is_closed=solid.is_closed)
+    cut = partial(split, snap_mm=snap_mm, is_closed=solid.is_closed)
     vertices, faces = mesh.vertices.astype(np.float64), mesh.faces.astype(np.int64)
     columns = []
     for left in sorted({part.left for part in plan})[1:]:

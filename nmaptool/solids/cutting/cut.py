@@ -13,9 +13,10 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options.parts import PartOptions
 from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.bodies import closed_solid
+from nmaptool.solids.cutting.clip import SNAP_PX
 from nmaptool.solids.cutting.clipped import check_clipped, clipped_parts, several_pieces
 from nmaptool.solids.cutting.crop import cropped_sheet, cut_vertices
-from nmaptool.solids.cutting.plan import plan_parts
+from nmaptool.solids.cutting.plan import plan_parts, plan_plate, surface_box
 from nmaptool.solids.cutting.raised_part import raised_part
 from nmaptool.solids.cutting.source import Source, sources_of_relief, sources_of_window
 from nmaptool.solids.cutting.whole import PartFrame
@@ -72,33 +73,35 @@ def parts(
     0 0 <Solid 1 x 1 x 2 mm, 1 closed body, 32 faces>
     0 1 <Solid 1 x 1 x 2 mm, 1 closed body, 32 faces>
     """
-    for part, found in cut_relief(relief, options, solid or SolidOptions()):
+    for part, found in cut_relief(relief, options, solid or SolidOptions())[1]:
         if found is not None:
             yield part.row, part.col, found
 
 
 def cut_relief(
     relief: Height | Relief, options: PartOptions, solid: SolidOptions
-) -> Iterator[tuple[PlannedPart, Solid | None]]:
-    """All planned parts of a relief in memory, as `parts`; None for those that are left out."""
+) -> tuple[Frame, Iterator[tuple[PlannedPart, Solid | None]]]:
+    """All planned parts of a relief in memory, as `parts`, in pixels of a frame; None for those that are left out."""
     height = as_height(relief)
-    plan = plan_parts(*height.frame.shape, height.pitch_mm, options)
     if height.outline is not None:
-        yield from _cut_plate(relief, height, plan, options, solid)
-        return
+        return _cut_plate(relief, height, options, solid)
+    plan = plan_parts(*height.frame.shape, height.pitch_mm, options, surface_box(height.domain))
     whole = PartFrame(height.frame, *height.range_mm, solid, zero_of(relief, height), options.part_origin)
     sources, facts = sources_of_relief(relief, height, whole.solid, plan)
-    for part in plan:
-        yield part, solid_of_part(sources, whole, part, facts)
+    return height.frame, ((part, solid_of_part(sources, whole, part, facts)) for part in plan)
 
 
 def _cut_plate(
-    relief: Height | Relief, height: Height, plan: Sequence[PlannedPart], options: PartOptions, solid: SolidOptions
-) -> Iterator[tuple[PlannedPart, Solid | None]]:
+    relief: Height | Relief, height: Height, options: PartOptions, solid: SolidOptions
+) -> tuple[Frame, Iterator[tuple[PlannedPart, Solid | None]]]:
     """The parts of a plate with an exact outline."""
+    assert height.outline is not None
     check_clipped(solid)
+    rings = np.concatenate(height.outline.rings)
+    frame, plan = plan_plate(height.frame, np.stack([rings.min(axis=0), rings.max(axis=0)]), options)
     made = solid_of(relief, dataclasses.replace(solid, one_piece=False))
-    yield from clipped_parts(made, height.frame, plan, origin=options.part_origin, one_piece=solid.one_piece)
+    snap_mm = SNAP_PX * height.pitch_mm
+    return frame, clipped_parts(made, frame, plan, snap_mm, origin=options.part_origin, one_piece=solid.one_piece)
 
 
 def part_of(window: Height, whole: PartFrame, part: PlannedPart) -> Solid | None:
