@@ -147,6 +147,15 @@ def test_the_range_of_a_store_is_that_of_its_surface():
         frame_of(ArrayHeights(np.ones((1, 5)), 1.0, "corners"))
 
 
+def test_parts_divide_the_box_around_the_surface(tmp_path):
+    domain = np.zeros((60, 90), bool)
+    domain[20:41, 37:77] = True
+    for source in (stored(height_of(np.ones((61, 91)), domain)), ArrayHeights(np.where(domain, 1.0, np.nan), PITCH_MM)):
+        assert surface_range(source).box == (slice(20, 41), slice(37, 77))
+        made = export_parts(source, tmp_path / "{row}_{col}.stl", options=nm.PartOptions(part="5mm"), overwrite=True)
+        assert [part.size_mm[:2] for part in made.parts] == [(5, 2.5), (5, 2.5), (5, 2.75), (5, 2.75)]
+
+
 def test_a_part_is_not_replaced_and_one_that_holds_nothing_is_not_written(tmp_path):
     domain = np.zeros((20, 30), bool)
     domain[:, :12] = True
