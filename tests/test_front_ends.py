@@ -75,7 +75,7 @@ REFUSED.append(pytest.param(nm.PackOptions, "bits", 12, id="PackOptions.bits"))
 IN_RECIPES = [case for case in REFUSED if case.values[0] in RECIPES and case.values[:2] not in ONLY_ELSEWHERE]
 # parameters of public functions that messages name, besides the fields of options
 PARAMETERS = {"overwrite", "max_faces", "unit", "model", "mu_map", "surface", "state", "wall_mask"}
-PARAMETERS |= {"detail", "depth", "faces", "format", "host", "port"}
+PARAMETERS |= {"detail", "depth", "faces", "format", "host", "port", "tile_px"}
 
 
 def strings() -> Iterator[tuple[str, str]]:

@@ -23,6 +23,7 @@ from part_cases import (
 from solid_cases import check_solid, options
 
 import nmaptool as nm
+from nmaptool.solids.cutting.plan import surface_box
 
 SURFACES = {"plane": plane, "cap": cap, "ramp with holes": ramp_with_holes}
 BACKS = ({"base": "2mm"}, {"shell": "0.7mm"})
@@ -31,6 +32,13 @@ BACKS = ({"base": "2mm"}, {"shell": "0.7mm"})
 def parts_of(height, counts="3x2", origin="whole", solid=None):
     given = nm.PartOptions(parts=counts, part_origin=origin)
     return {(row, col): part for row, col, part in nm.parts(height, given, solid)}
+
+
+def planned(height, counts):
+    """The parts of the box around a surface."""
+    options = nm.PartOptions(parts=counts)
+    plan = nm.plan_parts(*height.frame.shape, PITCH_MM, options, surface_box(height.domain))
+    return {(part.row, part.col): part for part in plan}
 
 
 @pytest.mark.parametrize("back", BACKS, ids=str)
@@ -128,7 +136,7 @@ def test_parts_that_hold_nothing_are_left_out():
 def test_parts_at_their_own_origin_are_those_of_the_whole_moved():
     height, given = cap(), options(base="2mm")
     whole, own = (parts_of(height, "3x2", origin, given) for origin in ("whole", "own"))
-    plan = {(part.row, part.col): part for part in nm.plan_parts(50, 50, PITCH_MM, nm.PartOptions(parts="3x2"))}
+    plan = planned(height, "3x2")
     for place, part in own.items():
         at = np.array([plan[place].left, 50 - plan[place].bottom, 0]) * PITCH_MM
         assert np.abs(part.to_mesh().vertices + at - whole[place].to_mesh().vertices).max() < 1e-12
@@ -177,14 +185,21 @@ def test_a_smooth_outline_does_not_leave_the_lines_between_parts():
     relief = relief_of(height, coverage)
     given = options(base="1mm")
     parts = parts_of(relief, "3x3", solid=given)
+    plan = planned(height, "3x3")
     for (row, col), part in parts.items():
         check_solid(part)
         assert part.facts["outline"] == "smooth"
-        low, high = part.bounds_mm[:, :2]
-        assert low.tolist() >= [col * 5.0, (2 - row) * 5.0]
-        assert (high <= [col * 5.0 + 5, (2 - row) * 5.0 + 5]).all()
+        box, (low, high) = plan[row, col], part.bounds_mm[:, :2]
+        left, lower = box.left * PITCH_MM, (60 - box.bottom) * PITCH_MM
+        right, upper = box.right * PITCH_MM, (60 - box.top) * PITCH_MM
+        if col > 0:
+            assert low[0] == left
+        if col < 2:
+            assert high[0] == right
+        assert low[1] == lower if row < 2 else low[1] > lower - PITCH_MM
+        assert high[1] == upper if row > 0 else high[1] < upper + PITCH_MM
         if col < 2 and (row, col + 1) in parts:
-            x = (col + 1) * 5.0
+            x = right
             found, beyond = along(part, 0, x), along(parts[row, col + 1], 0, x)
             assert len(found & beyond) >= 10
             # where the outline crosses the line, only one of them may have a pixel

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from cli_cases import bad_words
 from part_cases import PITCH_MM, cap, height_of, plane, relief_of
-from solid_cases import options, plate
+from solid_cases import options
 
 import nmaptool as nm
 from nmaptool.figures.assembly import assembly_picture
@@ -23,7 +23,7 @@ PARTS = "{row}_{col}"
 @pytest.mark.parametrize("ending", [".stl", ".ply", ".obj", ".glb", ".3mf"])
 def test_every_mesh_format_holds_parts(ending, tmp_path):
     height, given = plane(), options(base="2mm")
-    made = nm.write_parts(height, tmp_path / f"{PARTS}{ending}", options=nm.PartOptions(parts="2x2"), solid=given)
+    made = nm.write_parts(height, tmp_path / f"{PARTS}{ending}", nm.PartOptions(parts="2x2"), given)
     assert sorted(file.name for file in tmp_path.iterdir()) == [
         f"{row}_{col}{ending}" for row in (0, 1) for col in (0, 1)
     ]
@@ -36,47 +36,45 @@ def test_every_mesh_format_holds_parts(ending, tmp_path):
 
 
 def test_the_assembly_says_which_part_goes_where(tmp_path):
-    domain = np.zeros((20, 30), bool)
-    domain[:10] = True
-    height = height_of(np.ones((21, 31)), domain)
+    domain = np.zeros((24, 36), bool)
+    domain[2:12, 3:33] = domain[2:22, 3:7] = True  # the plan divides the box around it
+    height = height_of(np.ones((25, 37)), domain)
     given = nm.PartOptions(part="4mm", part_origin="own")
     index, picture = tmp_path / "parts.json", tmp_path / "parts.png"
-    made = nm.write_parts(
-        height, tmp_path / f"p{PARTS}.stl", options=given, solid=options(base="1mm"), assembly=[index, picture]
-    )
-    assert (made.rows, made.cols, made.size_mm) == (2, 2, (7.5, 5.0))
-    assert made.left_out == ((1, 0), (1, 1))
-    assert (made.cuts_x_mm, made.cuts_y_mm) == ((0, 3.75, 7.5), (0, 2.5, 5))
+    made = nm.write_parts(height, tmp_path / f"p{PARTS}.stl", given, options(base="1mm"), assembly=[index, picture])
+    assert (made.rows, made.cols, made.size_mm) == (2, 2, (9.0, 6.0))
+    assert made.left_out == ((1, 1),)
+    assert (made.cuts_x_mm, made.cuts_y_mm) == ((0.75, 4.5, 8.25), (0.5, 3.0, 5.5))
     second = made.parts[1]
     assert (second.row, second.col, second.files) == (0, 1, ("p0_1.stl",))
-    assert (second.low_mm, second.high_mm, second.size_mm) == ((3.75, 2.5, -1), (7.5, 5, 1), (3.75, 2.5, 2))
-    assert made.volume_mm3 == pytest.approx(7.5 * 2.5 * 2)
+    assert (second.low_mm, second.high_mm, second.size_mm) == ((4.5, 3.0, -1), (8.25, 5.5, 1), (3.75, 2.5, 2))
+    assert made.volume_mm3 == pytest.approx((7.5 * 2.5 + 1 * 2.5) * 2)
     found = json.loads(index.read_text())
     assert found["parts"][1]["files"] == ["p0_1.stl"]
-    assert (found["left_out"], found["origin"], found["unit"]) == ([[1, 0], [1, 1]], "own", "mm")
+    assert (found["left_out"], found["origin"], found["unit"]) == ([[1, 1]], "own", "mm")
     assert found["parts"][1]["size_mm"] == [3.75, 2.5, 2]
     assert nm.read_raster(picture).attributes["kind"] == "assembly"
 
 
 def test_the_picture_of_an_assembly_shows_the_lines_and_what_is_left_out(tmp_path):
     domain = np.zeros((40, 60), bool)
-    domain[:, :30] = True
+    domain[:, :20] = domain[:, 50:] = True
     height = height_of(np.ones((41, 61)), domain)
-    made = nm.write_parts(height, tmp_path / f"{PARTS}.stl", options=nm.PartOptions(parts="2x1"))
+    made = nm.write_parts(height, tmp_path / f"{PARTS}.stl", nm.PartOptions(parts="3x1"))
+    assert made.left_out == ((0, 1),)
     blank = np.full((40, 60, 3), 200, np.uint8)
     drawn = assembly_picture(made, blank, 800).astype(int)
     assert max(drawn.shape[:2]) == 800
     is_line = drawn[..., 0] - drawn[..., 2] > 60
     middle = np.flatnonzero(is_line.sum(axis=0) > drawn.shape[0] / 2)
-    assert len(middle)
-    assert np.ptp(middle) <= 3
-    left, right = drawn[:, 90 : middle[0] - 5], drawn[:, middle[-1] + 5 : -40]
+    (gap,) = np.flatnonzero(np.diff(middle) > 5)  # two lines
+    left, right = drawn[:, 90 : middle[0] - 5], drawn[:, middle[gap] + 5 : middle[gap + 1] - 5]
     hatched = [(np.abs(side - [0x8D, 0x87, 0x7D]) < 30).all(axis=2).mean() for side in (left, right)]
     assert hatched[1] > 0.02 > hatched[0]
 
 
 def test_the_volume_of_open_parts_is_not_known(tmp_path):
-    made = nm.write_parts(plane(), tmp_path / f"{PARTS}.ply", options=nm.PartOptions(parts="2x1"))
+    made = nm.write_parts(plane(), tmp_path / f"{PARTS}.ply", nm.PartOptions(parts="2x1"))
     assert made.volume_mm3 is None
     assert made.to_dict()["volume_mm3"] is None
 
@@ -97,7 +95,7 @@ def test_names_of_parts_are_checked_before_the_work(name, error, pattern, tmp_pa
     (tmp_path / "earlier").mkdir()
     (tmp_path / "earlier" / "0_7.stl").write_text("")
     with pytest.raises(error, match=pattern):
-        nm.write_parts(plane(), name, options=nm.PartOptions(parts="2x1"))
+        nm.write_parts(plane(), name, nm.PartOptions(parts="2x1"))
     assert [file.name for file in tmp_path.rglob("*.*")] == ["0_7.stl"]
 
 
@@ -121,7 +119,7 @@ def test_all_parts_appear_or_none(tmp_path, monkeypatch):
 
     monkeypatch.setattr(writer, "check_written", failing)
     with pytest.raises(nm.OutputError, match=r"1_0\.stl: failed the check after writing"):
-        nm.write_parts(plane(), tmp_path / "new" / f"{PARTS}.stl", options=nm.PartOptions(parts="2x2"))
+        nm.write_parts(plane(), tmp_path / "new" / f"{PARTS}.stl", nm.PartOptions(parts="2x2"))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -167,10 +165,6 @@ def test_parts_are_equal_and_no_larger_than_asked_for():
 
 
 def test_what_cannot_be_cut_is_refused():
-    square = np.array([[0.5, 0.5], [5.5, 0.5], [5.5, 5.5], [0.5, 5.5]])
-    exact = plate([square], 1.0, 60, 60)
-    with pytest.raises(nm.UsageError, match="this plate has an exact outline; make a relief without a plate"):
-        list(nm.parts(exact, nm.PartOptions(parts="2x2")))
     with pytest.raises(nm.UsageError, match="the height field must be a Height or a Relief, found ndarray"):
         list(nm.parts(np.ones((3, 3)), nm.PartOptions(parts="2x2")))
     mask = np.zeros((20, 20), bool)
@@ -244,8 +238,8 @@ def test_the_command_names_what_is_left_out_and_left_over(run, tmp_path):
         ),
         ("--part 30mm --assembly -", "an assembly is written to files, such as --assembly parts.json"),
         (
-            "-o {row}_{col}.stl --part 30mm --shape round",
-            "--part and --parts cut a relief along its pixels",
+            "-o {row}_{col}.stl --part 30mm --shape round --base 3mm --hollow 1mm",
+            "--hollow 1mm: parts of a plate with an exact outline would be open where they are cut",
         ),
     ]
 )
@@ -259,7 +253,5 @@ def test_the_command_refuses_wrong_names_of_parts(run, words, pattern, tmp_path,
 
 
 def test_a_relief_of_a_smooth_cap_in_parts_has_one_bottom(tmp_path):
-    made = nm.write_parts(
-        relief_of(cap()), tmp_path / f"{PARTS}.stl", options=nm.PartOptions(parts="3x3"), solid=options(base="2mm")
-    )
+    made = nm.write_parts(relief_of(cap()), tmp_path / f"{PARTS}.stl", nm.PartOptions(parts="3x3"), options(base="2mm"))
     assert {part.low_mm[2] for part in made.parts} == {-2.0}

@@ -23,9 +23,11 @@ from solid_cases import check_solid, options
 
 import nmaptool as nm
 from nmaptool.io.stores.height_windows import ArrayHeights, frame_of, height_window, range_of, surface_range
-from nmaptool.io.stores.part_files import export_parts, part_frame, small_height, write_part
+from nmaptool.io.stores.part_files import check_parts, export_parts, part_frame, small_height, write_part
 from nmaptool.solids.cutting.cut import part_of
 from nmaptool.solids.cutting.whole import PartFrame
+
+SMOOTH = nm.SolidOptions(outline="smooth")
 
 
 def window_of(height: nm.Height, rows: slice, cols: slice) -> nm.Height | None:
@@ -145,6 +147,15 @@ def test_the_range_of_a_store_is_that_of_its_surface():
         frame_of(ArrayHeights(np.ones((1, 5)), 1.0, "corners"))
 
 
+def test_parts_divide_the_box_around_the_surface(tmp_path):
+    domain = np.zeros((60, 90), bool)
+    domain[20:41, 37:77] = True
+    for source in (stored(height_of(np.ones((61, 91)), domain)), ArrayHeights(np.where(domain, 1.0, np.nan), PITCH_MM)):
+        assert surface_range(source).box == (slice(20, 41), slice(37, 77))
+        made = export_parts(source, tmp_path / "{row}_{col}.stl", options=nm.PartOptions(part="5mm"), overwrite=True)
+        assert [part.size_mm[:2] for part in made.parts] == [(5, 2.5), (5, 2.5), (5, 2.75), (5, 2.75)]
+
+
 def test_a_part_is_not_replaced_and_one_that_holds_nothing_is_not_written(tmp_path):
     domain = np.zeros((20, 30), bool)
     domain[:, :12] = True
@@ -204,3 +215,35 @@ def test_borders_of_windows_agree_bit_by_bit():
         shared = along(left, 0, cols // 2 * PITCH_MM)
         assert len(shared) == 2 * (rows + 1)
         assert shared == along(right, 0, cols // 2 * PITCH_MM)
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "more", "error", "pattern"),
+    [
+        ("a.stl", {"parts": "2x2"}, {}, nm.UsageError, r"a\.stl: does not name \{row\} and \{col\}"),
+        ("{row}_{col}.stl", {}, {}, nm.UsageError, "no parts are asked for"),
+        ("{row}_{col}.stl", {"part": "0.1mm"}, {}, nm.InputError, "is smaller than a pixel"),
+        ("no/such/{row}_{col}.stl", {"parts": "2x2"}, {}, nm.OutputError, "the folder no does not exist"),
+        ("{row}_{col}.stl", {"parts": "2x2"}, {"assembly": ["a.txt"]}, nm.UsageError, r"written as \.json, \.png"),
+        (
+            "{row}_{col}.stl",
+            {"parts": "2x2"},
+            {"solid": nm.SolidOptions(outline="smooth")},
+            nm.UsageError,
+            "follow its",
+        ),
+    ],
+)
+def test_wrong_parts_are_refused_before_any_height_is_read(name, given, more, error, pattern, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    class Unread(ArrayHeights):
+        def window(self, rows, cols):
+            raise AssertionError("read")
+
+    source = Unread(np.ones((20, 30)), PITCH_MM)
+    with pytest.raises(error, match=pattern):
+        export_parts(source, name, options=nm.PartOptions(**given), **more)
+    with pytest.raises(error, match=pattern):
+        check_parts(frame_of(source), [name], nm.PartOptions(**given), **more)
+    assert list(tmp_path.iterdir()) == []

@@ -154,8 +154,8 @@ def assembly_of(
         origin,
         tuple(placed[place] for place in places if place in placed),
         tuple(place for place in places if place not in placed),
-        (0.0, *(right * pitch_mm for right in rights)),
-        (0.0, *(bottom * pitch_mm for bottom in bottoms)),
+        (min(part.left for part in plan) * pitch_mm, *(right * pitch_mm for right in rights)),
+        (min(part.top for part in plan) * pitch_mm, *(bottom * pitch_mm for bottom in bottoms)),
     )
 
 

@@ -21,6 +21,7 @@ from nmaptool.options.parts import PartOptions
 from nmaptool.options.solid import SolidOptions
 from nmaptool.types.height import Height
 from nmaptool.types.parts import Assembly, PlannedPart, assembly_of, placed_part
+from nmaptool.types.picture import Frame
 from nmaptool.types.relief import Relief
 from nmaptool.types.solid import Solid
 
@@ -98,6 +99,8 @@ class CutRelief:
     Attributes
     ----------
     relief : Height or Relief
+    frame : Frame
+        Of the whole, in the pixels of the parts.
     options : PartOptions
     parts : sequence of (PlannedPart, Solid or None)
         None for parts that hold nothing of the relief.
@@ -106,6 +109,7 @@ class CutRelief:
     """
 
     relief: Height | Relief
+    frame: Frame
     options: PartOptions
     parts: Sequence[tuple[PlannedPart, Solid | None]]
     templates: Sequence[str]
@@ -117,7 +121,8 @@ class CutRelief:
         """Cut a relief in memory."""
         from nmaptool.solids.cutting.cut import cut_relief
 
-        return cls(relief, options, list(cut_relief(relief, options, solid)), templates)
+        frame, parts = cut_relief(relief, options, solid)
+        return cls(relief, frame, options, list(parts), templates)
 
     @property
     def solids(self) -> list[Solid]:
@@ -127,8 +132,7 @@ class CutRelief:
     @cached_property
     def assembly(self) -> Assembly:
         """Which part goes where, with the names of its files."""
-        height = self.relief.height if isinstance(self.relief, Relief) else self.relief
-        frame, origin = height.frame, self.options.part_origin
+        frame, origin = self.frame, self.options.part_origin
         placed = {
             (part.row, part.col): placed_part(
                 part, frame, origin, solid, [file_of_part(each, part.row, part.col).name for each in self.templates]
@@ -231,9 +235,10 @@ class _Parts:
 
 def write_parts(
     relief: Height | Relief,
-    *outputs: Destination,
+    outputs: str | Path | Sequence[str | Path],
     options: PartOptions,
     solid: SolidOptions | None = None,
+    *,
     assembly: Sequence[Destination] = (),
     overwrite: bool = False,
 ) -> Assembly:
@@ -242,7 +247,7 @@ def write_parts(
     Parameters
     ----------
     relief : Height or Relief
-    *outputs : str or Path
+    outputs : str, Path or sequence of them
         Names with {row} and {col}, such as ``parts/{row}_{col}.stl``; the extension sets the format: .stl .ply .obj
         .glb .3mf. The folder is created if missing. Files are read back and checked.
     options : PartOptions
@@ -270,11 +275,11 @@ def write_parts(
     Examples
     --------
     >>> height = nm.Height(np.zeros((3, 5)), np.ones((2, 4), bool), nm.Frame(2, 4, pitch_mm=0.5))
-    >>> made = nm.write_parts(height, "{row}_{col}.stl", options=nm.PartOptions(parts="2x1"))
+    >>> made = nm.write_parts(height, "{row}_{col}.stl", nm.PartOptions(parts="2x1"))
     >>> [part.files for part in made.parts]
     [('0_0.stl',), ('0_1.stl',)]
     """
-    templates = [str(output) for output in outputs]
+    templates = [str(output) for output in ([outputs] if isinstance(outputs, str | Path) else outputs)]
     check_templates(templates, overwrite)
     plan: Outputs[_Parts] = Outputs(assembly_targets(assembly), None, overwrite, new_folders(templates))
     plan.check()

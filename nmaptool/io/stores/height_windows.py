@@ -15,6 +15,7 @@ from nmaptool.core.errors import InputError
 from nmaptool.core.grid import touching_vertices
 from nmaptool.core.progress import Progress
 from nmaptool.io.pictures.height_samples import to_vertices
+from nmaptool.solids.cutting.plan import surface_box
 from nmaptool.types.height import Height
 from nmaptool.types.picture import Frame
 
@@ -98,11 +99,14 @@ class HeightRange:
     low_mm, high_mm : float
     has_gaps : bool
         Whether some places do not belong to the surface.
+    box : (slice, slice) or None
+        The rows and columns of pixels that hold all of the surface; None if that is not known.
     """
 
     low_mm: float
     high_mm: float
     has_gaps: bool
+    box: tuple[slice, slice] | None = None
 
 
 def frame_of(source: HeightSource) -> Frame:
@@ -265,14 +269,18 @@ def surface_range(source: HeightSource, progress: Progress | None = None) -> Hei
     found = range_of(source, progress)
     if source.at == "corners" and not found.has_gaps:
         return found
-    low, high = np.inf, -np.inf
-    frame = frame_of(source)
+    low, high, frame = np.inf, -np.inf, frame_of(source)
+    ends = np.array([[frame.rows, frame.cols], [0, 0]])
     for rows, cols in blocks(source):
         window = height_window(
             source, slice(rows.start, min(rows.stop, frame.rows)), slice(cols.start, min(cols.stop, frame.cols))
         )
         if window is not None:
             low, high = min(low, window.range_mm[0]), max(high, window.range_mm[1])
+            down, across = surface_box(window.domain)
+            ends[0] = np.minimum(ends[0], [rows.start + down.start, cols.start + across.start])
+            ends[1] = np.maximum(ends[1], [rows.start + down.stop, cols.start + across.stop])
     if low > high:
         raise InputError("the heights hold no surface: no pixel has heights at all its corners")
-    return HeightRange(low, high, found.has_gaps)
+    (top, left), (bottom, right) = ends.tolist()
+    return HeightRange(low, high, found.has_gaps, (slice(top, bottom), slice(left, right)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -25,11 +25,12 @@ from nmaptool.io.stores.height_windows import (
 )
 from nmaptool.options.parts import PartOptions
 from nmaptool.options.solid import SolidOptions
-from nmaptool.solids.cutting.cut import part_of
+from nmaptool.solids.cutting.cut import check_outline, part_of
 from nmaptool.solids.cutting.plan import plan_parts
 from nmaptool.solids.cutting.whole import PartFrame
 from nmaptool.types.height import Height
 from nmaptool.types.parts import Assembly, PlacedPart, PlannedPart, assembly_of, placed_part
+from nmaptool.types.picture import Frame
 
 # longer side of the heights below the plan of an assembly
 _PICTURE_PX = 1600
@@ -105,6 +106,49 @@ def write_part(
     return placed_part(part, whole.frame, whole.origin, solid, [file.name for file in files])
 
 
+def check_parts(
+    frame: Frame,
+    outputs: Sequence[str | Path],
+    options: PartOptions,
+    solid: SolidOptions | None = None,
+    *,
+    assembly: Sequence[Destination] = (),
+    overwrite: bool = False,
+) -> list[PlannedPart]:
+    """Refuse what `export_parts` would refuse, as far as it is known before there are heights.
+
+    Parameters
+    ----------
+    frame : Frame
+        Of the surface; the pitch is known.
+    outputs, options, solid, assembly, overwrite
+        As for `export_parts`.
+
+    Returns
+    -------
+    list of PlannedPart
+
+    Raises
+    ------
+    UsageError, InputError, OutputError
+    """
+    templates = [str(output) for output in outputs]
+    check_templates(templates, overwrite)
+    check_folders(new_folders(templates), "parts are written into it; give another name")
+    _assembly_plan(assembly, overwrite, lambda *_: None).check()
+    assert frame.pitch_mm is not None
+    plan = plan_parts(frame.rows, frame.cols, frame.pitch_mm, options)
+    check_outline(solid or SolidOptions())
+    return plan
+
+
+def _assembly_plan(
+    places: Sequence[Destination], overwrite: bool, write: Callable[[Assembly, Path], None]
+) -> Outputs[Assembly]:
+    targets = [Target(place_of(place), "an assembly", ASSEMBLY_ENDINGS, write) for place in places]
+    return Outputs(targets, overwrite=overwrite)
+
+
 def export_parts(
     source: HeightSource,
     *outputs: str | Path,
@@ -146,20 +190,12 @@ def export_parts(
         As `nmaptool.write_parts`. Parts that are finished stay.
     """
     templates = [str(output) for output in outputs]
-    check_templates(templates, overwrite)
-    folders = new_folders(templates)
-    check_folders(folders, "parts are written into it; give another name")
-
-    def write(made: Assembly, path: Path) -> None:
-        write_assembly_file(made, path, small_height(source) if path.suffix.lower() == ".png" else None)
-
-    targets = [Target(place_of(place), "an assembly", ASSEMBLY_ENDINGS, write) for place in assembly]
-    plan: Outputs[Assembly] = Outputs(targets, overwrite=overwrite)
-    plan.check()
     frame = frame_of(source)
-    parts = plan_parts(frame.rows, frame.cols, source.pitch_mm, options)
+    check_parts(frame, outputs, options, solid, assembly=assembly, overwrite=overwrite)
+    found = surface_range(source) if found is None else found
+    parts = plan_parts(frame.rows, frame.cols, source.pitch_mm, options, found.box)
     whole = part_frame(source, options, solid, found=found, on_plate=on_plate)
-    for folder in folders:
+    for folder in new_folders(templates):
         folder.mkdir(exist_ok=True)
     placed: dict[tuple[int, int], PlacedPart] = {}
     for number, part in enumerate(parts, start=1):
@@ -169,7 +205,11 @@ def export_parts(
         if progress is not None:
             progress("parts", number / len(parts))
     made = assembly_of(frame, options.part_origin, parts, placed)
-    plan.write(made)
+
+    def write(made: Assembly, path: Path) -> None:
+        write_assembly_file(made, path, small_height(source) if path.suffix.lower() == ".png" else None)
+
+    _assembly_plan(assembly, overwrite, write).write(made)
     return made
 
 

@@ -13,8 +13,10 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options.parts import PartOptions
 from nmaptool.options.solid import SolidOptions
 from nmaptool.solids.bodies import closed_solid
+from nmaptool.solids.cutting.clip import SNAP_PX
+from nmaptool.solids.cutting.clipped import check_clipped, clipped_parts, several_pieces
 from nmaptool.solids.cutting.crop import cropped_sheet, cut_vertices
-from nmaptool.solids.cutting.plan import plan_parts
+from nmaptool.solids.cutting.plan import plan_parts, plan_plate, surface_box
 from nmaptool.solids.cutting.raised_part import raised_part
 from nmaptool.solids.cutting.source import Source, sources_of_relief, sources_of_window
 from nmaptool.solids.cutting.whole import PartFrame
@@ -23,6 +25,7 @@ from nmaptool.solids.outline import OutlineEdges, outline_edges
 from nmaptool.solids.piece import Back, Piece, back_of, bounds_of, pocket_mm3
 from nmaptool.solids.raised import RaisedFront
 from nmaptool.solids.sheet import Sheet
+from nmaptool.solids.solid import solid as solid_of
 from nmaptool.solids.thinning import thinned_surfaces
 from nmaptool.types.height import Height
 from nmaptool.types.inputs import as_height
@@ -40,7 +43,8 @@ def parts(
     Neighbours have the same vertices along the line between them, and vertical walls there. All parts have the back of
     the whole: their volumes together are that of the whole solid, except that ``hollow`` gives every part its own
     walls. Vertices between parts stay where ``max_error`` or ``triangles`` leaves out others; ``triangles`` is
-    the limit for each part, and ``one_piece`` refuses a part that would fall apart.
+    the limit for each part, and ``one_piece`` refuses a part that would fall apart. A plate with an exact outline is
+    thinned as a whole; where its outline comes nearer to a cut than 1/256 px, it is moved away.
 
     Parameters
     ----------
@@ -49,17 +53,15 @@ def parts(
     solid : SolidOptions, optional
         Default: open surfaces with two triangles for each pixel.
 
-    Yields
-    ------
-    row, col : int
-        From 0 at the upper left.
-    solid : Solid
-        Parts without any pixel of the relief are left out.
+    Returns
+    -------
+    iterator of (int, int, Solid)
+        Row and column, from 0 at the upper left, and the part; parts without any pixel of the relief are left out.
 
     Raises
     ------
     UsageError
-        If the options do not say how large the parts are, or the relief has an exact outline.
+        If the options do not say how large the parts are, or a plate with an exact outline is to be hollowed.
     InputError
         As `nmaptool.solid` and `nmaptool.plan_parts`.
 
@@ -68,29 +70,38 @@ def parts(
     >>> height = nm.Height(np.zeros((3, 5)), np.ones((2, 4), bool), nm.Frame(2, 4, pitch_mm=0.5))
     >>> for row, col, part in nm.parts(height, nm.PartOptions(parts="2x1"), nm.SolidOptions(base=nm.length("2mm"))):
     ...     print(row, col, part)
-    0 0 <Solid 1 x 1 x 2 mm, 1 closed body, 36 faces>
-    0 1 <Solid 1 x 1 x 2 mm, 1 closed body, 36 faces>
+    0 0 <Solid 1 x 1 x 2 mm, 1 closed body, 32 faces>
+    0 1 <Solid 1 x 1 x 2 mm, 1 closed body, 32 faces>
     """
-    for part, found in cut_relief(relief, options, solid or SolidOptions()):
+    for part, found in cut_relief(relief, options, solid or SolidOptions())[1]:
         if found is not None:
             yield part.row, part.col, found
 
 
 def cut_relief(
     relief: Height | Relief, options: PartOptions, solid: SolidOptions
-) -> Iterator[tuple[PlannedPart, Solid | None]]:
-    """All planned parts of a relief in memory, as `parts`; None for those that are left out."""
+) -> tuple[Frame, Iterator[tuple[PlannedPart, Solid | None]]]:
+    """All planned parts of a relief in memory, as `parts`, in pixels of a frame; None for those that are left out."""
     height = as_height(relief)
     if height.outline is not None:
-        raise UsageError(
-            "`part` and `parts` cut a relief along its pixels, but this plate has an exact outline; make a relief "
-            "without a plate, such as one with `background='cut'`"
-        )
-    plan = plan_parts(*height.frame.shape, height.pitch_mm, options)
+        return _cut_plate(relief, height, options, solid)
+    plan = plan_parts(*height.frame.shape, height.pitch_mm, options, surface_box(height.domain))
     whole = PartFrame(height.frame, *height.range_mm, solid, zero_of(relief, height), options.part_origin)
     sources, facts = sources_of_relief(relief, height, whole.solid, plan)
-    for part in plan:
-        yield part, solid_of_part(sources, whole, part, facts)
+    return height.frame, ((part, solid_of_part(sources, whole, part, facts)) for part in plan)
+
+
+def _cut_plate(
+    relief: Height | Relief, height: Height, options: PartOptions, solid: SolidOptions
+) -> tuple[Frame, Iterator[tuple[PlannedPart, Solid | None]]]:
+    """The parts of a plate with an exact outline."""
+    assert height.outline is not None
+    check_clipped(solid)
+    rings = np.concatenate(height.outline.rings)
+    frame, plan = plan_plate(height.frame, np.stack([rings.min(axis=0), rings.max(axis=0)]), options)
+    made = solid_of(relief, dataclasses.replace(solid, one_piece=False))
+    snap_mm = SNAP_PX * height.pitch_mm
+    return frame, clipped_parts(made, frame, plan, snap_mm, origin=options.part_origin, one_piece=solid.one_piece)
 
 
 def part_of(window: Height, whole: PartFrame, part: PlannedPart) -> Solid | None:
@@ -122,13 +133,18 @@ def part_of(window: Height, whole: PartFrame, part: PlannedPart) -> Solid | None
             f"the window of part {part.row}, {part.col} is {window.frame.with_pitch}; expected "
             f"{Frame(*wanted, whole.pitch_mm).with_pitch}"
         )
-    if whole.options.outline == "smooth":
-        raise UsageError("`outline='smooth'`: the parts of a large map follow its pixels; use `outline='exact'`")
+    check_outline(whole.options)
     down, across = part.top - rows.start, part.left - cols.start
     if not window.domain[down : down + part.shape[0], across : across + part.shape[1]].any():
         return None
     sources = sources_of_window(window, rows.start, cols.start, whole.solid)
     return solid_of_part(sources, whole, part, {"outline": "exact", "outline_deviation_mm": 0.0})
+
+
+def check_outline(options: SolidOptions) -> None:
+    """Refuse a smooth outline of a relief that is not in memory as a whole."""
+    if options.outline == "smooth":
+        raise UsageError("`outline='smooth'`: the parts of a large map follow its pixels; use `outline='exact'`")
 
 
 def solid_of_part(
@@ -145,10 +161,7 @@ def solid_of_part(
     if not cut:
         return None
     if whole.solid.one_piece and len(cut) > 1:
-        raise InputError(
-            f"`one_piece`: part {part.row}, {part.col} has {len(cut)} separate pieces; use other parts, connect them "
-            "in the mask, or leave out `one_piece`"
-        )
+        raise several_pieces(part, len(cut))
     facts["split_corners"] = sum(len(front.shape.splits.vertices) for front, *_ in cut)
     if whole.solid.hollow is not None:
         facts["hollowed_mm3"] = sum(pocket_mm3(back) for _, _, back, _ in cut if back is not None)

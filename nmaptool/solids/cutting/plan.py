@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
+from nmaptool.core.arrays import Float64, Mask
 from nmaptool.core.errors import InputError, UsageError
 from nmaptool.options.parts import PartOptions
 from nmaptool.types.parts import PlannedPart
+from nmaptool.types.picture import Frame
 
 MOST_PARTS = 10_000
 # a size that is a whole number of pixels but for rounding holds that many
 _ROUNDING = 1e-9
+# pixels of a plate with an exact outline are divided so finely; its box may be so many of these too large
+_FINER, _SLACK = 1024, 3
 
 
-def plan_parts(rows: int, cols: int, pitch_mm: float, options: PartOptions) -> list[PlannedPart]:
+def plan_parts(
+    rows: int, cols: int, pitch_mm: float, options: PartOptions, within: tuple[slice, slice] | None = None
+) -> list[PlannedPart]:
     """Divide a relief into equal parts, whose sides differ by at most one pixel.
 
     Parameters
@@ -21,6 +31,8 @@ def plan_parts(rows: int, cols: int, pitch_mm: float, options: PartOptions) -> l
     pitch_mm : float
         Size of a pixel.
     options : PartOptions
+    within : (slice, slice), optional
+        The rows and columns to divide. Default: all of them.
 
     Returns
     -------
@@ -39,15 +51,25 @@ def plan_parts(rows: int, cols: int, pitch_mm: float, options: PartOptions) -> l
     >>> [(part.row, part.col, part.shape) for part in nm.plan_parts(50, 90, 1.0, nm.PartOptions(part="60mm"))]
     [(0, 0, (50, 45)), (0, 1, (50, 45))]
     """
-    across, down = _counts(rows, cols, pitch_mm, options)
+    within_rows, within_cols = (slice(0, rows), slice(0, cols)) if within is None else within
+    return _divided(within_rows, within_cols, pitch_mm, options)
+
+
+def _divided(
+    within_rows: slice, within_cols: slice, pitch_mm: float, options: PartOptions, slack: int = 0
+) -> list[PlannedPart]:
+    """Divide some rows and columns, which may be so many pixels longer than a whole number of parts."""
+    top, left = within_rows.start, within_cols.start
+    rows, cols = within_rows.stop - top, within_cols.stop - left
+    across, down = _counts(rows, cols, pitch_mm, options, slack)
     if across * down > MOST_PARTS:
         given = f"`part='{options.part}'`" if options.parts is None else f"`parts='{options.parts}'`"
         raise InputError(
             f"{given}: makes {across} x {down} parts of a relief of {_size(rows, cols, pitch_mm)}; at most "
             f"{MOST_PARTS:,} are written, so use larger parts"
         )
-    tops = [rows * number // down for number in range(down + 1)]
-    lefts = [cols * number // across for number in range(across + 1)]
+    tops = [top + rows * number // down for number in range(down + 1)]
+    lefts = [left + cols * number // across for number in range(across + 1)]
     return [
         PlannedPart(row, col, tops[row], tops[row + 1], lefts[col], lefts[col + 1])
         for row in range(down)
@@ -55,7 +77,7 @@ def plan_parts(rows: int, cols: int, pitch_mm: float, options: PartOptions) -> l
     ]
 
 
-def _counts(rows: int, cols: int, pitch_mm: float, options: PartOptions) -> tuple[int, int]:
+def _counts(rows: int, cols: int, pitch_mm: float, options: PartOptions, slack: int) -> tuple[int, int]:
     """How many parts there are across and down."""
     if options.counts is not None:
         across, down = options.counts
@@ -74,8 +96,50 @@ def _counts(rows: int, cols: int, pitch_mm: float, options: PartOptions) -> tupl
         raise InputError(
             f"`part='{options.part}'`: is smaller than a pixel of the relief, {pitch_mm:.4g} mm; use larger parts"
         )
-    return -(-cols // most[0]), -(-rows // most[1])
+    return -(-max(1, cols - slack) // most[0]), -(-max(1, rows - slack) // most[1])
 
 
 def _size(rows: int, cols: int, pitch_mm: float) -> str:
     return f"{cols * pitch_mm:.4g} x {rows * pitch_mm:.4g} mm"
+
+
+def surface_box(domain: Mask) -> tuple[slice, slice]:
+    """The rows and columns of pixels that hold a surface; there is at least one.
+
+    >>> surface_box(np.array([[False, False], [False, True]]))
+    (slice(1, 2, None), slice(1, 2, None))
+    """
+    rows, cols = np.flatnonzero(domain.any(axis=1)), np.flatnonzero(domain.any(axis=0))
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(cols[0]), int(cols[-1]) + 1)
+
+
+def plan_plate(frame: Frame, bounds_mm: Float64, options: PartOptions) -> tuple[Frame, list[PlannedPart]]:
+    """Divide the box around an exact outline, whose parts need not end between pixels.
+
+    Parameters
+    ----------
+    frame : Frame
+        Of the whole; the pitch is known.
+    bounds_mm : (2, 2) float64
+        Least and greatest x and y.
+    options : PartOptions
+
+    Returns
+    -------
+    frame : Frame
+        The same with finer pixels, which the parts consist of.
+    plan : list of PlannedPart
+
+    Raises
+    ------
+    UsageError, InputError
+        As `plan_parts`.
+    """
+    assert frame.pitch_mm is not None
+    fine = Frame(frame.rows * _FINER, frame.cols * _FINER, frame.pitch_mm / _FINER)
+    (left, lower), (right, upper) = bounds_mm * (_FINER / frame.pitch_mm)
+    rows = slice(fine.rows - math.ceil(upper), fine.rows - math.floor(lower))
+    cols = slice(math.floor(left), math.ceil(right))
+    assert fine.pitch_mm is not None
+    # a plate that is a whole number of parts wide is divided into that many, although its box was rounded up
+    return fine, _divided(rows, cols, fine.pitch_mm, options, _SLACK)

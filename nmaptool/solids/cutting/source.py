@@ -83,10 +83,8 @@ def sources_of_relief(
     plan : sequence of PlannedPart
         Nodes of the outline do not leave the lines between parts.
     """
-    rows, cols = height.frame.shape
-    cuts = Cuts(
-        tuple(sorted({part.top for part in plan} - {0, rows})), tuple(sorted({part.left for part in plan} - {0, cols}))
-    )
+    tops, lefts = sorted({part.top for part in plan}), sorted({part.left for part in plan})
+    cuts = Cuts(tuple(tops[1:]), tuple(lefts[1:]))
     coverage: Float32 | None = relief.coverage if isinstance(relief, Relief) else None
     raised = raised_mask(height)
     if raised is not None:
