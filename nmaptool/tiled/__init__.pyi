@@ -1,1 +1,3 @@
+from .conversion import convert as convert
+from .conversion import copy as copy
 from .large_relief import relief as relief
