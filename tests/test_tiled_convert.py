@@ -14,7 +14,8 @@ import nmaptool as nm
 from nmaptool.core.errors import InputError, LimitError, OutputError, UsageError
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.io.stores.opening import create_picture, open_picture
-from nmaptool.tiled.conversion import convert, copy
+from nmaptool.tiled.conversion import convert
+from nmaptool.tiled.copying import copy
 
 pytest.importorskip("zarr")
 ENCODINGS = encodings()

@@ -38,8 +38,7 @@ def convert(run: Run, map: str, out: Path | None = None, /) -> None:
     if written is not None and is_large(map, as_given(written), reading):
         large_convert(run, flags, map, as_given(written))
         return
-    if flags.tile is not None:
-        raise UsageError(f"`tile={flags.tile}`: applies to Zarr stores, folders of tiles and large maps; leave it out")
+    flags.refuse_for_files()
     outputs = dataclasses.replace(flags, output=written).plan(writing, run.options.json)
     run.begin(outputs, map=map)
     import nmaptool as nm

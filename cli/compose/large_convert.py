@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from nmaptool.core.errors import UsageError
 from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool.options.fields import option
-from nmaptool.options.kinds import Count
+from nmaptool.options.kinds import Count, Switch
 from nmaptool_cli.outputs import MapOutputs
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import STREAM, refuse_stream
@@ -31,9 +31,23 @@ class ConvertOutputs(MapOutputs):
         without an ending a folder of tiles; a .tif of a large map is in tiles. The ending sets the format:
     tile:
         Side in px of the tiles, or of the shards of a Zarr store. Default: 2048, in a TIFF 512.
+    pyramid:
+        Add smaller versions to a Zarr store, each of half the size, up to 512 px; the store becomes a group.
     """
 
     tile: int | None = option(None, Count("1024"))
+    pyramid: bool = option(False, Switch())
+
+    def refuse_for_files(self) -> None:
+        """Refuse flags that do not apply to a map that is converted in memory.
+
+        Raises
+        ------
+        UsageError
+        """
+        given = "pyramid" if self.pyramid else None if self.tile is None else f"tile={self.tile}"
+        if given is not None:
+            raise UsageError(f"`{given}`: applies to Zarr stores, folders of tiles and large maps; leave it out")
 
 
 def as_given(path: Path) -> str:
@@ -62,7 +76,7 @@ def large_convert(run: Run, flags: ConvertOutputs, name: str, output: str) -> No
         raise UsageError(f"{flags.curl}: the curl is not drawn for a map that is converted by windows; leave it out")
     run.begin(None, map=name)
     picture = open_picture(name, reading.layer)
-    more: dict[str, Any] = {"tile": flags.tile, "overwrite": flags.overwrite}
+    more: dict[str, Any] = {"tile": flags.tile, "pyramid": flags.pyramid, "overwrite": flags.overwrite}
     with run.progress() as progress:
         if "R" in picture.channels:
             report: nm.ConvertReport | None = nm.tiled.convert(

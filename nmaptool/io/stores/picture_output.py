@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import secrets
-import shutil
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -13,17 +10,18 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.core.errors import OutputError, UsageError, reason_of
+from nmaptool.core.errors import OutputError, UsageError
 from nmaptool.core.progress import Progress
-from nmaptool.io.interruption import UNFINISHED
 from nmaptool.io.output.targets import check_folders, check_places
 from nmaptool.io.output.writing import write_together
 from nmaptool.io.pictures.metadata import PREFIX, one_line
 from nmaptool.io.pictures.writer import write_image
-from nmaptool.io.stores.names import ZARR_ENDING, local_path, split_name
+from nmaptool.io.stores.names import ZARR_ENDING, split_name
+from nmaptool.io.stores.picture_plan import Make, PicturePlan
 from nmaptool.io.stores.tiles import tiles_in
 from nmaptool.io.stores.windows import grid_windows
-from nmaptool.io.stores.zarr_writing import CHUNK, INNER, create_picture, make_room
+from nmaptool.io.stores.zarr_output import write_zarr
+from nmaptool.io.stores.zarr_writing import CHUNK, make_room
 
 TIFF_TILE_PX = 512
 # tiles of a TIFF that are made at once
@@ -32,37 +30,6 @@ _TIFF_ENDINGS = (".tif", ".tiff")
 # what a TIFF of 32-bit offsets can hold, less its directory
 _CLASSIC_BYTES = (1 << 32) - (1 << 25)
 OutputKind = Literal["zarr", "tiles", "tiff"]
-# makes the (h, w, C) pixels of a window
-Make = Callable[[slice, slice], NDArray[Any]]
-
-
-@dataclass(frozen=True)
-class PicturePlan:
-    """A picture to write.
-
-    Parameters
-    ----------
-    rows, cols : int
-    channels : tuple of str
-    dtype : dtype
-        uint8, uint16, float32, or float16, which is stored as half.
-    pitch_mm : float or None
-    attributes : mapping of str
-        As in `nmaptool.RasterImage`.
-    """
-
-    rows: int
-    cols: int
-    channels: tuple[str, ...]
-    dtype: np.dtype[Any]
-    pitch_mm: float | None = None
-    attributes: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def file_attributes(self) -> dict[str, str]:
-        """The attributes with the pitch, as text, for files."""
-        pitch = {} if self.pitch_mm is None else {"pitch_mm": repr(self.pitch_mm)}
-        return {**self.attributes, **pitch}
 
 
 def output_kind(name: str) -> OutputKind | None:
@@ -80,21 +47,23 @@ def output_kind(name: str) -> OutputKind | None:
     return "tiff" if ending in _TIFF_ENDINGS else None
 
 
-def check_output(name: str, plan_free: bool, overwrite: bool) -> None:
+def check_output(name: str, *, pyramid: bool = False, overwrite: bool = False) -> None:
     """Refuse an output that could not be written, before any work.
 
     Parameters
     ----------
     name : str
-    plan_free : bool
-        Also check names that `output_kind` does not know: they are files.
-    overwrite : bool
+        Of any kind; what `output_kind` does not know is a file.
+    pyramid, overwrite : bool
+        As for `write_windows`.
 
     Raises
     ------
-    OutputError
+    UsageError, OutputError
     """
     kind = output_kind(name)
+    if pyramid and kind != "zarr":
+        raise UsageError(f"{name}: `pyramid`: smaller versions are written into Zarr stores; name one in .zarr")
     if kind == "zarr":
         make_room(name.rstrip("/"), overwrite, remove=False)
     elif kind == "tiles":
@@ -102,7 +71,7 @@ def check_output(name: str, plan_free: bool, overwrite: bool) -> None:
         check_folders([folder], "tiles are written into a folder; give another name")
         if not overwrite and folder.is_dir() and any(folder.iterdir()):
             raise OutputError(f"{folder}: is not empty; give another folder, or `overwrite`")
-    elif kind == "tiff" or plan_free:
+    else:
         check_places([Path(name)], overwrite)
 
 
@@ -112,6 +81,7 @@ def write_windows(
     make: Make,
     *,
     tile: int | None = None,
+    pyramid: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> None:
@@ -127,6 +97,8 @@ def write_windows(
         Called with the rows and columns of each window, once for each, in any order.
     tile : int, optional
         Side of a tile, or of a shard of a Zarr store. Default: 2048; in a TIFF 512.
+    pyramid : bool
+        In a Zarr store, which becomes a group: add smaller versions, each of half the size, up to 512 px.
     overwrite : bool
         Replace what exists.
     progress : callable, optional
@@ -140,10 +112,10 @@ def write_windows(
         If it cannot be written, or exists and ``overwrite`` is False.
     """
     kind = output_kind(name)
-    check_output(name, plan_free=False, overwrite=overwrite)
+    check_output(name, pyramid=pyramid, overwrite=overwrite)
     counted = _counted(plan, make, progress)
     if kind == "zarr":
-        _write_zarr(name.rstrip("/"), plan, counted, tile or CHUNK, overwrite)
+        write_zarr(name.rstrip("/"), plan, counted, tile or CHUNK, pyramid=pyramid, overwrite=overwrite)
     elif kind == "tiles":
         jobs = list(_tile_jobs(Path(name), plan, counted, tile or CHUNK))
         _refuse_other_tiles(Path(name), {place.name for place, _ in jobs})
@@ -170,61 +142,6 @@ def _counted(plan: PicturePlan, make: Make, progress: Progress | None) -> Make:
         return values
 
     return made
-
-
-def _write_zarr(name: str, plan: PicturePlan, make: Make, chunk: int, overwrite: bool) -> None:
-    """Under another name first; renamed at the end."""
-    if split_name(name).layer is not None:
-        raise UsageError(f"{name}: names an array in a group; give a store of its own, such as map.zarr")
-    inner = next((size for size in (INNER, 256, 128, 64, 32, 16) if chunk % size == 0), chunk)
-    path = local_path(name)
-    mark = secrets.token_hex(4)
-    partial_name = f"{name.removesuffix(ZARR_ENDING)}.{mark}{ZARR_ENDING}" if path is None else ""
-    hidden = Path() if path is None else path.parent / f".{mark}-0{ZARR_ENDING}"
-    with UNFINISHED.swept_tree(hidden) if path is not None else UNFINISHED.swept():
-        try:
-            store = create_picture(
-                str(hidden) if path is not None else partial_name,
-                plan.rows,
-                plan.cols,
-                plan.channels,
-                plan.dtype,
-                chunk=chunk,
-                inner=inner,
-                pitch_mm=plan.pitch_mm,
-                attributes=plan.attributes,
-            )
-            for rows, cols in grid_windows((plan.rows, plan.cols), store.chunk):
-                store.write(rows.start, cols.start, make(rows, cols))
-            _publish(name, path, hidden, partial_name, overwrite)
-        except OutputError as error:
-            raise OutputError(str(error).replace(str(hidden), name)) from None
-        finally:
-            if path is not None:
-                shutil.rmtree(hidden, ignore_errors=True)
-
-
-def _publish(name: str, path: Path | None, hidden: Path, partial_name: str, overwrite: bool) -> None:
-    """Give a complete Zarr store its name."""
-    if path is None:
-        from nmaptool.io.stores.extra import fsspec_module
-
-        make_room(name, overwrite)
-        files, source = fsspec_module(name).core.url_to_fs(partial_name)
-        files.mv(source, files._strip_protocol(name), recursive=True)
-        return
-    make_room(name, overwrite, remove=False)
-    kept = hidden.with_suffix(".kept")
-    with UNFINISHED.all_or_none():
-        try:
-            if path.exists():
-                path.rename(kept)
-            hidden.rename(path)
-        except OSError as error:
-            if kept.exists() and not path.exists():
-                kept.rename(path)
-            raise OutputError(f"{name}: cannot be written ({reason_of(error)})") from None
-    shutil.rmtree(kept, ignore_errors=True)
 
 
 def _refuse_other_tiles(folder: Path, names: set[str]) -> None:
