@@ -89,6 +89,8 @@ class Reducer:
 
 def reduced(image: RasterImage, factor: int) -> NDArray[np.generic]:
     """(h, w, C): the means of squares of a picture's pixels, of its type; see `Reducer`."""
+    if factor == 1:
+        return image.pixels.astype(np.float16) if image.is_float and image.bits == 16 else image.pixels
     alpha = image.alpha
     if _is_own_map(image.attributes) and "R" in image.channels:
         return _reduced_map(image, alpha, factor)
