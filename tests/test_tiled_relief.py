@@ -15,7 +15,7 @@ from nmaptool.options import ReliefFiles, ReliefOptions, TilingOptions
 from tests.tiled_cases import COLS, ROWS, WIDTH, Case, store
 
 pytest.importorskip("zarr")
-import zarr  # noqa: E402
+import zarr
 
 # what differs by its nature: the solver, its iterations, and the times
 _OWN = ("solver", "iterations", "residual", "history", "planned_bytes", "seconds", "options")

@@ -93,6 +93,8 @@ def repair_rim(
 
 def _within_reach(at: Mask, sought: Mask) -> Mask:
     """(H, W) bool: those pixels of ``at`` that have one of ``sought`` close enough."""
+    if not at.any():
+        return at
     steps = np.arange(-_NEAREST_PX, _NEAREST_PX + 1)
     disc = (steps[:, None] ** 2 + steps**2 <= _NEAREST_PX**2).astype(np.uint8)
     return np.asarray(at & cv2.dilate(sought.view(np.uint8), disc).view(np.bool_))
