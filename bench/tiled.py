@@ -183,8 +183,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory(dir=options.folder) as folder:
         rows, checks = measure(Path(folder), options)
     report.end(
-        "A disc of fractal terrain from 16-bit normals, tolerance 1e-8, from a Zarr store to a Zarr store. Memory is the "
-        "largest sum over all processes. In memory, the same relief is measured at the largest size that fits, and "
+        "A disc of fractal terrain from 16-bit normals, tolerance 1e-8, from a Zarr store to a Zarr store. Memory is "
+        "the largest sum over all processes. In memory, the same relief is measured at the largest size that fits, and "
         "larger ones are taken to need time in proportion to their pixels.",
         table(("job", "tiles", "wall s", "min/Gpx", "peak GB", "sweeps", "seconds of stages"), rows),
         "\n".join(checks),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from nmaptool.io.stores import sampling
 from nmaptool.io.stores.opening import create_picture
 from nmaptool.types.picture import RasterImage
 
@@ -107,3 +108,10 @@ def as_zarr(image, path, chunk=64):
     )
     writer.write(0, 0, pixels)
     return str(path)
+
+
+def shrink_sample(monkeypatch):
+    """Make the sample as small, compared with the maps of these tests, as it is with large maps."""
+    monkeypatch.setattr(sampling, "_SAMPLE_PX", 40)
+    monkeypatch.setattr(sampling, "_PROBES", 5)
+    monkeypatch.setattr(sampling, "_PROBE_PX", 16)

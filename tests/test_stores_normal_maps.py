@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from large_maps import COLS, ROWS, as_zarr, codes_of, encodings, on_color, picture, rounded, surface
+from large_maps import COLS, ROWS, as_zarr, codes_of, encodings, on_color, picture, rounded, shrink_sample, surface
 
 import nmaptool as nm
 from nmaptool.core.errors import InputError, UsageError
@@ -38,10 +38,7 @@ def assert_same(part, whole, window):
 
 @pytest.fixture
 def small_sample(monkeypatch):
-    """The maps of these tests are as large, compared with the sample, as real ones."""
-    monkeypatch.setattr(sampling, "_SAMPLE_PX", 40)
-    monkeypatch.setattr(sampling, "_PROBES", 5)
-    monkeypatch.setattr(sampling, "_PROBE_PX", 16)
+    shrink_sample(monkeypatch)
 
 
 def unseen_place(name):

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import importlib.util
 import pickle
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-import nmaptool as nm
-from nmaptool.core.errors import InputError, OutputError, UsageError
+from nmaptool.core.errors import InputError, LimitError, OutputError, UsageError
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.io.stores.opening import create_picture, is_store, open_picture, open_writable
 
@@ -165,6 +166,80 @@ def test_an_array_with_channels_first_is_a_picture(tmp_path):
         assert np.array_equal(open_picture(str(tmp_path / "a.zarr")).read(*window).pixels, values[window])
 
 
+def test_axes_of_length_1_do_not_count(tmp_path):
+    """An OME-Zarr pyramid: time, channel, depth, rows, columns."""
+    values = pixels_of("uint8")
+    group = zarr.create_group(tmp_path / "scan.zarr", attributes={"ome": {"multiscales": []}})
+    for level, step in enumerate((1, 2)):
+        part = values[::step, ::step].transpose(2, 0, 1)[None, :, None]
+        names = ("t", "c", "z", "y", "x")
+        array = group.create_array(
+            str(level), shape=part.shape, dtype="uint8", chunks=(1, 1, 1, 32, 32), dimension_names=names
+        )
+        array[:] = part
+    store = open_picture(str(tmp_path / "scan.zarr"))
+    assert (store.rows, store.cols, store.chunk) == (ROWS, COLS, (32, 32))
+    for window in WINDOWS:
+        assert np.array_equal(store.read(*window).pixels, values[window])
+    (tmp_path / "scan.zarr/0/c/0/1/0/1/1").unlink()
+    with pytest.raises(InputError, match="the chunk c/0/1/0/1/1 is missing"):
+        open_picture(str(tmp_path / "scan.zarr")).read(slice(40, 50), slice(40, 50))
+
+
+def test_whole_chunks_are_written_by_several_threads_at_once(tmp_path):
+    values = pixels_of("uint16")
+    writer = create_picture(str(tmp_path / "map.zarr"), ROWS, COLS, ("R", "G", "B"), "uint16", chunk=32, inner=16)
+    places = [(row, col) for row in range(0, ROWS, 32) for col in range(0, COLS, 32)]
+
+    def write(place):
+        row, col = place
+        pickle.loads(pickle.dumps(writer)).write(row, col, values[row : row + 32, col : col + 32])
+
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(write, places))
+    assert np.array_equal(open_picture(writer.name).read(slice(None), slice(None)).pixels, values)
+
+
+class Failing:
+    """An array that cannot be reached."""
+
+    def __init__(self, array, error):
+        self._array, self._error = array, error
+
+    def __getattr__(self, name):
+        return getattr(self._array, name)
+
+    def __getitem__(self, key):
+        raise self._error
+
+    def __setitem__(self, key, values):
+        raise self._error
+
+
+def test_a_store_that_cannot_be_reached_and_a_full_disk_have_one_clear_line(tmp_path):
+    name = stored(tmp_path / "map.zarr", pixels_of("uint8"))
+    store = open_picture(name)
+    store._array = Failing(store._array, PermissionError(13, "Permission denied"))
+    with pytest.raises(InputError, match=r"map.zarr: the chunk c/0/0/0 cannot be read \(Permission denied\)"):
+        store.read(slice(0, 9), slice(0, 9))
+    writer = open_writable(name)
+    writer._array = Failing(writer._array, OSError(28, "No space left on device"))
+    with pytest.raises(OutputError, match=r"map.zarr: cannot be written \(No space left on device\)"):
+        writer.write(0, 0, np.zeros((64, 64, 3), np.uint8))
+
+
+@pytest.mark.skipif(importlib.util.find_spec("s3fs") is not None, reason="with s3fs, it would be looked for")
+def test_a_url_whose_file_system_is_not_installed_says_what_to_install():
+    with pytest.raises(InputError, match=r"s3://bucket/map.zarr: cannot be reached \(Install s3fs"):
+        open_picture("s3://bucket/map.zarr")
+
+
+def test_a_file_over_the_limit_is_refused(tmp_path):
+    write_image(pixels_of("uint8"), tmp_path / "map.png", ("R", "G", "B"), {})
+    with pytest.raises(LimitError, match=r"more than the limit of 0\.01"):
+        open_picture(str(tmp_path / "map.png"), max_megapixels=0.01)
+
+
 def test_a_zarr_store_of_version_2_is_read(tmp_path):
     values = pixels_of("uint8")
     array = zarr.create_array(tmp_path / "a.zarr", shape=values.shape, dtype="uint8", chunks=(32, 32, 3), zarr_format=2)
@@ -261,7 +336,3 @@ def test_writing_other_pixels_than_those_of_the_store_is_refused(tmp_path):
         writer.write(0, 0, np.zeros((9, 9, 3), np.uint8))
     with pytest.raises(UsageError, match="does not lie in a picture of 64 x 64"):
         writer.write(60, 0, np.zeros((9, 9, 3), np.uint16))
-
-
-def test_public_errors_are_those_of_the_package():
-    assert issubclass(InputError, nm.NmaptoolError)

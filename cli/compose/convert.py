@@ -9,31 +9,37 @@ from nmaptool.core.errors import UsageError
 from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool_cli.command import command
 from nmaptool_cli.compose.edits import finish_edit
-from nmaptool_cli.outputs import MapOutputs
+from nmaptool_cli.compose.large_convert import ConvertOutputs, as_given, is_large, large_convert
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import display_name
 
 
-@command(MapOutputs, WriteOptions, ReadOptions)
+@command(ConvertOutputs, WriteOptions, ReadOptions)
 def convert(run: Run, map: str, out: Path | None = None, /) -> None:
     """Convert a normal map: file format, bits, green up or down, zero code, all three components.
 
     Valid codes stay as they are, and vectors off unit length are normalised. A background that is white, grey, black
-    or not a normal becomes alpha.
+    or not a normal becomes alpha. Maps larger than memory are converted by windows, and grey pictures copied.
 
     Example: nmap compose convert bricks-dx.png bricks.exr --green down
 
     Parameters
     ----------
     map:
-        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
+        Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input. Also a Zarr store or a folder
+        of tiles.
     out:
-        File to write, .png, .exr or .tif; the same as -o.
+        File to write, .png, .exr, .tif or .zarr, or a folder of tiles; the same as -o.
     """
-    flags, writing, reading = run[MapOutputs], run[WriteOptions], run[ReadOptions]
+    flags, writing, reading = run[ConvertOutputs], run[WriteOptions], run[ReadOptions]
     if out is not None and flags.output is not None:
         raise UsageError(f"{out}: -o {flags.output} also names the output; give only one of them")
-    outputs = dataclasses.replace(flags, output=flags.output or out).plan(writing, run.options.json)
+    written = flags.output or out
+    if written is not None and is_large(map, as_given(written), reading):
+        large_convert(run, flags, map, as_given(written))
+        return
+    flags.refuse_for_files()
+    outputs = dataclasses.replace(flags, output=written).plan(writing, run.options.json)
     run.begin(outputs, map=map)
     import nmaptool as nm
     from nmaptool.composition.conversion import convert_image

@@ -70,7 +70,7 @@ def convert_image(
     writing = replace(writing, bits=bits, write_zero_code=zero)
     as_stored = unit(decoded.stored)
     untouched = (read.normals == as_stored).all(axis=-1)
-    normals, off, largest = _kept_where_sound(image, decoded, untouched)
+    normals, off, largest = kept_where_sound(image, decoded, untouched)
     result = replace(read, normals=normals)
     defined = read.coverage > 0
     flattened = ~untouched & defined & ~read.foreground & read.flat_background
@@ -79,9 +79,9 @@ def convert_image(
         command="convert",
         options={**plain_values(reading), **plain_values(writing)},
         curl_before=mean_abs_curl(as_stored, inside),
-        curl_after=mean_abs_curl(_as_written(normals, writing), inside),
+        curl_after=mean_abs_curl(as_written(normals, writing), inside),
         seconds={"convert": round(time.perf_counter() - start, 4)},
-        source=_source(image, read.decoding),
+        source=source_facts(image, read.decoding),
         target={
             "bits": bits,
             "green": writing.write_green,
@@ -104,14 +104,14 @@ def _read(image: RasterImage, reading: ReadOptions) -> Decoded:
     """
     decoded = decode_image(image, reading)
     check_facing(decoded.normal_map, decoded.findings, reading)
-    if decoded.normal_map.decoding.zero_code_from != "found" or not _middle_fits_better(decoded):
+    if decoded.normal_map.decoding.zero_code_from != "found" or not middle_fits_better(decoded):
         return decoded
     decoded = decode_image(image, replace(reading, zero_code="127.5"))
     read = decoded.normal_map
     return replace(decoded, normal_map=replace(read, decoding=replace(read.decoding, zero_code_from="found")))
 
 
-def _middle_fits_better(decoded: Decoded) -> bool:
+def middle_fits_better(decoded: Decoded) -> bool:
     """Whether the motif's vectors are clearly closer to unit length with the zero code in the middle."""
     channels, foreground = decoded.channels, decoded.normal_map.foreground
     motif = np.flatnonzero(foreground)
@@ -127,7 +127,8 @@ def _mean_length_error(vectors: Float32) -> float:
     return float(np.abs(np.linalg.norm(vectors.astype(np.float64), axis=1) - 1).mean()) if len(vectors) else 0.0
 
 
-def _source(image: RasterImage, decoding: Decoding) -> dict[str, Any]:
+def source_facts(image: RasterImage, decoding: Decoding) -> dict[str, Any]:
+    """What a report says about the input."""
     bits = {16: "half", 32: "float"}[image.bits] if image.is_float else str(image.bits)
     names = ("green", "swizzle", "zero_code", "encoding", "components", "background")
     return {
@@ -138,7 +139,7 @@ def _source(image: RasterImage, decoding: Decoding) -> dict[str, Any]:
     }
 
 
-def _kept_where_sound(image: RasterImage, decoded: Decoded, untouched: Mask) -> tuple[Float32, Mask, float]:
+def kept_where_sound(image: RasterImage, decoded: Decoded, untouched: Mask) -> tuple[Float32, Mask, float]:
     """Return normals that are written as the codes they were read from, if these encode a unit vector; and the others.
 
     Parameters
@@ -194,7 +195,7 @@ def _unit_within(vectors: Float32, step: float) -> tuple[Float32, Mask]:
     return out, found
 
 
-def _as_written(normals: Float32, writing: WriteOptions) -> Float32:
+def as_written(normals: Float32, writing: WriteOptions) -> Float32:
     """Return the normals as they will be read from the written file."""
     if writing.bits == "float":
         return normals

@@ -68,6 +68,15 @@ class Unfinished:
             finally:
                 self._temporary.discard(Path(name))
 
+    @contextlib.contextmanager
+    def swept_tree(self, folder: Path) -> Iterator[None]:
+        """While the block runs, let `sweep` remove this folder with all that is in it."""
+        self._temporary.add(folder)
+        try:
+            yield
+        finally:
+            self._temporary.discard(folder)
+
     def sweep(self) -> None:
         """Remove everything that is unfinished, just before the process ends.
 

@@ -26,14 +26,14 @@ class Covered(NamedTuple):
         Not normalised; those of the background still as stored.
     coverage : (H, W) float32
     background : (H, W) bool
-    rim_pixels : int
+    rim : (H, W) bool
         Pixels whose vector was replaced.
     """
 
     vectors: Float32
     coverage: Float32
     background: Mask
-    rim_pixels: int
+    rim: Mask
 
 
 def cover(
@@ -55,23 +55,23 @@ def cover(
     everywhere = np.ones(vectors.shape[:2], np.float32)
     alpha = channels.image.alpha
     if background.kind == "none" or (background.kind == "alpha" and alpha is None):
-        return Covered(vectors, everywhere, background.mask, 0)
+        return Covered(vectors, everywhere, background.mask, np.zeros(everywhere.shape, bool))
     if background.kind == "flat":
         return _on_flat(vectors, everywhere, background.mask)
     if background.kind == "alpha":
         assert alpha is not None
-        vectors, _, rim_pixels = repair_rim(vectors, alpha <= _SEE_THROUGH, None, in_window=in_window)
-        return Covered(vectors, alpha.copy(), background.mask, rim_pixels)
+        vectors, _, rim = repair_rim(vectors, alpha <= _SEE_THROUGH, None, in_window=in_window)
+        return Covered(vectors, alpha.copy(), background.mask, rim)
     # a colour that is not a normal
     assert background.codes is not None
     behind = decode_color(background.codes, channels.coding)[: mixed.shape[2]]
-    vectors, coverage, rim_pixels = repair_rim(vectors, background.mask, behind, mixed=mixed, in_window=in_window)
-    return Covered(vectors, coverage, background.mask, rim_pixels)
+    vectors, coverage, rim = repair_rim(vectors, background.mask, behind, mixed=mixed, in_window=in_window)
+    return Covered(vectors, coverage, background.mask, rim)
 
 
 def _on_flat(vectors: Float32, everywhere: Float32, background: Mask) -> Covered:
     """A flat background is a defined part of the map; rim pixels that are mostly background become part of it."""
     flat = np.array(FLAT, np.float32)
-    vectors, share, rim_pixels = repair_rim(vectors, background, flat, is_normal=True)
+    vectors, share, rim = repair_rim(vectors, background, flat, is_normal=True)
     background = background | (share < 0.5)
-    return Covered(vectors, everywhere, background, rim_pixels)
+    return Covered(vectors, everywhere, background, rim)

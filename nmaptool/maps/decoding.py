@@ -202,7 +202,7 @@ def _normal_map(
         components_from=_preset_or(channels.components_from, given.components, layout),
         background=background,
         background_from="found" if given.background_color == "auto" else "given",
-        rim_pixels=covered.rim_pixels,
+        rim_pixels=int(np.count_nonzero(covered.rim)),
     )
     flat_background = background == "flat"
     return NormalMap(normals, covered.coverage, image.frame, foreground, image.name, decoding, flat_background)

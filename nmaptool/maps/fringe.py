@@ -33,7 +33,7 @@ def repair_rim(
     is_normal: bool = False,
     mixed: Float32 | None = None,
     in_window: bool = False,
-) -> tuple[Float32, Float32, int]:
+) -> tuple[Float32, Float32, Mask]:
     """Give the anti-aliased rim of a motif the normals just inside it, and compute its coverage.
 
     A rim pixel stores c n + (1 - c) b, with n a unit normal, b the background's vector and c its coverage. It is
@@ -64,14 +64,14 @@ def repair_rim(
         A copy with the rim replaced.
     coverage : (H, W) float32
         0 outside, 1 inside, in between on the rim (1 there if ``background`` is None).
-    count : int
-        Rim pixels replaced.
+    rim : (H, W) bool
+        The pixels that were replaced.
     """
     mixed = vectors if mixed is None else mixed
     coverage = (~outside).astype(np.float32)
     near = dilated(outside, _RIM_PX) & ~outside
     if not near.any():
-        return vectors, coverage, 0
+        return vectors, coverage, near
     sound = ~outside & _of_unit_length(vectors)
     wide = _off_length_rim(near & ~sound, outside, sound, _CHAIN_PX if in_window else None)
     if background is not None and not is_normal and (sound & ~near).any():
@@ -82,17 +82,19 @@ def repair_rim(
     rim = (near & ~sound) | wide
     rim = _within_reach(rim, sound) if in_window else rim
     if not rim.any() or not sound.any():
-        return vectors, coverage, 0
+        return vectors, coverage, np.zeros(rim.shape, bool)
     nearest = nearest_places(sound, rim)
     fixed = vectors.copy()
     fixed[rim] = vectors[nearest]
     if background is not None:
         coverage[rim] = _unmix(mixed[rim], mixed[nearest], background)[0]
-    return fixed, coverage, int(rim.sum())
+    return fixed, coverage, rim
 
 
 def _within_reach(at: Mask, sought: Mask) -> Mask:
     """(H, W) bool: those pixels of ``at`` that have one of ``sought`` close enough."""
+    if not at.any():
+        return at
     steps = np.arange(-_NEAREST_PX, _NEAREST_PX + 1)
     disc = (steps[:, None] ** 2 + steps**2 <= _NEAREST_PX**2).astype(np.uint8)
     return np.asarray(at & cv2.dilate(sought.view(np.uint8), disc).view(np.bool_))

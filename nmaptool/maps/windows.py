@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nmaptool.core.arrays import Mask
 from nmaptool.core.vectors import make_flat, unit
 from nmaptool.maps import codec
 from nmaptool.maps.background import Background, Span, color_slack, hex_codes, impossible_colors, near_color
 from nmaptool.maps.channels import Channels, color_channels, finite
 from nmaptool.maps.coverage import cover
+from nmaptool.maps.decoding import Decoded
 from nmaptool.maps.fringe import RIM_MARGIN_PX
 from nmaptool.maps.layouts import arranged, straightened
 from nmaptool.maps.patches import SPECK_MARGIN_PX, large_patches
@@ -53,6 +55,21 @@ def decode_window(
     InputError
         If it holds NaN or infinity where it is defined, or finer values than the rest of the map.
     """
+    return decode_window_as_stored(image, settled, decoding, first)[0].normal_map
+
+
+def decode_window_as_stored(
+    image: RasterImage, settled: SettledReading, decoding: Decoding, first: tuple[int, int] = (0, 0)
+) -> tuple[Decoded, Mask]:
+    """Decode a window as `decode_window`, and keep the vectors as stored.
+
+    Returns
+    -------
+    decoded : Decoded
+        As by `nmaptool.decode_image`.
+    repaired : (H, W) bool
+        The pixels of rims, which got other vectors.
+    """
     channels = _channels(image, settled, first)
     vectors = codec.decode_map(channels.xyz, channels.coding)
     mixed = vectors
@@ -65,9 +82,11 @@ def decode_window(
     signs = codec.signs_of(channels.asked, settled.green)
     if -1 in signs:
         codec.apply_signs(normals, signs, out=normals)
+        vectors = codec.apply_signs(vectors, signs)
     make_flat(normals, covered.coverage <= 0)
     foreground = (covered.coverage >= 0.5) & ~covered.background
-    return NormalMap(normals, covered.coverage, image.frame, foreground, image.name, decoding)
+    normal_map = NormalMap(normals, covered.coverage, image.frame, foreground, image.name, decoding)
+    return Decoded(vectors, background, normal_map, channels), covered.rim
 
 
 def _channels(image: RasterImage, settled: SettledReading, first: tuple[int, int]) -> Channels:

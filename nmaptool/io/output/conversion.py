@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from nmaptool.io.output.normal_map import WrittenMap, bits_of, map_outputs
 from nmaptool.io.output.targets import Destination, place_of
 from nmaptool.io.pictures.normal_maps import read_raster, split_layer
 from nmaptool.options import ReadOptions, WriteOptions
-from nmaptool.types.composition import ComposeReport, Composition
+from nmaptool.types.composition import Composition
 from nmaptool.types.picture import RasterImage
 
 # attributes that the writer sets
@@ -95,16 +96,21 @@ def converted_map(image: RasterImage, result: Composition, settled: WriteOptions
     settled : WriteOptions
         As returned by `nmaptool.composition.conversion.convert_image`.
     """
+    recipe = recipe_of(image.attributes.get("recipe"), result.report.command, result.report.options)
+    return replace(composed_map(result, recipe, kept_attributes(image)), options=settled)
+
+
+def kept_attributes(image: RasterImage) -> dict[str, str]:
+    """The attributes of a file that still apply to its converted map."""
     kept = {key: " ".join(value.split()) for key, value in image.attributes.items() if key not in _RENEWED}
     if image.layer is not None:
         kept.setdefault("layer", image.layer)
-    return replace(composed_map(result, _recipe(image, result.report), kept), options=settled)
+    return kept
 
 
-def _recipe(image: RasterImage, report: ComposeReport) -> str:
+def recipe_of(before: str | None, command: str, options: Mapping[str, Any]) -> str:
     """The conversion as JSON, with the earlier recipe of the file under ``before``."""
-    recipe: dict[str, Any] = {"command": report.command, "options": dict(report.options)}
-    before = image.attributes.get("recipe")
+    recipe: dict[str, Any] = {"command": command, "options": dict(options)}
     if before is None:
         return json.dumps(recipe)
     try:

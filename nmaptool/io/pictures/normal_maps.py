@@ -202,16 +202,21 @@ def only_zero_and_one(image: RasterImage) -> InputError:
     return InputError(f"{image.name}: holds only the codes 0 and 1 of {white}; save white as {white}")
 
 
+def map_attributes(bits: int, *, green: str, zero_code: str) -> dict[str, str]:
+    """The metadata of a normal map that is written with these conventions."""
+    coding = {"encoding": "signed"} if bits == 32 else {"zero_code": zero_code}
+    return {"version": __version__, "kind": "normal", "green": green, **coding}
+
+
 def normal_picture(
     normal_map: NormalMap, bits: int, *, half: bool = False, name: str = "", green: str = "up", zero_code: str = "127.5"
 ) -> Picture:
     """Return the picture of a normal map: codes of 8 or 16 bits, or signed floats (32), with coverage as alpha."""
     covered = bool((normal_map.coverage < 1).any())
     channels = ("R", "G", "B", "A") if covered else ("R", "G", "B")
-    attributes = {"version": __version__, "kind": "normal", "green": green}
+    attributes = map_attributes(bits, green=green, zero_code=zero_code)
     if normal_map.frame.pitch_mm is not None:
         attributes["pitch_mm"] = repr(normal_map.frame.pitch_mm)
-    attributes |= {"encoding": "signed"} if bits == 32 else {"zero_code": zero_code}
     coverage = normal_map.coverage if covered else None
     pixels = codec.encode_map(normal_map.normals, coverage, bits, green=green, zero_code=zero_code)
     return Picture(pixels, channels, attributes, name=name, half=half)

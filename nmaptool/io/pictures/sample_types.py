@@ -43,10 +43,10 @@ def as_pixels(name: str, values: NDArray[Any]) -> Pixels:
     if kind == "b":
         return Pixels(values.astype(np.uint8) * np.uint8(255), 8)
     if kind == "u" and size <= 2:
-        return Pixels(values.astype(values.dtype.newbyteorder("="), copy=False), 8 * size)
+        return Pixels(_native(values), 8 * size)
     refuse_kind(name, values.dtype)
     with np.errstate(over="ignore", invalid="ignore"):  # beyond the range is infinity: "nothing" in depth pictures
-        floats = values.astype(np.float32, copy=False)
+        floats = _native(values.astype(np.float32, copy=False))
     if kind == "f":
         return Pixels(floats, 16 if size == 2 else 32)
     stated = f"stores {8 * size}-bit {'signed' if kind == 'i' else 'unsigned'} integers"
@@ -56,6 +56,12 @@ def as_pixels(name: str, values: NDArray[Any]) -> Pixels:
     )
     rounding = "" if exact else "; those beyond 16777216 are rounded to floats"
     return Pixels(floats, 32, (f"{stated}, read as numbers{rounding}",))
+
+
+def _native(values: NDArray[Any]) -> NDArray[Any]:
+    """The same numbers in the byte order of this machine, without a mark of it that other libraries do not expect."""
+    native = values.dtype.newbyteorder("=")
+    return values.astype(native, copy=False).view(native)
 
 
 def refuse_kind(name: str, kind: np.dtype[Any]) -> None:

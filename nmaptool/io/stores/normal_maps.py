@@ -109,7 +109,7 @@ def open_normal_map(
         If the background is to be "flat", which only the whole picture shows.
     """
     options = options or ReadOptions()
-    picture = open_picture(name, options.layer)
+    picture = open_picture(name, options.layer, max_megapixels=options.max_megapixels)
     sample, windows = sample_of(picture, partial(_refuse_gaps, options))
     settled, decoding = settle(sample, windows, options_like(sample, options, like))
     return NormalMapStore(picture, settled, decoding)
@@ -151,4 +151,5 @@ def reopen_normal_map(name: str, settled: ReadOptions, decoding: Decoding | None
         components=settled.components,
         background=settled.background_color,
     )
-    return NormalMapStore(open_picture(name, settled.layer), settled, decoding or known)
+    picture = open_picture(name, settled.layer, max_megapixels=settled.max_megapixels)
+    return NormalMapStore(picture, settled, decoding or known)

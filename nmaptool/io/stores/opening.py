@@ -38,7 +38,9 @@ def is_store(name: str, max_megapixels: float = _LIMIT) -> bool:
     return tiff_layout(Path(place))[0] > max_megapixels
 
 
-def open_picture(name: str, layer: str | None = None, *, holds: Holds = "normals") -> PictureStore:
+def open_picture(
+    name: str, layer: str | None = None, *, holds: Holds = "normals", max_megapixels: float = _LIMIT
+) -> PictureStore:
     """Open a picture to read it by windows.
 
     Parameters
@@ -50,6 +52,8 @@ def open_picture(name: str, layer: str | None = None, *, holds: Holds = "normals
         The same.
     holds : str
         What the picture is read for, "normals", "depth" or "grey": chooses between the layers of a file.
+    max_megapixels : float
+        Refuse larger files that are read as a whole.
 
     Returns
     -------
@@ -60,6 +64,8 @@ def open_picture(name: str, layer: str | None = None, *, holds: Holds = "normals
     ------
     InputError
         If it does not exist, is not a picture, or the extra is not installed.
+    LimitError
+        If a file that is read as a whole is too large.
     """
     place, _ = split_name(name)
     if is_zarr(place):
@@ -67,6 +73,6 @@ def open_picture(name: str, layer: str | None = None, *, holds: Holds = "normals
     if Path(place).is_dir():
         return TileFolder(name)
     megapixels, tiled = tiff_layout(Path(place))
-    if megapixels > (_WHOLE_MEGAPIXELS if tiled else _LIMIT):
+    if megapixels > min(max_megapixels, _WHOLE_MEGAPIXELS if tiled else _LIMIT):
         return TiffPicture(name, layer, holds)
-    return WholeFile(name, layer, holds)
+    return WholeFile(name, layer, holds, max_megapixels)

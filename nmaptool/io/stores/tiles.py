@@ -27,10 +27,15 @@ _KEPT_TILES = 12
 
 def is_tile_folder(path: Path) -> bool:
     """Whether a folder holds tiles."""
+    return bool(tiles_in(path))
+
+
+def tiles_in(path: Path) -> list[Path]:
+    """The tiles in a folder, unsorted; none if there is no such folder."""
     try:
-        return path.is_dir() and any(_TILE.fullmatch(one.name) for one in path.iterdir())
+        return [one for one in path.iterdir() if _TILE.fullmatch(one.name)] if path.is_dir() else []
     except OSError:
-        return False
+        return []
 
 
 class TileFolder:

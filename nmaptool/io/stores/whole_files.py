@@ -25,11 +25,19 @@ class WholeFile:
     layer : str, optional
     holds : str
         As for `nmaptool.read_raster`.
+    max_megapixels : float
+        Refuse larger ones.
     """
 
-    def __init__(self, name: str, layer: str | None = None, holds: Holds = "normals") -> None:
-        self._asked = (name, layer, holds)
-        self.image = read_raster(name, ReadOptions(layer=layer), holds=holds)
+    def __init__(
+        self,
+        name: str,
+        layer: str | None = None,
+        holds: Holds = "normals",
+        max_megapixels: float = ReadOptions.max_megapixels,
+    ) -> None:
+        self._asked = (name, layer, holds, max_megapixels)
+        self.image = read_raster(name, ReadOptions(layer=layer, max_megapixels=max_megapixels), holds=holds)
         self.name = self.image.name
         self.rows, self.cols = self.image.frame.shape
         self.chunk = self.image.frame.shape

@@ -37,37 +37,40 @@ class AbsentChunks:
         return bool(same.all())
 
     def key_of(self, block: tuple[int, int], axes: tuple[int, int, int | None]) -> str:
-        """The key of a shard, or of a chunk without shards, such as c/3/0/0."""
-        return str(self._array.metadata.encode_chunk_key(_with_axes(block, axes)))
+        """The key of a shard, or of a chunk without shards, such as c/3/0/0; the first among the channels."""
+        at = [0] * len(self._array.shape)
+        at[axes[0]], at[axes[1]] = block
+        return str(self._array.metadata.encode_chunk_key(tuple(at)))
 
-    def missing(self, block: tuple[int, int], axes: tuple[int, int, int | None]) -> str | None:
-        """The key of the chunk at a place if it is not stored, or that of its shard; None if all is there.
+    def missing(self, block: tuple[int, int], layer: int, axes: tuple[int, int, int | None]) -> str | None:
+        """The key of the chunk at a place if it is not stored, or that of its shard; None if it is there.
 
         Parameters
         ----------
         block : (int, int)
             Row and column in the grid of chunks; in the grid of inner chunks if there are shards.
+        layer : int
+            The place among the chunks of the channels.
         axes : (int, int, int or None)
             The places of rows, columns and channels among the axes of the array.
         """
         array = self._array
+        at = [0] * len(array.shape)
+        at[axes[0]], at[axes[1]] = block
+        if axes[2] is not None:
+            at[axes[2]] = layer
+        if tuple(at) in self._present:
+            return None
         chunks, shards = array.chunks, array.shards
-        rows, cols, channel = axes
-        layers = 1 if channel is None else -(-array.shape[channel] // chunks[channel])
-        for layer in range(layers):
-            at = [layer] * len(array.shape)
-            at[rows], at[cols] = block
-            if tuple(at) in self._present:
-                continue
-            shard = at if shards is None else [a * c // s for a, c, s in zip(at, chunks, shards, strict=True)]
-            key = str(array.metadata.encode_chunk_key(tuple(shard)))
-            if not self._exists(key):
-                return key
-            if shards is not None:
-                inner = tuple(a % (s // c) for a, c, s in zip(at, chunks, shards, strict=True))
-                if self._is_nowhere(key, inner):
-                    return f"{'/'.join(map(str, inner))} of {key}"
-            self._present.add(tuple(at))
+        shard = at if shards is None else [a * c // s for a, c, s in zip(at, chunks, shards, strict=True)]
+        key = str(array.metadata.encode_chunk_key(tuple(shard)))
+        if not self._exists(key):
+            return key
+        if shards is not None:
+            inner = tuple(a % (s // c) for a, c, s in zip(at, chunks, shards, strict=True))
+            if self._is_nowhere(key, inner):
+                return f"{'/'.join(map(str, inner))} of {key}"
+        self._present.add(tuple(at))
         return None
 
     def _exists(self, key: str) -> bool:
@@ -100,10 +103,3 @@ class AbsentChunks:
             return np.full(grid, _NOWHERE)
         entries = np.frombuffer(data.to_bytes()[:size], "<u8").reshape(*grid, 2)
         return entries[..., 0]
-
-
-def _with_axes(block: tuple[int, int], axes: tuple[int, int, int | None]) -> tuple[int, ...]:
-    """The place of a chunk in the grid of all axes, the first among the channels."""
-    at = [0] * (2 if axes[2] is None else 3)
-    at[axes[0]], at[axes[1]] = block
-    return tuple(at)

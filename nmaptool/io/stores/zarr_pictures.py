@@ -22,12 +22,15 @@ from nmaptool.types.picture import RasterImage
 
 _CHANNELS = {1: ("Y",), 2: ("R", "G"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
 _MOST_CHANNELS = 4
+_CHANNEL_NAMES = ("c", "channel")
 # metadata that is not text for `RasterImage.attributes`
 _NOT_TEXT = ("channels", "pitch_mm")
 
 
 class ZarrPicture:
     """A picture in a Zarr array (H, W), (H, W, C) or (C, H, W); see `nmaptool.types.windows.PictureStore`.
+
+    Further axes of length 1, such as the time and the depth of OME-Zarr, do not count.
 
     Parameters
     ----------
@@ -107,18 +110,26 @@ class ZarrPicture:
     def _stored(self, window: tuple[slice, slice]) -> NDArray[Any]:
         """The (h, w, C) stored values of a window."""
         rows, cols, channel = self._axes
-        index: list[slice] = [slice(None)] * len(self._array.shape)
+        index = [slice(None)] * len(self._array.shape)
         index[rows], index[cols] = window
         values: NDArray[Any] = self._array[tuple(index)]
-        return values[..., None] if channel is None else np.transpose(values, (rows, cols, channel))
+        order = (rows, cols) if channel is None else (rows, cols, channel)
+        single = [axis for axis in range(values.ndim) if axis not in order]
+        shape = (*(values.shape[axis] for axis in order), 1)[:3]
+        return np.transpose(values, (*order, *single)).reshape(shape)
 
     def _refuse_absent(self, values: NDArray[Any], window: tuple[slice, slice]) -> None:
         """Refuse a window in which chunks are not stored: Zarr replaces them by the fill value."""
         if self._absent is None:
             return
+        channel = self._axes[2]
+        depth = values.shape[2] if channel is None else int(self._array.chunks[channel])
         for piece in pieces(window, self._inner):
-            if self._absent.may_be(values[piece.window]):
-                key = self._absent.missing(piece.block, self._axes)
+            part = values[piece.window]
+            for layer in range(0, values.shape[2], depth):
+                if not self._absent.may_be(part[..., layer : layer + depth]):
+                    continue
+                key = self._absent.missing(piece.block, layer // depth, self._axes)
                 if key is not None:
                     raise InputError(
                         f"{self.name}: the chunk {key} is missing; restore it, or, if missing chunks mean the fill "
@@ -151,16 +162,20 @@ def _line(error: Exception) -> str:
 def _axes(name: str, array: Any) -> tuple[int, int, int | None]:
     """The places of rows, columns and channels among the axes of an array."""
     shape = array.shape
-    if 0 in shape or len(shape) not in (2, 3):
+    kept = list(range(len(shape)))
+    for axis in range(len(shape)):
+        if len(kept) > 3 and shape[axis] == 1:
+            kept.remove(axis)
+    if 0 in shape or len(kept) not in (2, 3):
         raise InputError(f"{name}: is an array of shape {shape}; expected (H, W), (H, W, C) or (C, H, W)")
-    if len(shape) == 2:
-        return 0, 1, None
+    if len(kept) == 2:
+        return kept[0], kept[1], None
     names = tuple(getattr(array.metadata, "dimension_names", None) or ())
-    first = names[0] in ("c", "channel") if names and names[0] else shape[2] > _MOST_CHANNELS >= shape[0]
-    count = shape[0 if first else 2]
-    if count > _MOST_CHANNELS:
+    sides = [shape[axis] for axis in kept]
+    first = names[kept[0]] in _CHANNEL_NAMES if names and names[kept[0]] else sides[2] > _MOST_CHANNELS >= sides[0]
+    if sides[0 if first else 2] > _MOST_CHANNELS:
         raise InputError(f"{name}: is an array of shape {shape}; a picture has 1 to {_MOST_CHANNELS} channels")
-    return (1, 2, 0) if first else (0, 1, 2)
+    return (kept[1], kept[2], kept[0]) if first else (kept[0], kept[1], kept[2])
 
 
 def _channels(name: str, stated: object, count: int) -> tuple[str, ...]:

@@ -193,8 +193,15 @@ def _compressors(dtype: np.dtype[Any]) -> list[Any]:
     return [BloscCodec(cname="zstd", clevel=_LEVEL, shuffle="shuffle", typesize=dtype.itemsize), Crc32cCodec()]
 
 
-def make_room(place: str, overwrite: bool) -> None:
+def make_room(place: str, overwrite: bool, *, remove: bool = True) -> None:
     """Refuse a place where something is that must not be replaced, and remove a Zarr store that may be.
+
+    Parameters
+    ----------
+    place : str
+    overwrite : bool
+    remove : bool
+        False to check only.
 
     Raises
     ------
@@ -206,7 +213,8 @@ def make_room(place: str, overwrite: bool) -> None:
         if files.exists(root):
             if not overwrite:
                 raise OutputError(f"{place}: already exists; give another name, or `overwrite`")
-            files.rm(root, recursive=True)
+            if remove:
+                files.rm(root, recursive=True)
         return
     if not path.parent.is_dir():
         raise OutputError(f"{place}: the folder {path.parent} does not exist; create it first")
@@ -216,6 +224,8 @@ def make_room(place: str, overwrite: bool) -> None:
         raise exists_already(path)
     if not path.is_dir() or not any((path / name).is_file() for name in ZARR_FILES):
         raise OutputError(f"{place}: is not a Zarr store, so it is not replaced; give another name")
+    if not remove:
+        return
     try:
         shutil.rmtree(path)
     except OSError as error:
