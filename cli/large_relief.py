@@ -14,12 +14,12 @@ from nmaptool.options.formats import LARGE_ENDING, MESH_FORMATS, is_recipe
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
 from nmaptool.options.relief_presets import PresetOptions
 from nmaptool_cli.part_outputs import check_part_names
+from nmaptool_cli.relief_outputs import ReliefOutputs
 from nmaptool_cli.run import Run
 
 if TYPE_CHECKING:
     from nmaptool.core.progress import Progress
     from nmaptool.types.tiled import TiledReport
-    from nmaptool_cli.relief import ReliefOutputs
 
 # what needs the whole relief in memory
 _NOT_LARGE = (PlateOptions, FrameOptions, TextOptions, MachineOptions)

@@ -12,6 +12,7 @@ from nmaptool.reliefs import inputs as given
 from nmaptool.reliefs.domain import build_domain
 from nmaptool.reliefs.heights import SystemHeights
 from nmaptool.reliefs.layout import Layout
+from nmaptool.reliefs.motif import height_term_mask, motif_of, rounded_motif, walled
 from nmaptool.reliefs.report import SolverFacts
 from nmaptool.reliefs.rounding import rounded
 from nmaptool.reliefs.standing import Standing, bridged, flat_share, stands
@@ -56,16 +57,16 @@ def holds(case: Case, maps: given.ReliefMaps, options: ReliefOptions) -> bool:
 def layout_of(maps: given.ReliefMaps, options: ReliefOptions, pitch_mm: float) -> Layout:
     """Return the layout of the maps for these options."""
     original, mask = maps.original, maps.mask
-    motif = given.motif_of(original, mask, fading=options.background in ("plane", "surface"))
+    motif = motif_of(original, mask, fading=options.background in ("plane", "surface"))
     base_px, ground = given.base_of(maps.surface, pitch_mm, options)
     coverage = maps.coverage
     radius_px = given.radius_px_of(options, pitch_mm)
     if radius_px:
         coverage = rounded(np.where(motif, coverage, np.minimum(coverage, 0.49)), radius_px)
-        motif = given.rounded_motif(coverage, options)
+        motif = rounded_motif(coverage, options)
     standing = None
     if stands(options, original.normals, motif, maps.walls is not None):
-        raised = bridged(given.walled(motif, maps.walls), coverage)
+        raised = bridged(walled(motif, maps.walls), coverage)
         # a pixel of plate lies between what stands and what does not
         motif = raised if maps.walls is None else raised | (motif & ~dilated(raised, 1))
         standing = Standing(raised)
@@ -75,7 +76,7 @@ def layout_of(maps: given.ReliefMaps, options: ReliefOptions, pitch_mm: float) -
         original.coverage >= 0.5,
         coverage,
         base_px,
-        given.height_term_mask(original, motif, mask),
+        height_term_mask(original, motif, mask),
         ground,
         None if standing is None else standing.motif,
     )

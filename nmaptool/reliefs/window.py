@@ -10,7 +10,8 @@ from nmaptool.core.arrays import Float32, Float64, Mask
 from nmaptool.core.grid import touching_vertices
 from nmaptool.options import ReliefOptions
 from nmaptool.reliefs.domain import Domain, build_domain
-from nmaptool.reliefs.inputs import ReliefMaps, motif_in, radius_px_of
+from nmaptool.reliefs.inputs import ReliefMaps, radius_px_of
+from nmaptool.reliefs.motif import motif_in
 from nmaptool.reliefs.rounding import MARGIN_PX, rounded
 from nmaptool.reliefs.standing import flat_share
 from nmaptool.reliefs.targets import Weights, build_targets, capped_slopes

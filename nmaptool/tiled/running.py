@@ -12,8 +12,8 @@ from nmaptool.core.progress import Stages
 from nmaptool.reliefs.finish import HeightFacts, factor_for_height, length_px
 from nmaptool.reliefs.fit import factor_for_range
 from nmaptool.reliefs.heights import SolveStatistics
-from nmaptool.reliefs.inputs import no_motif
 from nmaptool.reliefs.layout import MotifFacts
+from nmaptool.reliefs.motif import no_motif
 from nmaptool.reliefs.report import SolverFacts, report_of
 from nmaptool.tiled.finishing import Shifts, Sum, hull, level_islands
 from nmaptool.tiled.inputs import Sources
