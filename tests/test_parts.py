@@ -37,7 +37,7 @@ def parts_of(height, counts="3x2", origin="whole", solid=None):
 def planned(height, counts):
     """The parts of the box around a surface."""
     options = nm.PartOptions(parts=counts)
-    plan = nm.plan_parts(*height.frame.shape, PITCH_MM, options, surface_box(height.domain))
+    plan = nm.plan_parts(*height.frame.shape, PITCH_MM, options, within=surface_box(height.domain))
     return {(part.row, part.col): part for part in plan}
 
 

@@ -193,7 +193,7 @@ def export_parts(
     frame = frame_of(source)
     check_parts(frame, outputs, options, solid, assembly=assembly, overwrite=overwrite)
     found = surface_range(source) if found is None else found
-    parts = plan_parts(frame.rows, frame.cols, source.pitch_mm, options, found.box)
+    parts = plan_parts(frame.rows, frame.cols, source.pitch_mm, options, within=found.box)
     whole = part_frame(source, options, solid, found=found, on_plate=on_plate)
     for folder in new_folders(templates):
         folder.mkdir(exist_ok=True)

@@ -85,7 +85,7 @@ def cut_relief(
     height = as_height(relief)
     if height.outline is not None:
         return _cut_plate(relief, height, options, solid)
-    plan = plan_parts(*height.frame.shape, height.pitch_mm, options, surface_box(height.domain))
+    plan = plan_parts(*height.frame.shape, height.pitch_mm, options, within=surface_box(height.domain))
     whole = PartFrame(height.frame, *height.range_mm, solid, zero_of(relief, height), options.part_origin)
     sources, facts = sources_of_relief(relief, height, whole.solid, plan)
     return height.frame, ((part, solid_of_part(sources, whole, part, facts)) for part in plan)

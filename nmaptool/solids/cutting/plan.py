@@ -20,7 +20,7 @@ _FINER, _SLACK = 1024, 3
 
 
 def plan_parts(
-    rows: int, cols: int, pitch_mm: float, options: PartOptions, within: tuple[slice, slice] | None = None
+    rows: int, cols: int, pitch_mm: float, options: PartOptions, *, within: tuple[slice, slice] | None = None
 ) -> list[PlannedPart]:
     """Divide a relief into equal parts, whose sides differ by at most one pixel.
 
