@@ -11,6 +11,7 @@ from nmaptool.io.pictures.heights import write_height
 from nmaptool.io.pictures.writer import write_image
 from nmaptool.io.stores.export import export_heights
 from nmaptool.io.stores.heights import create_heights, open_heights
+from nmaptool.io.stores.opening import create_picture, open_writable
 from nmaptool.types.height import Height
 from nmaptool.types.picture import Frame
 
@@ -88,3 +89,14 @@ def test_what_does_not_hold_heights_is_refused(tmp_path):
     (tmp_path / "cut.npy").write_bytes((tmp_path / "cube.npy").read_bytes()[:150].replace(b"(3, 3, 3)", b"(9, 9)   "))
     with pytest.raises(InputError, match="is not a NumPy array file, or is truncated; save it again"):
         open_heights(str(tmp_path / "cut.npy"), pitch_mm=1)
+
+
+def test_chunks_of_a_flat_ground_are_stored(tmp_path):
+    name = str(tmp_path / "h.zarr")
+    create_picture(name, 64, 64, ("Y",), np.float32, chunk=32, inner=16, pitch_mm=0.5, attributes={"kind": "height"})
+    z_mm = np.zeros((64, 64), np.float32)
+    z_mm[20:28, 20:28] = 1
+    for row in (0, 32):
+        for col in (0, 32):
+            open_writable(name).write(row, col, z_mm[row : row + 32, col : col + 32])
+    assert np.array_equal(open_heights(name).window(slice(0, 64), slice(0, 64)), z_mm)

@@ -178,7 +178,9 @@ def open_writable(name: str) -> ZarrWriter:
     zarr = zarr_module(name)
     place, layer = split_name(name)
     try:
-        array = zarr.open_array(location_of(place), path=layer, mode="r+", config={"write_empty_chunks": True})
+        # zarr.open_array ignores its argument config for arrays that exist
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            array = zarr.open_array(location_of(place), path=layer, mode="r+")
     except (OSError, zarr.errors.NodeNotFoundError):
         raise InputError(f"{name}: no such Zarr array; create it first") from None
     return ZarrWriter(name, array)
