@@ -19,6 +19,7 @@ from nmaptool_cli.run import Run
 
 if TYPE_CHECKING:
     from nmaptool.core.progress import Progress
+    from nmaptool.types.parts import Assembly
     from nmaptool.types.tiled import TiledReport
 
 # what needs the whole relief in memory
@@ -43,14 +44,17 @@ def large_relief(run: Run, name: str, given: ReliefOutputs) -> None:
     import nmaptool as nm
     from nmaptool.io.output.transaction import Outputs
     from nmaptool_cli.wording.large import describe_large
+    from nmaptool_cli.wording.parts import describe_assembly
 
     heights, exports = _outputs(run, name, given)
+    _check_exports(exports, _solid(run), given)
     files = run[ReliefFiles]
     options = ReliefOptions(**run[PresetOptions].values_of(ReliefOptions), **run.named(ReliefOptions))
     run.begin(None, original=name, **asdict(files))
     for file in (name, *asdict(files).values()):
         if file is not None and file.rstrip("/") == heights.rstrip("/"):
             raise UsageError(f"{heights}: is an input; give the output another name")
+    assembled: list[Assembly] = []
     with run.progress() as progress:
         made = nm.tiled.relief(
             name,
@@ -63,8 +67,10 @@ def large_relief(run: Run, name: str, given: ReliefOutputs) -> None:
             overwrite=given.overwrite,
             progress=progress,
         )
-        written = [heights, *_export(run, made, exports, given, progress)]
+        written = [heights, *_export(run, made, exports, given, assembled, progress)]
     describe_large(run, name, made)
+    for assembly in assembled:
+        describe_assembly(run, assembly, _parts_of(exports))
     run.say(*(f"  wrote {place}" for place in written))
     metadata = run.header(reading=asdict(run[ReadOptions]), **made.to_dict(), outputs=written)
     run.finish(Outputs((), None if given.prints_report else given.report, given.overwrite), None, metadata, written=())
@@ -103,10 +109,44 @@ def _url(path: Path) -> str:
     return re.sub(r"^(\w{2,}):/(?!/)", r"\1://", str(path))
 
 
+def _parts_of(others: Sequence[str]) -> list[str]:
+    """The names of parts among those of files."""
+    return [other for other in others if Path(other).suffix.lower() in MESH_FORMATS]
+
+
+def _solid(run: Run) -> SolidOptions:
+    return SolidOptions(**run[PresetOptions].values_of(SolidOptions), **run.named(SolidOptions))
+
+
+def _check_exports(others: Sequence[str], solid: SolidOptions, given: ReliefOutputs) -> None:
+    """Refuse files that could not be written, before the work.
+
+    Raises
+    ------
+    UsageError, OutputError
+    """
+    if not (others or given.assembly):
+        return
+    from nmaptool.io.stores.export import check_export
+    from nmaptool.io.stores.part_files import check_part_files
+
+    parts = _parts_of(others)
+    for other in others:
+        if other not in parts:
+            check_export(other, given.overwrite)
+    if parts or given.assembly:
+        check_part_files(parts, solid, assembly=given.assembly, overwrite=given.overwrite)
+
+
 def _export(
-    run: Run, made: TiledReport, others: Sequence[str], given: ReliefOutputs, progress: Progress | None
+    run: Run,
+    made: TiledReport,
+    others: Sequence[str],
+    given: ReliefOutputs,
+    assembled: list[Assembly],
+    progress: Progress | None,
 ) -> Iterator[str]:
-    """Write the heights to the other files, and name them."""
+    """Write the heights to the other files, and name them; add what the parts became."""
     if not (others or given.preview or given.assembly):
         return
     import nmaptool as nm
@@ -115,22 +155,23 @@ def _export(
     from nmaptool.io.stores.part_files import export_parts, small_height
 
     source = open_heights(made.output)
-    parts = [other for other in others if Path(other).suffix.lower() in MESH_FORMATS]
+    parts = _parts_of(others)
     for other in others:
         if other not in parts:
             export_heights(source, other, overwrite=given.overwrite, progress=progress)
             yield other
     if parts or given.assembly:
-        export_parts(
+        assembly = export_parts(
             source,
             *parts,
             options=run[PartOptions],
-            solid=SolidOptions(**run[PresetOptions].values_of(SolidOptions), **run.named(SolidOptions)),
+            solid=_solid(run),
             assembly=[str(path) for path in given.assembly],
             on_plate=made.relief.options.background == "plane",
             overwrite=given.overwrite,
             progress=progress,
         )
+        assembled.append(assembly)
         yield from (*parts, *(str(path) for path in given.assembly))
     if given.preview is not None:
         small = small_height(source)

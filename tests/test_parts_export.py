@@ -10,7 +10,7 @@ import pytest
 import tifffile
 
 import nmaptool as nm
-from nmaptool.io.stores.export import export_heights
+from nmaptool.io.stores.export import check_export, export_heights
 from nmaptool.io.stores.height_windows import ArrayHeights, HeightRange, height_window
 
 
@@ -148,6 +148,21 @@ def test_wrong_files_are_refused_before_anything_is_read(name, more, error, patt
 
     with pytest.raises(error, match=pattern):
         export_heights(Unread(100), tmp_path / name, **more)
+    if not more:
+        with pytest.raises(error, match=pattern):
+            check_export(tmp_path / name, overwrite=False)
+
+
+def test_tiles_of_an_earlier_run_are_not_replaced(tmp_path):
+    export_heights(ArrayHeights(waves(), 0.25), tmp_path / "tiles", tile_px=128)
+    for again in (
+        lambda: export_heights(Striped(300), tmp_path / "tiles"),
+        lambda: check_export(tmp_path / "tiles", False),
+    ):
+        with pytest.raises(nm.OutputError, match="already exists; give another name, or `overwrite`"):
+            again()
+    check_export(tmp_path / "tiles", overwrite=True)
+    check_export(tmp_path / "new", overwrite=False)
 
 
 def test_nothing_is_left_of_an_export_that_fails(tmp_path):

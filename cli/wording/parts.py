@@ -12,6 +12,7 @@ from nmaptool.types.shown import counted
 
 if TYPE_CHECKING:
     from nmaptool.io.output.parts import CutRelief
+    from nmaptool.types.parts import Assembly
     from nmaptool_cli.run import Run
 
 # so many parts that are left out are named
@@ -20,7 +21,14 @@ _NAMED = 12
 
 def describe_parts(run: Run, cut: CutRelief) -> None:
     """How many parts there are, how large they are, and which are left out."""
-    assembly, solids = cut.assembly, cut.solids
+    errors = [solid.facts["max_error_mm"] for solid in cut.solids if "max_error_mm" in solid.facts]
+    describe_assembly(run, cut.assembly, cut.templates, max(errors, default=None))
+
+
+def describe_assembly(
+    run: Run, assembly: Assembly, templates: Sequence[str], max_error_mm: float | None = None
+) -> None:
+    """The same of an assembly; the error is that of triangles that were left out."""
     wide, tall, deep = (max(part.size_mm[axis] for part in assembly.parts) for axis in range(3))
     count = counted(len(assembly.parts), "part")
     size = f"{wide:.5g} x {tall:.5g} x {deep:.4g} mm"
@@ -31,13 +39,12 @@ def describe_parts(run: Run, cut: CutRelief) -> None:
     if pieces and assembly.volume_mm3 is not None:
         named = _listed([(part.row, part.col) for part in pieces])
         run.warn(f"{counted(len(pieces), 'part')} in several pieces: {named}")
-    errors = [solid.facts["max_error_mm"] for solid in solids if "max_error_mm" in solid.facts]
-    error = f", at most {max(errors):.3g} mm from the full grid" if errors else ""
-    faces = sum(solid.face_count for solid in solids)
-    endings = dict.fromkeys(Path(template).suffix.lower() for template in cut.templates)
+    error = "" if max_error_mm is None else f", at most {max_error_mm:.3g} mm from the full grid"
+    faces = sum(part.triangles for part in assembly.parts)
+    endings = dict.fromkeys(Path(template).suffix.lower() for template in templates)
     sizes = [f"{ending} about {about_bytes(ending, faces) / 1e6:.1f} MB" for ending in endings]
     run.say(f"  {faces} triangles{error}{': ' if sizes else ''}{', '.join(sizes)}")
-    run.warn(*_left_behind(cut))
+    run.warn(*_left_behind(assembly, templates))
 
 
 def written_names(paths: Sequence[Path], cut: CutRelief | None) -> Iterator[str]:
@@ -59,10 +66,10 @@ def _listed(places: Sequence[tuple[int, int]]) -> str:
     return f"{named} and {len(places) - _NAMED} more" if len(places) > _NAMED else named
 
 
-def _left_behind(cut: CutRelief) -> Iterator[str]:
+def _left_behind(assembly: Assembly, templates: Sequence[str]) -> Iterator[str]:
     """Files of an earlier run, with other parts."""
-    for template in cut.templates:
-        own = {file_of_part(template, part.row, part.col) for part, solid in cut.parts if solid is not None}
+    for template in templates:
+        own = {file_of_part(template, part.row, part.col) for part in assembly.parts}
         others = [file for file in earlier_parts(template) if file not in own]
         if others:
             more = f" and {len(others) - 1} more" if len(others) > 1 else ""

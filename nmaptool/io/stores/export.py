@@ -26,6 +26,7 @@ TIFF_TILE_PX = 512
 PNG_TILE_PX = 2048
 INDEX_NAME = "tiles.json"
 _ALPHA_UNASSOCIATED = "unassalpha"
+_FOLDER_NEEDED = "tiles are written into a folder; give another name"
 
 
 def export_heights(
@@ -79,6 +80,23 @@ def export_heights(
     return found
 
 
+def check_export(output: str | Path, overwrite: bool) -> None:
+    """Refuse a file or folder that `export_heights` would refuse, before there are heights.
+
+    Raises
+    ------
+    UsageError, OutputError
+    """
+    path = Path(output)
+    ending = path.suffix.lower()
+    _check(path, ending, TIFF_TILE_PX)
+    if ending:
+        check_places([path], overwrite)
+        return
+    check_folders([path], _FOLDER_NEEDED)
+    check_places([path / INDEX_NAME, path / tile_name(0, 0)], overwrite, [path])
+
+
 _Write = Callable[[HeightRange, "Progress | None", Path], None]
 
 
@@ -98,7 +116,7 @@ def _jobs(
     """The files and how each is written, and the folders for them."""
     if not ending:
         jobs = list(_tile_jobs(source, path, side))
-        check_folders([path], "tiles are written into a folder; give another name")
+        check_folders([path], _FOLDER_NEEDED)
         check_places([place for place, _ in jobs], overwrite, [path])
         return jobs, [path]
     check_places([path], overwrite)

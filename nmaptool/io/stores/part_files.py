@@ -132,14 +132,24 @@ def check_parts(
     ------
     UsageError, InputError, OutputError
     """
+    check_part_files(outputs, solid, assembly=assembly, overwrite=overwrite)
+    assert frame.pitch_mm is not None
+    return plan_parts(frame.rows, frame.cols, frame.pitch_mm, options)
+
+
+def check_part_files(
+    outputs: Sequence[str | Path],
+    solid: SolidOptions | None = None,
+    *,
+    assembly: Sequence[Destination] = (),
+    overwrite: bool = False,
+) -> None:
+    """As `check_parts`, without what needs the size of the map."""
     templates = [str(output) for output in outputs]
     check_templates(templates, overwrite)
     check_folders(new_folders(templates), "parts are written into it; give another name")
     _assembly_plan(assembly, overwrite, lambda *_: None).check()
-    assert frame.pitch_mm is not None
-    plan = plan_parts(frame.rows, frame.cols, frame.pitch_mm, options)
     check_outline(solid or SolidOptions())
-    return plan
 
 
 def _assembly_plan(
