@@ -20,6 +20,8 @@ from nmaptool.io.stores.zarr_nodes import OWN, location_of
 
 CHUNK, INNER = 2048, 512
 _LEVEL = 3
+# Blosc sorts the bytes of elements of at most this size
+_MOST_SORTED = 255
 
 
 class ZarrWriter:
@@ -151,7 +153,7 @@ def create_picture(
                 dtype=dtype,
                 chunks=(inner, inner, *shape[2:]),
                 shards=(whole, whole, *shape[2:]),
-                compressors=_compressors(np.dtype(dtype)),
+                compressors=_compressors(np.dtype(dtype), len(channels)),
                 fill_value=0,
                 dimension_names=("y", "x", "c")[: len(shape)],
                 attributes={OWN: own},
@@ -186,13 +188,12 @@ def open_writable(name: str) -> ZarrWriter:
     return ZarrWriter(name, array)
 
 
-def _compressors(dtype: np.dtype[Any]) -> list[Any]:
-    """Zstandard, after sorting the bytes of wider numbers, and a checksum."""
-    from zarr.codecs import BloscCodec, Crc32cCodec, ZstdCodec
+def _compressors(dtype: np.dtype[Any], channels: int) -> list[Any]:
+    """Zstandard, after sorting the bytes by channel and place in the number, and a checksum, which Blosc lacks."""
+    from zarr.codecs import BloscCodec, Crc32cCodec
 
-    if dtype.itemsize == 1:
-        return [ZstdCodec(level=_LEVEL, checksum=True)]
-    return [BloscCodec(cname="zstd", clevel=_LEVEL, shuffle="shuffle", typesize=dtype.itemsize), Crc32cCodec()]
+    size = min(_MOST_SORTED, dtype.itemsize * channels)
+    return [BloscCodec(cname="zstd", clevel=_LEVEL, shuffle="shuffle", typesize=size), Crc32cCodec()]
 
 
 def make_room(place: str, overwrite: bool, *, remove: bool = True) -> None:
