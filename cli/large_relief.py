@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nmaptool.core.errors import UsageError
+from nmaptool.io.stores.names import is_large_map
 from nmaptool.options import PartOptions, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions, TilingOptions
 from nmaptool.options.formats import LARGE_ENDING, MESH_FORMATS, is_recipe
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
@@ -28,15 +29,13 @@ _NOT_LARGE = (PlateOptions, FrameOptions, TextOptions, MachineOptions)
 EXPORT_ENDINGS = (".tif", ".tiff", ".npy")
 
 
-def is_large(name: str, outputs: Sequence[Path]) -> bool:
+def is_large(name: str, outputs: Sequence[Path], max_megapixels: float) -> bool:
     """Whether a relief is made by tiles: of a store, or into one."""
     if is_recipe(name):
         return False
     if any(output.suffix.lower() == LARGE_ENDING for output in outputs):
         return True
-    from nmaptool.io.stores.opening import is_store
-
-    return is_store(name)
+    return is_large_map(name, max_megapixels)
 
 
 def large_relief(run: Run, name: str, given: ReliefOutputs) -> None:

@@ -74,7 +74,7 @@ def relief(run: Run, map: str, /) -> None:
     from nmaptool_cli.wording.reliefs import describe_relief
     from nmaptool_cli.wording.solids import describe_solid
 
-    if is_large(map, run[ReliefOutputs].output):
+    if is_large(map, run[ReliefOutputs].output, run[ReadOptions].max_megapixels):
         large_relief(run, map, run[ReliefOutputs])
         return
     if run.named(TilingOptions):

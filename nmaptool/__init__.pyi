@@ -95,6 +95,7 @@ from .options import ReliefOptions as ReliefOptions
 from .options import SmoothOptions as SmoothOptions
 from .options import SolidOptions as SolidOptions
 from .options import SplitOptions as SplitOptions
+from .options import TilingOptions as TilingOptions
 from .options import TrainOptions as TrainOptions
 from .options import TransformOptions as TransformOptions
 from .options import WriteOptions as WriteOptions
@@ -169,6 +170,7 @@ from .types.relief import Relief as Relief
 from .types.relief import ReliefReport as ReliefReport
 from .types.relief_parts import ReliefParts as ReliefParts
 from .types.solid import Solid as Solid
+from .types.tiled import TiledReport as TiledReport
 from .types.unpacked import UnpackedLayer as UnpackedLayer
 from .types.unpacked import UnpackResult as UnpackResult
 from .types.workspace import Workspace as Workspace

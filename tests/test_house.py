@@ -153,8 +153,9 @@ def test_every_public_name_loads_and_has_a_docstring():
         if name != "__version__":
             assert inspect.getdoc(value), name
     assert set(nm.__all__) - {"__version__"} == set(nm.__all__) - {"__version__"}
-    # once imported, a module of the same name would replace the public name
-    assert not set(nm.__all__) & {path.stem for path in (ROOT / "nmaptool").iterdir()}
+    # once imported, a module of the same name would replace the public name; nm.tiled is that module
+    assert set(nm.__all__) & {path.stem for path in (ROOT / "nmaptool").iterdir()} == {"tiled"}
+    assert all(inspect.getdoc(getattr(nm.tiled, name)) for name in nm.tiled.__all__)
     with pytest.raises(AttributeError, match="No nmaptool attribute carve"):
         _ = nm.carve
 

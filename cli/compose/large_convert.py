@@ -57,11 +57,11 @@ def as_given(path: Path) -> str:
 
 def is_large(name: str, output: str, reading: ReadOptions) -> bool:
     """Whether a map is converted by windows: from or to a store, or from a large TIFF."""
-    from nmaptool.io.stores.opening import is_store
+    from nmaptool.io.stores.names import is_large_map
     from nmaptool.io.stores.picture_output import output_kind
 
     made_by_windows = output != STREAM and output_kind(output) in ("zarr", "tiles")
-    return made_by_windows or is_store(name, reading.max_megapixels)
+    return made_by_windows or is_large_map(name, reading.max_megapixels)
 
 
 def large_convert(run: Run, flags: ConvertOutputs, name: str, output: str) -> None:

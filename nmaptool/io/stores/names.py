@@ -6,12 +6,11 @@ import os
 import re
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
-from urllib.parse import urlsplit
-from urllib.request import url2pathname
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 _FILE = "file://"
 ZARR_ENDING = ".zarr"
+_TIFF_ENDINGS = (".tif", ".tiff", ".btf", ".tf8")
 # the files that make a folder a Zarr array or group: of version 3, of version 2
 ZARR_FILES = ("zarr.json", ".zarray", ".zgroup")
 
@@ -63,6 +62,9 @@ def is_url(name: str) -> bool:
 def local_path(place: str) -> Path | None:
     """The path of a place on this machine, which may be written as file://; None for other URLs."""
     if place.lower().startswith(_FILE):
+        from urllib.parse import urlsplit
+        from urllib.request import url2pathname
+
         return Path(url2pathname(urlsplit(place).path))
     return None if is_url(place) else Path(place)
 
@@ -75,3 +77,15 @@ def is_zarr(place: str) -> bool:
     if path.is_dir():
         return any((path / name).is_file() for name in ZARR_FILES) or path.suffix.lower() == ZARR_ENDING
     return not path.exists() and path.suffix.lower() == ZARR_ENDING
+
+
+def is_large_map(name: str, max_megapixels: float) -> bool:
+    """As `nmaptool.io.stores.opening.is_store`, but without loading what reads stores where the name rules them out."""
+    place, _ = split_name(name)
+    path = local_path(place)
+    ending = PurePosixPath(place).suffix.lower()
+    if path is not None and not path.is_dir() and ending not in (ZARR_ENDING, *_TIFF_ENDINGS):
+        return False
+    from nmaptool.io.stores.opening import is_store
+
+    return is_store(name, max_megapixels)
