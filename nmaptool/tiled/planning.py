@@ -19,8 +19,6 @@ _FACTORS = (4, 8, 16, 32, 64)
 _TILES = (4096, 2048, 1024, 512)
 # fewer tiles for each worker leave workers idle at the end of a pass
 _LEAST_TILES = 8
-# with more memory, a coarse grid of more vertices than this does not pay
-_MOST_COARSE = 20_000_000
 
 
 @dataclass(frozen=True)
@@ -43,6 +41,13 @@ class Plan:
     worker_bytes: int
     coarse_bytes: int
     disk_bytes: int
+
+    @property
+    def work(self) -> float:
+        """Estimated time of a sweep, relative to that of one worker without overlap and coarse grid."""
+        grid = self.grid
+        side = grid.tile + 2 * grid.overlap
+        return (side / grid.tile) ** 2 / max(1, self.workers) + 1 / grid.factor**2
 
     @property
     def total_bytes(self) -> int:
@@ -81,19 +86,18 @@ def plan(
     LimitError
         If even the smallest plan needs more memory.
     """
-    least: Plan | None = None
     counts = range(cores, 0, -1) if workers is None else (workers,)
-    for factor in _FACTORS:
-        coarse = (rows // factor + 2) * (cols // factor + 2)
-        for count in counts:
-            for side in _TILES if tile is None else (tile,):
-                found = _plan_of(rows, cols, side, factor, count, loads)
-                if tile is None and side > _TILES[-1] and len(found.grid) < _LEAST_TILES * max(count, 1):
-                    continue
-                least = found if least is None or found.total_bytes < least.total_bytes else least
-                if coarse <= _MOST_COARSE and found.total_bytes <= memory_bytes:
-                    return found
-    assert least is not None
+    sides = _TILES if tile is None else (tile,)
+    plans = [
+        _plan_of(rows, cols, side, factor, count, loads) for factor in _FACTORS for count in counts for side in sides
+    ]
+    busy = [
+        found for found in plans if len(found.grid) >= _LEAST_TILES * found.workers or found.grid.tile <= _TILES[-1]
+    ]
+    fitting = [found for found in (busy or plans) if found.total_bytes <= memory_bytes]
+    if fitting:
+        return min(fitting, key=lambda found: found.work)
+    least = min(plans, key=lambda found: found.total_bytes)
     raise LimitError(
         f"{cols} x {rows} px by tiles: needs about {memory_text(least.total_bytes)} of memory, "
         f"`memory_limit` allows {memory_text(memory_bytes)}; raise it to {memory_text(least.total_bytes * 21 // 20)}"
