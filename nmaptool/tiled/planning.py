@@ -17,6 +17,8 @@ _BYTES_PER_PROCESS = 200_000_000
 _COARSE_OVERLAP = 32
 _FACTORS = (4, 8, 16, 32, 64)
 _TILES = (4096, 2048, 1024, 512)
+# tiles are multiples of this, so that they consist of large chunks
+_SMALLEST = 64
 # fewer tiles for each worker leave workers idle at the end of a pass
 _LEAST_TILES = 8
 
@@ -91,9 +93,8 @@ def plan(
     plans = [
         _plan_of(rows, cols, side, factor, count, loads) for factor in _FACTORS for count in counts for side in sides
     ]
-    busy = [
-        found for found in plans if len(found.grid) >= _LEAST_TILES * found.workers or found.grid.tile <= _TILES[-1]
-    ]
+    small = _TILES[-1]
+    busy = [found for found in plans if found.grid.tile <= small or len(found.grid) >= _LEAST_TILES * found.workers]
     fitting = [found for found in (busy or plans) if found.total_bytes <= memory_bytes]
     if fitting:
         return min(fitting, key=lambda found: found.work)
@@ -106,7 +107,7 @@ def plan(
 
 def _plan_of(rows: int, cols: int, tile: int, factor: int, workers: int, loads: int) -> Plan:
     overlap = _COARSE_OVERLAP * factor
-    side = min(tile, -(-max(rows, cols) // factor) * factor)
+    side = min(tile, -(-max(rows, cols) // _SMALLEST) * _SMALLEST)
     grid = TileGrid(rows, cols, side, overlap, factor)
     window = (min(side + 2 * overlap, rows) + 1) * (min(side + 2 * overlap, cols) + 1)
     coarse_shape = grid.coarse_shape
