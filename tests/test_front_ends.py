@@ -75,7 +75,9 @@ REFUSED.append(pytest.param(nm.PackOptions, "bits", 12, id="PackOptions.bits"))
 IN_RECIPES = [case for case in REFUSED if case.values[0] in RECIPES and case.values[:2] not in ONLY_ELSEWHERE]
 # parameters of public functions that messages name, besides the fields of options
 PARAMETERS = {"overwrite", "max_faces", "unit", "model", "mu_map", "surface", "state", "wall_mask"}
-PARAMETERS |= {"detail", "depth", "faces", "format", "host", "port", "tile_px"}
+PARAMETERS |= {"detail", "depth", "faces", "format", "host", "port", "tile_px", "pitch_mm", "pyramid"}
+# of TilingOptions
+PARAMETERS |= {"tile", "workers", "scheduler", "work_folder"}
 
 
 def strings() -> Iterator[tuple[str, str]]:

@@ -87,6 +87,12 @@ def convert(
         If the output is one file that cannot hold the map.
     OutputError
         If it cannot be written, or exists and ``overwrite`` is False.
+
+    Examples
+    --------
+    >>> report = nm.tiled.convert("samples/medal_base.png", "base_tiles", tile=128)
+    >>> nm.tiled.convert("base_tiles", "base.tif").target["alpha"]
+    True
     """
     reading, writing = reading or ReadOptions(), writing or WriteOptions()
     bits = _bits_for(output, writing)

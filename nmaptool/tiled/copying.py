@@ -37,6 +37,12 @@ def copy(
     ------
     UsageError, InputError, OutputError
         As `nmaptool.tiled.convert`.
+
+    Examples
+    --------
+    >>> nm.tiled.copy("samples/leaf_mask.png", "mask_tiles", tile=100)
+    >>> nm.tiled.overview("mask_tiles", 56)
+    <RasterImage mask_tiles: 56 x 56 px, pitch unknown, channels Y, 8-bit codes>
     """
     if output_kind(output) is None:
         raise UsageError(f"{output}: a picture is copied to a Zarr store (.zarr), a .tif, or a folder of tiles")

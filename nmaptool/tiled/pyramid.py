@@ -52,7 +52,7 @@ def overview(
     Examples
     --------
     >>> nm.tiled.overview("samples/medal_original.png", 64)
-    <RasterImage samples/medal_original.png: 62 x 62 px, pitch unknown, channels R, G, B, A, 8-bit codes>
+    <RasterImage samples/medal_original.png: 62 x 62 px, pitch unknown, channels R, G, B, A, 16-bit codes>
     """
     if longest_px < 1:
         raise UsageError(f"`longest_px={longest_px}`: must be at least 1")
