@@ -120,3 +120,14 @@ def test_maps_that_do_not_overlap_are_told(tmp_path):
     names = [as_store(bumps(70, 140, 1, motif=m), tmp_path / f"{k}.zarr") for k, m in enumerate((left, right))]
     done = nm.tiled.blend(*names, str(tmp_path / "out.zarr"), tiling=HERE)
     assert any("does not overlap" in warning for warning in done.report.warnings)
+
+
+def test_two_workers_write_the_same_bytes(tmp_path, maps):
+    pytest.importorskip("distributed")
+    two = nm.tiled.blend(*maps, str(tmp_path / "two.zarr"), tiling=nm.TilingOptions(tile=128, workers=2))
+    one = nm.tiled.blend(*maps, str(tmp_path / "one.zarr"), tiling=nm.TilingOptions(tile=128, workers=1))
+    assert (two.workers, one.workers) == (2, 0)
+    files = sorted(path.relative_to(two.output) for path in (tmp_path / "two.zarr").rglob("*") if path.is_file())
+    assert len(files) == 5
+    for file in files:
+        assert (tmp_path / "two.zarr" / file).read_bytes() == (tmp_path / "one.zarr" / file).read_bytes()

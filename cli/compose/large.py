@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from nmaptool.core.errors import UsageError
+from nmaptool.io.stores.names import is_large_map
 from nmaptool.options import TilingOptions
 from nmaptool.options.formats import LARGE_ENDING
 from nmaptool_cli.outputs import ReportOutputs
@@ -40,17 +41,11 @@ def is_large(run: Run, output: Path | None, *names: str | None, max_megapixels: 
     """
     if output is not None and output.suffix.lower() == LARGE_ENDING:
         return True
-    if any(_is_store(name, max_megapixels) for name in names if name is not None):
+    if any(is_large_map(name, max_megapixels) for name in names if name is not None):
         return True
     for name in run.named(TilingOptions):
         raise UsageError(f"`{name}`: is for large maps: Zarr stores, folders of tiles and large TIFF files")
     return False
-
-
-def _is_store(name: str, max_megapixels: float) -> bool:
-    from nmaptool.io.stores.opening import is_store
-
-    return is_store(name, max_megapixels)
 
 
 def store_name(output: Path | None) -> str:
