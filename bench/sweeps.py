@@ -94,7 +94,7 @@ def main() -> None:
     head = [text for overlap in _OVERLAPS for text in (f"sweeps, {overlap}", "gain")]
     report.end(
         f"{_SIDE} px, tiles of {_TILE} px, coarse faces of {_FACTOR} px; overlaps of 8, 16 and 32 coarse faces. "
-        "`sweeps` to a residual of 1e-8 of the load; `gain` is the factor by which a sweep reduces it, after the first.",
+        "`sweeps` to a residual of 1e-8 of the load; `gain` is the factor by which each after the first reduces it.",
         table(("mask", *head), rows),
     )
 

@@ -6,11 +6,12 @@ import dataclasses
 from dataclasses import dataclass
 
 from nmaptool.core.errors import UsageError
-from nmaptool.options import ReadOptions
+from nmaptool.options import ReadOptions, TilingOptions
 from nmaptool.options.fields import Options, option
 from nmaptool.options.kinds import Switch
 from nmaptool.options.presets import DEPTH_PRESETS, NORMAL_PRESETS
 from nmaptool_cli.command import command
+from nmaptool_cli.compose.large import is_large
 from nmaptool_cli.inputs import read_grey
 from nmaptool_cli.mentions import in_flags
 from nmaptool_cli.run import Run
@@ -33,7 +34,7 @@ class Mask(Options, group="Inputs"):
     presets: bool = option(False, Switch())
 
 
-@command(Mask, ReadOptions)
+@command(Mask, TilingOptions, ReadOptions)
 def inspect(run: Run, map: str | None = None, /) -> int:
     """Inspect a normal map: its conventions, background and precision, and every problem with its remedy.
 
@@ -51,6 +52,8 @@ def inspect(run: Run, map: str | None = None, /) -> int:
     if map is None:
         raise UsageError("MAP is missing; name one, such as nmap inspect lion.png, or list the `presets`")
     reading = run[ReadOptions]
+    if is_large(run, None, map, max_megapixels=reading.max_megapixels):
+        return _inspect_large(run, map)
     run.begin(map=map, mask=run[Mask].mask)
     import nmaptool as nm
 
@@ -64,6 +67,25 @@ def inspect(run: Run, map: str | None = None, /) -> int:
         from nmaptool_cli.wording.maps import describe_inspection
 
         print(in_flags("\n".join(describe_inspection(found))))
+    return 1 if found.findings else 0
+
+
+def _inspect_large(run: Run, name: str) -> int:
+    """Inspect a large map."""
+    mask = run[Mask].mask
+    run.begin(map=name, mask=mask)
+    import nmaptool as nm
+
+    with run.progress() as progress:
+        found = nm.tiled.inspect(
+            name, reading=run[ReadOptions], mask=mask, tiling=run[TilingOptions], progress=progress
+        )
+    if run.options.json:
+        run.data(found.to_dict())
+    elif not run.options.quiet:
+        from nmaptool_cli.wording.large_edits import describe_large_inspection
+
+        print(in_flags("\n".join(describe_large_inspection(found))))
     return 1 if found.findings else 0
 
 

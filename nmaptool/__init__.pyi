@@ -138,6 +138,7 @@ from .types.font import Font as Font
 from .types.height import Height as Height
 from .types.inspection import Finding as Finding
 from .types.inspection import Inspection as Inspection
+from .types.layer_files import LayerFile as LayerFile
 from .types.layer_set import LayerReport as LayerReport
 from .types.layer_set import LayerSet as LayerSet
 from .types.layers import Layer as Layer

@@ -206,7 +206,7 @@ def test_only_threads_of_the_project_filter(cores, monkeypatch):
     expected = rolling_guidance(normals, cover, 7.0)
     monkeypatch.setattr(parallel, "cores", lambda: cores)
     monkeypatch.setattr(parallel, "_kept", parallel._Kept())
-    monkeypatch.setattr(image, "_BATCH", 256)
+    monkeypatch.setattr(image, "BATCH", 256)
     weighted_sum, seen = image._weighted_sum, set()
 
     def watched(*given):
@@ -222,7 +222,7 @@ def test_only_threads_of_the_project_filter(cores, monkeypatch):
 
 def test_the_filtering_thread_reports_progress(monkeypatch):
     monkeypatch.setattr(parallel, "cores", lambda: 3)
-    monkeypatch.setattr(image, "_BATCH", 256)
+    monkeypatch.setattr(image, "BATCH", 256)
     told_by = []
     rolling_guidance_image(
         *rough(),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import nmaptool as nm
-from nmaptool.composition.compositor import matrix_of
+from nmaptool.composition.placing import matrix_of
 
 PAGE = Path(nm.__file__).parent / "studio" / "page"
 pytestmark = pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")

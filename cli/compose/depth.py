@@ -6,14 +6,21 @@ import json
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from nmaptool.options import DepthOptions, ReadOptions, WriteOptions
+from nmaptool.options import DepthOptions, ReadOptions, TilingOptions, WriteOptions
 from nmaptool.options.fields import Options, option
 from nmaptool.options.plain_values import plain_values
 from nmaptool_cli.command import command
+from nmaptool_cli.compose.large import edit_large, finish_large, is_large, refuse_for_large, store_name
 from nmaptool_cli.outputs import MapOutputs
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import display_name
+
+if TYPE_CHECKING:
+    import nmaptool as nm
+    from nmaptool.core.progress import Progress
+    from nmaptool.types.tiled_edit import TiledEdit
 
 
 @dataclass(frozen=True)
@@ -48,7 +55,7 @@ class DepthOutputs(MapOutputs):
     jumps_out: Path | None = option(None)
 
 
-@command(DepthInputs, DepthOutputs, WriteOptions, DepthOptions)
+@command(DepthInputs, DepthOutputs, WriteOptions, DepthOptions, TilingOptions)
 def depth(run: Run, image: str, /) -> None:
     """Turn a depth or height picture into a normal map, without cliffs where one part hides another.
 
@@ -61,6 +68,9 @@ def depth(run: Run, image: str, /) -> None:
         standard input.
     """
     inputs, flags, options = run[DepthInputs], run[DepthOutputs], run[DepthOptions]
+    if is_large(run, flags.output, image, inputs.mask, max_megapixels=inputs.max_megapixels):
+        _depth_large(run, image)
+        return
     outputs = flags.plan(run[WriteOptions], run.options.json, jumps=flags.jumps_out)
     run.begin(outputs, image=image, mask=inputs.mask)
     import nmaptool as nm
@@ -81,3 +91,28 @@ def depth(run: Run, image: str, /) -> None:
         files={"image": image, "mask": inputs.mask}, **result.report.to_dict(), writing=asdict(run[WriteOptions])
     )
     run.finish(outputs, WrittenMap(result.normal_map, {"recipe": recipe}, pictures=pictures), metadata)
+
+
+def _depth_large(run: Run, image: str) -> None:
+    """Turn a large depth picture into a normal map."""
+    inputs, flags = run[DepthInputs], run[DepthOutputs]
+    refuse_for_large({"curl": flags.curl, "jumps_out": flags.jumps_out})
+    output = store_name(flags.output)
+    import nmaptool as nm
+
+    def made(progress: Progress | None) -> TiledEdit[nm.DepthReport]:
+        return nm.tiled.depth(
+            image,
+            output,
+            run[DepthOptions],
+            mask=inputs.mask,
+            layer=inputs.layer,
+            writing=run[WriteOptions],
+            tiling=run[TilingOptions],
+            overwrite=flags.overwrite,
+            progress=progress,
+        )
+
+    done = edit_large(run, flags, made, image=image, mask=inputs.mask)
+    run.say(f"{image}: {done.cols} x {done.rows}")
+    finish_large(run, flags, done, writing=asdict(run[WriteOptions]))

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
 from nmaptool.core.errors import UsageError
 from nmaptool.core.units import Length
-from nmaptool.options import LayerOptions, ReadOptions, WriteOptions
+from nmaptool.options import LayerOptions, ReadOptions, TilingOptions, WriteOptions
 from nmaptool.options.fields import Options, option
 from nmaptool.options.length_kinds import LengthText
 from nmaptool.options.plain_values import plain_values
 from nmaptool_cli.command import command
 from nmaptool_cli.compose.edits import finish_edit
+from nmaptool_cli.compose.large import edit_large, finish_large, is_large, refuse_for_large, store_name
 from nmaptool_cli.inputs import read_grey, read_map
 from nmaptool_cli.outputs import PlacedOutputs
 from nmaptool_cli.per_input import PerInput, spread
 from nmaptool_cli.run import Run
+
+if TYPE_CHECKING:
+    import nmaptool as nm
+    from nmaptool.core.progress import Progress
+    from nmaptool.types.tiled_edit import TiledEdit
 
 # a pasted layer has the name of its file
 PLACING = PerInput(
@@ -44,7 +52,7 @@ class PasteOptions(Options, group="Layers"):
     width: Length | None = option(None, LengthText("100mm"))
 
 
-@command(PlacedOutputs, WriteOptions, PasteOptions, ReadOptions, per_input=PLACING)
+@command(PlacedOutputs, WriteOptions, PasteOptions, TilingOptions, ReadOptions, per_input=PLACING)
 def paste(run: Run, background: str, /, *layers: str) -> None:
     """Paste layers onto a background; their normals turn with the picture.
 
@@ -66,6 +74,10 @@ def paste(run: Run, background: str, /, *layers: str) -> None:
     options = run.per_input(len(layers))
     given = more.mask or (None,)
     masks = spread("mask", given, len(layers), "layer layers")
+    names = (background, *layers, *masks)
+    if is_large(run, flags.output, *names, max_megapixels=run[ReadOptions].max_megapixels):
+        _paste_large(run, background, layers, options, masks)
+        return
     outputs = flags.plan(run[WriteOptions], run.options.json, placed=flags.placed, walls=flags.walls)
     run.begin(outputs, background=background, layers=layers, masks=tuple(mask for mask in masks if mask is not None))
     import nmaptool as nm
@@ -75,9 +87,42 @@ def paste(run: Run, background: str, /, *layers: str) -> None:
         maps = [read_map(run, file, own_layer=False) for file in files["layers"]]
         read = iter(files["masks"])
         chosen = [None if mask is None else read_grey(run, next(read)) for mask in masks]
-        names = [mask or "" for mask in masks]
-        stack = [nm.Layer(*parts) for parts in zip(maps, options, chosen, names, strict=True)]
+        called = [mask or "" for mask in masks]
+        stack = [nm.Layer(*parts) for parts in zip(maps, options, chosen, called, strict=True)]
         result = nm.paste(ground, stack, width=more.width, progress=progress)
     flags.check_walls(result)
     placing = [plain_values(option) for option in options]
     finish_edit(run, outputs, result, [ground, *maps], placing=placing)
+
+
+def _paste_large(
+    run: Run, background: str, layers: Sequence[str], options: Sequence[LayerOptions], masks: Sequence[str | None]
+) -> None:
+    """Paste layers on a large background."""
+    flags = run[PlacedOutputs]
+    refuse_for_large({"curl": flags.curl})
+    output = store_name(flags.output)
+    placed, walls = (None if path is None else store_name(path) for path in (flags.placed, flags.walls))
+    import nmaptool as nm
+
+    files = [nm.LayerFile(*parts) for parts in zip(layers, options, masks, strict=True)]
+
+    def pasted(progress: Progress | None) -> TiledEdit[nm.ComposeReport]:
+        return nm.tiled.paste(
+            background,
+            files,
+            output,
+            width=run[PasteOptions].width,
+            placed=placed,
+            walls=walls,
+            reading=run[ReadOptions],
+            writing=run[WriteOptions],
+            tiling=run[TilingOptions],
+            overwrite=flags.overwrite,
+            progress=progress,
+        )
+
+    named = tuple(mask for mask in masks if mask is not None)
+    made = edit_large(run, flags, pasted, background=background, layers=tuple(layers), masks=named)
+    placing = [plain_values(option) for option in options]
+    finish_large(run, flags, made, reading=asdict(run[ReadOptions]), placing=placing)

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from nmaptool.options import ReadOptions, SplitOptions
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+from nmaptool.options import ReadOptions, SplitOptions, TilingOptions
 from nmaptool_cli.command import command
+from nmaptool_cli.compose.large import edit_large, finish_large, is_large, refuse_for_large, store_name
 from nmaptool_cli.inputs import map_header, read_map
 from nmaptool_cli.outputs import LayerOutputs, by_folder
 from nmaptool_cli.run import Run
 from nmaptool_cli.wording.maps import say_map
 
+if TYPE_CHECKING:
+    import nmaptool as nm
+    from nmaptool.core.progress import Progress
+    from nmaptool.types.tiled_edit import TiledEdit
 
-@command(LayerOutputs, SplitOptions, ReadOptions)
+
+@command(LayerOutputs, SplitOptions, TilingOptions, ReadOptions)
 def split(run: Run, map: str, /) -> None:
     """Split a normal map into base and detail, without a mesh.
 
@@ -21,6 +30,9 @@ def split(run: Run, map: str, /) -> None:
     map:
         Normal map: {pictures}; FILE.exr:layer reads one layer; - reads standard input.
     """
+    if is_large(run, run[LayerOutputs].output, map, max_megapixels=run[ReadOptions].max_megapixels):
+        _split_large(run, map)
+        return
     outputs = run[LayerOutputs].plan()
     run.begin(outputs, map=map)
     import nmaptool as nm
@@ -34,3 +46,24 @@ def split(run: Run, map: str, /) -> None:
     run.seconds(layers.report.seconds)
     metadata = map_header(run, original, layers=[layers.report.to_dict()])
     run.finish(outputs, [layers], metadata, written=by_folder(outputs.paths))
+
+
+def _split_large(run: Run, name: str) -> None:
+    """Split a large map; base and detail become the arrays of one store."""
+    flags = run[LayerOutputs]
+    refuse_for_large({"curl": flags.curl, "plot": flags.plot, "format": run.named(LayerOutputs).get("format")})
+    output = store_name(flags.output)
+    import nmaptool as nm
+
+    def made(progress: Progress | None) -> TiledEdit[nm.LayerReport]:
+        return nm.tiled.split(
+            name,
+            output,
+            run[SplitOptions],
+            reading=run[ReadOptions],
+            tiling=run[TilingOptions],
+            overwrite=flags.overwrite,
+            progress=progress,
+        )
+
+    finish_large(run, flags, edit_large(run, flags, made, map=name), reading=asdict(run[ReadOptions]))

@@ -9,12 +9,16 @@ from nmaptool.types.shown import counted
 from nmaptool_cli.wording.maps import COMPONENTS
 
 if TYPE_CHECKING:
-    from nmaptool import Composition, ConvertReport, UnpackResult
+    from nmaptool import ComposeReport, Composition, ConvertReport, Frame, UnpackResult
 
 
 def describe_composition(composition: Composition) -> Iterator[str]:
     """An edit, one line per layer."""
-    report, frame = composition.report, composition.normal_map.frame
+    yield from describe_layers_and_curl(composition.report, composition.normal_map.frame)
+
+
+def describe_layers_and_curl(report: ComposeReport, frame: Frame) -> Iterator[str]:
+    """The layers of an edit, one line each, and the curl of the result."""
     for layer in report.layers:
         where = ""
         if "box_px" in layer:

@@ -29,10 +29,12 @@ def say_map(run: Run, normal_map: NormalMap, *, makes_heights: bool = False) -> 
         run.warn(f"{normal_map.name}: {warning}")
 
 
-def describe_decoding(decoding: Decoding, foreground_share: float) -> str:
+def describe_decoding(decoding: Decoding, foreground_share: float | None = None) -> str:
     """How a map was read, in one line."""
     parts = [] if decoding.preset is None else [f"as {decoding.preset} writes it ({decoding.preset_from})"]
-    parts += [f"background {decoding.background} ({decoding.background_from})", f"motif {foreground_share:.0%}"]
+    parts.append(f"background {decoding.background} ({decoding.background_from})")
+    if foreground_share is not None:
+        parts.append(f"motif {foreground_share:.0%}")
     if decoding.swizzle != "r,g,b":
         parts.append(f"channels {decoding.swizzle} ({decoding.swizzle_from})")
     if decoding.components != "xyz":

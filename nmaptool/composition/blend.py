@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import time
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nmaptool.composition.blend_vectors import blend_normals
 from nmaptool.composition.edges import detail_weight
@@ -72,17 +74,12 @@ def blend(
     base, detail = as_normal_map(base, "the base"), as_normal_map(detail, "the detail map")
     warnings = _warnings(base, detail)
     detail = _of_one_size(base, detail, options.fit)
-    strength: np.ndarray | float = options.strength
     if mask is not None:
         mask = as_float32(mask, "the mask")
         check_mask(mask, detail.name, base.frame.shape, mask_name)
-    if mask is not None or (detail.coverage < 1).any():
-        masked = detail.coverage if mask is None else detail.coverage * mask
-        strength = detail_weight(masked, detail.coverage, base.coverage) * np.float32(options.strength)
     if not (detail.coverage * base.coverage).any():
         warnings += (f"{detail.name}: does not overlap {base.name}, so it changes nothing",)
-    normals = blend_normals(base.normals, detail.normals, options.mode, strength)
-    normals = _flat_outside(normals, base)
+    normals, strength = blend_pixels(base, detail, options, mask)
     result = dataclasses.replace(base, normals=normals, name=f"{base.name} with {detail.name}")
     shown = np.broadcast_to(np.asarray(strength, np.float32) > 0, base.frame.shape)
     defined = base.coverage >= 0.5
@@ -98,6 +95,25 @@ def blend(
     )
     placed = np.broadcast_to(np.asarray(strength, np.float32).clip(0, 1), base.frame.shape) * base.coverage
     return Composition(result, placed, report)
+
+
+def blend_pixels(
+    base: NormalMap, detail: NormalMap, options: BlendOptions, mask: Float32 | None = None
+) -> tuple[Float32, NDArray[Any] | float]:
+    """Blend maps of the same size; each pixel depends on itself alone.
+
+    Returns
+    -------
+    normals : (H, W, 3) float32
+    strength : (H, W) float32 or float
+        How strongly the detail acts.
+    """
+    strength: NDArray[Any] | float = options.strength
+    if mask is not None or (detail.coverage < 1).any():
+        masked = detail.coverage if mask is None else detail.coverage * mask
+        strength = detail_weight(masked, detail.coverage, base.coverage) * np.float32(options.strength)
+    normals = blend_normals(base.normals, detail.normals, options.mode, strength)
+    return _flat_outside(normals, base), strength
 
 
 def _flat_outside(normals: Float32, base: NormalMap) -> Float32:

@@ -92,11 +92,14 @@ def _blend_chunk(
     mode.function(a, b, o, t)
     size = _length(o, t)
     if mode.fades == "result" and not whole:
+        full = strength == 1  # there, nothing changes, so a pixel does not depend on the strength of others
         for under, component in zip(a, o, strict=True):
+            before = component.copy() if np.any(full) else component
             np.divide(component, size, out=component)
             np.subtract(component, under, out=component)
             np.multiply(component, strength, out=component)
             np.add(component, under, out=component)
+            np.copyto(component, before, where=full)
         size = _length(o, t)
     for axis, component in enumerate(o):
         np.divide(component, size, out=out[:, axis])

@@ -225,20 +225,26 @@ def _warnings(layers: Sequence[Layer | LayerGroup], frame: Frame) -> list[str]:
         if isinstance(layer, LayerGroup):
             found += _warnings(layer.layers, frame)
             continue
-        own, o = layer.normal_map.frame.pitch_mm, layer.options
-        if own is not None and frame.pitch_mm is not None and o.scale == "1":
-            factor = own / frame.pitch_mm
-            if abs(factor - 1) > _SAME_PITCH:
-                found.append(
-                    f"{layer.name}: its pixels are {own:.4g} mm, those of the canvas {frame.pitch_mm:.4g} mm; to keep "
-                    f"its size in mm, set its scale to {factor:.4g}"
-                )
-        factors = o.factors
-        if not isinstance(factors, Length) and o.height_factor is None and is_uneven(factors):
-            even = (factors[0] * factors[1]) ** 0.5
+        found += layer_warnings(layer.name, layer.normal_map.frame.pitch_mm, layer.options, frame)
+    return found
+
+
+def layer_warnings(name: str, pitch_mm: float | None, o: LayerOptions, frame: Frame) -> list[str]:
+    """Return warnings about a layer with its own pitch on a canvas: effects that may be unintended."""
+    found: list[str] = []
+    if pitch_mm is not None and frame.pitch_mm is not None and o.scale == "1":
+        factor = pitch_mm / frame.pitch_mm
+        if abs(factor - 1) > _SAME_PITCH:
             found.append(
-                f"{layer.name}: is stretched unevenly and keeps its heights, so its slopes are multiplied by "
-                f"{1 / factors[0]:.3g} across and {1 / factors[1]:.3g} down; a height factor of {even:.3g} keeps them "
-                "on average"
+                f"{name}: its pixels are {pitch_mm:.4g} mm, those of the canvas {frame.pitch_mm:.4g} mm; to keep "
+                f"its size in mm, set its scale to {factor:.4g}"
             )
+    factors = o.factors
+    if not isinstance(factors, Length) and o.height_factor is None and is_uneven(factors):
+        even = (factors[0] * factors[1]) ** 0.5
+        found.append(
+            f"{name}: is stretched unevenly and keeps its heights, so its slopes are multiplied by "
+            f"{1 / factors[0]:.3g} across and {1 / factors[1]:.3g} down; a height factor of {even:.3g} keeps them "
+            "on average"
+        )
     return found

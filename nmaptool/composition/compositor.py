@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from nmaptool.composition.blend_vectors import blend_normals
-from nmaptool.composition.edges import detail_weight, feathered
-from nmaptool.composition.placement import (
-    Piece,
-    bounds,
-    is_exact,
-    linear_part,
-    map_piece,
-    scale_factors,
-    with_fixed_point,
-)
-from nmaptool.core.arrays import Float32, Float64, Mask
-from nmaptool.core.errors import InputError, UsageError
+from nmaptool.composition.edges import detail_weight
+from nmaptool.composition.placement import Piece
+from nmaptool.composition.placing import place
+from nmaptool.core.arrays import Float32, Mask
+from nmaptool.core.errors import InputError
 from nmaptool.core.vectors import FLAT, unit
-from nmaptool.maps.masks import motif_coverage
-from nmaptool.options.compose import ANCHORS
+from nmaptool.options import GroupOptions, LayerOptions
 from nmaptool.types.layers import Layer, LayerGroup, check_mask, errors_about
 from nmaptool.types.normal_map import NormalMap
 from nmaptool.types.picture import Frame
@@ -114,7 +106,7 @@ def compose_onto(
             (piece, own), within = place(layer, canvas.frame), {}
             walls = np.float32(layer.options.edge == "wall")
         o = layer.options
-        clip = o.clip == "yes" or (o.clip == "auto" and o.mode != "over" and not in_group)
+        clip = is_clipped(o, in_group=in_group)
         with errors_about(layer):
             share = _lay(canvas, piece, own, layer, clip, walls, counts=number > 0 or not lowest)
         rows, cols = piece.coverage.shape
@@ -140,86 +132,9 @@ def group_piece(inner: Canvas, group: LayerGroup) -> Piece:
     return Piece(inner.normals, coverage, inner.foreground)
 
 
-def place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
-    """Move, rotate, mask and feather a layer, and crop it to the canvas.
-
-    Returns
-    -------
-    piece : Piece
-    own : (h, w) float32
-        Its coverage without mask and feather, which modes other than "over" need.
-
-    Raises
-    ------
-    InputError
-        If it is outside the canvas.
-    UsageError
-        If a length is in mm and the pitch of the canvas is unknown.
-    """
-    with errors_about(layer):
-        return _place(layer, frame)
-
-
-def matrix_of(layer: Layer, frame: Frame) -> Float64:
-    """Return the (2, 3) matrix that takes points of a layer's map to the canvas: in px, from the top left corners.
-
-    Raises
-    ------
-    UsageError
-        If a length is in mm and the pitch of the canvas is unknown.
-    """
-    o, (rows, cols) = layer.options, layer.normal_map.frame.shape
-    linear = linear_part(scale_factors(o.factors, frame, cols), o.flip_h, o.flip_v, o.rotate)
-    share_across, share_down = ANCHORS[o.anchor]
-    try:
-        across, down = (
-            d.to_px(frame.pitch_mm, side) for d, side in zip(o.place, (frame.cols, frame.rows), strict=True)
-        )
-    except UsageError as error:
-        raise UsageError(f"{layer.name}: {error}") from None
-    return with_fixed_point(linear, (share_across * cols, share_down * rows), (across, down))
-
-
-def _place(layer: Layer, frame: Frame) -> tuple[Piece, Float32]:
-    source, o = layer.normal_map, layer.options
-    coverage = motif_coverage(source)
-    rows, cols = source.frame.shape
-    matrix = matrix_of(layer, frame)
-    linear = matrix[:, :2]
-    longer = float(np.max(np.linalg.norm(linear, axis=0) * (cols, rows)))  # on the canvas
-    try:
-        feather = 0.0 if o.feather is None else o.feather.to_px(frame.pitch_mm, round(longer))
-    except UsageError as error:
-        raise UsageError(f"{layer.name}: {error}") from None
-    left, top, right, bottom = bounds(matrix, cols, rows)
-    if left >= frame.cols or top >= frame.rows or right <= 0 or bottom <= 0:
-        raise InputError(
-            f"{layer.name}: its area from {left},{top} to {right},{bottom} px is outside the canvas of {frame} px; "
-            "move it with `at`"
-        )
-    # feathering needs the coverage beyond the canvas: a layer that continues there has no edge at the canvas border
-    beyond = int(np.ceil(feather)) + 1 if feather else 0
-    rim = 0 if is_exact(linear) else 1  # interpolation reaches half a pixel further
-    left, top = max(left - rim, -beyond), max(top - rim, -beyond)
-    right, bottom = min(right + rim, frame.cols + beyond), min(bottom + rim, frame.rows + beyond)
-    window = (left, top, right - left, bottom - top)
-
-    def mapped(shown: Float32) -> Piece:
-        return map_piece(Piece(source.normals, shown, source.foreground), matrix, window, o.height_factor, layer.name)
-
-    piece = mapped(coverage if layer.mask is None else coverage * layer.mask)
-    own = piece if layer.mask is None or o.mode == "over" else mapped(coverage)
-    if feather:
-        piece = replace(piece, coverage=feathered(piece.coverage, feather))
-    return _cut(piece, frame), _cut(own, frame).coverage
-
-
-def _cut(piece: Piece, frame: Frame) -> Piece:
-    """Return the part of a piece that is on the canvas."""
-    y0, x0 = max(0, -piece.top), max(0, -piece.left)
-    rows, cols = piece.coverage.shape
-    part = np.s_[y0 : min(rows, frame.rows - piece.top), x0 : min(cols, frame.cols - piece.left)]
-    return Piece(piece.normals[part], piece.coverage[part], piece.foreground[part], piece.left + x0, piece.top + y0)
+def is_clipped(options: LayerOptions | GroupOptions, *, in_group: bool = False) -> bool:
+    """Whether a layer shows only where there is something below it."""
+    return options.clip == "yes" or (options.clip == "auto" and options.mode != "over" and not in_group)
 
 
 def _lay(
@@ -236,17 +151,63 @@ def _lay(
 
     ``walls`` is the share of the piece that stands with walls.
     """
-    name, mode, strength = layer.name, layer.options.mode, layer.options.strength
+    below = canvas.coverage[_window_of(piece)]
+    if not piece.coverage.any():
+        raise covers_nothing(layer.name)
+    if clip and not (piece.coverage * below).any():
+        raise nothing_below(layer.name, layer.options.mode)
+    return lay(canvas, piece, own, layer.options, clip, walls, counts=counts) / canvas.coverage.size
+
+
+def covers_nothing(name: str) -> InputError:
+    """The error about a layer that has no pixel on the canvas."""
+    return InputError(
+        f"{name}: covers no pixel of the canvas; check its mask, alpha, position and scale (a flat background is "
+        "not part of a layer)"
+    )
+
+
+def nothing_below(name: str, mode: str) -> InputError:
+    """The error about a layer that has nothing to change."""
+    return InputError(f'{name}: mode "{mode}" needs a surface below it, found none; use mode "over", or clip "no"')
+
+
+def _window_of(piece: Piece) -> tuple[slice, slice]:
     rows, cols = piece.coverage.shape
-    window = np.s_[piece.top : piece.top + rows, piece.left : piece.left + cols]
+    return slice(piece.top, piece.top + rows), slice(piece.left, piece.left + cols)
+
+
+def lay(
+    canvas: Canvas,
+    piece: Piece,
+    own: Float32,
+    options: LayerOptions | GroupOptions,
+    clip: bool,
+    walls: Float32 | np.float32,
+    *,
+    counts: bool = True,
+) -> float:
+    """Compose a piece onto the canvas, in place, each pixel on its own; return the sum of what it covers.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    piece : Piece
+        Within the canvas.
+    own : (h, w) float32
+        Its coverage without mask and feather, which modes other than "over" need.
+    options : LayerOptions or GroupOptions
+        The mode and the strength.
+    clip : bool
+        Whether it shows only where there is something below it.
+    walls : (h, w) float32 or float32
+        The share of the piece that stands with walls.
+    counts : bool
+        Whether it is a layer above the lowest.
+    """
+    mode, strength = options.mode, options.strength
+    window = _window_of(piece)
     below, above = canvas.coverage[window], piece.coverage
-    if not above.any():
-        raise InputError(
-            f"{name}: covers no pixel of the canvas; check its mask, alpha, position and scale (a flat background is "
-            "not part of a layer)"
-        )
-    if clip and not (above * below).any():
-        raise InputError(f'{name}: mode "{mode}" needs a surface below it, found none; use mode "over", or clip "no"')
     if strength == 0:
         return 0.0
     if mode == "over":
@@ -277,7 +238,7 @@ def _lay(
     if counts:
         placed = canvas.placed[window]
         canvas.placed[window] = placed + shown * (1 - placed)
-    return float(shown.sum(dtype=np.float64) / canvas.coverage.size)
+    return float(shown.sum(dtype=np.float64))
 
 
 def mix_normals(below: Float32, above: Float32, share: Float32) -> Float32:

@@ -28,7 +28,9 @@ def feathered(coverage: Float32, width_px: float) -> Float32:
         return coverage
     inside = cv2.copyMakeBorder((coverage >= 0.5).astype(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     # distance to the nearest pixel centre outside; the outline is half a pixel closer
-    distance = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1] - np.float32(0.5)
+    distance = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
+    # its last bits depend on the size of the picture, but squares of distances are whole numbers
+    distance = np.sqrt(np.rint(np.square(distance, dtype=np.float64))).astype(np.float32) - np.float32(0.5)
     step = (distance / np.float32(width_px)).clip(0, 1)
     soft: Float32 = coverage * (step * step * (3 - 2 * step))
     return soft

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from nmaptool.composition.compose import canvas_frame, is_ground
-from nmaptool.composition.compositor import clear_canvas, compose_onto, group_piece, place
+from nmaptool.composition.compositor import clear_canvas, compose_onto, group_piece
 from nmaptool.composition.placement import Piece
+from nmaptool.composition.placing import place
 from nmaptool.core.errors import InputError
 from nmaptool.options import CanvasOptions, GroupOptions
 from nmaptool.types.layers import Layer, LayerGroup, LayerLike, as_layers, errors_about

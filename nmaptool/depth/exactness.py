@@ -46,8 +46,8 @@ def tolerance_of(options: DepthOptions, source: DepthSource) -> float:
     return source.step_px * (_LOSSY_STEPS if image.lossy else 0.5) + _NOISE_REACH * source.noise_px
 
 
-def descent_steps(tolerance: float, source: DepthSource) -> int:
-    """Return the number of descent steps for fitting the surface."""
-    share = (_FULL_DESCENT_PIXELS / source.heights.size) ** 0.5
-    most = _MOST_DESCENT if tolerance > _THOROUGH_STEPS * source.step_px else round(_MOST_DESCENT * share)
+def descent_steps(tolerance: float, step_px: float, pixels: float) -> int:
+    """Return the number of descent steps for fitting the surface of a picture with so many pixels."""
+    share = (_FULL_DESCENT_PIXELS / pixels) ** 0.5
+    most = _MOST_DESCENT if tolerance > _THOROUGH_STEPS * step_px else round(_MOST_DESCENT * share)
     return min(max(most, _LEAST_DESCENT), _MOST_DESCENT)

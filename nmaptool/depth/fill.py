@@ -65,7 +65,9 @@ class Filled:
     too_large: int = 0
 
 
-def fill_holes(heights: Float32, known: Mask, dropouts: Mask, most_px: float, jump_px: float) -> Filled:
+def fill_holes(
+    heights: Float32, known: Mask, dropouts: Mask, most_px: float, jump_px: float, longest_px: int | None = None
+) -> Filled:
     """Fill holes that consist of dropouts alone, are no wider than ``most_px``, and do not touch the picture's edge.
 
     Holes of more than `MOST_PIXELS` are left.
@@ -80,8 +82,10 @@ def fill_holes(heights: Float32, known: Mask, dropouts: Mask, most_px: float, ju
         Largest width of a hole.
     jump_px : float
         Smallest jump.
+    longest_px : int, optional
+        Leave holes that span more rows or columns.
     """
-    labels, count, too_large = _small_holes(known, dropouts, most_px)
+    labels, count, too_large = _small_holes(known, dropouts, most_px, longest_px)
     if not count:
         return Filled(heights, too_large=too_large)
     out = heights.copy()
@@ -89,7 +93,9 @@ def fill_holes(heights: Float32, known: Mask, dropouts: Mask, most_px: float, ju
     return Filled(out, labels > 0, count, too_large)
 
 
-def _small_holes(known: Mask, dropouts: Mask, most_px: float) -> tuple[NDArray[np.int32], int, int]:
+def _small_holes(
+    known: Mask, dropouts: Mask, most_px: float, longest_px: int | None
+) -> tuple[NDArray[np.int32], int, int]:
     """Return the numbers of the holes to fill, from 1, how many there are, and `Filled.too_large`."""
     unknown = (~known).view(np.uint8)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(unknown, connectivity=8, ltype=cv2.CV_32S)
@@ -101,6 +107,8 @@ def _small_holes(known: Mask, dropouts: Mask, most_px: float) -> tuple[NDArray[n
     for edge in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
         keep[edge] = False
     keep[0] = False
+    if longest_px is not None:
+        keep &= stats[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].max(axis=1) <= longest_px
     sizes = stats[:, cv2.CC_STAT_AREA]
     too_large = keep & (sizes > MOST_PIXELS)
     keep &= ~too_large

@@ -32,7 +32,12 @@ _EDGE = 2
 
 
 def fit_surface(
-    values: Float32, tolerance: Float32, across: Mask, down: Mask, iterations: int = _ITERATIONS
+    values: Float32,
+    tolerance: Float32,
+    across: Mask,
+    down: Mask,
+    iterations: int = _ITERATIONS,
+    pixels: float | None = None,
 ) -> Float32:
     """Return the surface with the least bending within a tolerance of the values; broken links do not bend.
 
@@ -46,6 +51,8 @@ def fit_surface(
         Whether a pixel is joined to the next one to the right, or below.
     iterations : int
         Descent steps on the pixels; a tolerance of several steps of the stored values needs more.
+    pixels : float, optional
+        Pixels of the whole picture, if this is a part of it; larger pictures get fewer steps.
 
     Returns
     -------
@@ -53,7 +60,7 @@ def fit_surface(
     """
     start = None
     if min(values.shape) >= 2 * _LEAST_CELLS:
-        start = _from_coarse(values, tolerance, across, down)
+        start = _from_coarse(values, tolerance, across, down, values.size if pixels is None else pixels)
     out = np.empty_like(values)
 
     def work(tile: Tile) -> None:
@@ -82,7 +89,7 @@ def fit_surface(
     return out
 
 
-def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) -> Float32:
+def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask, pixels: float) -> Float32:
     """Return the fit on cells of 2 x 2 pixels, extended linearly to the pixels and into cells that contain a jump."""
     rows, cols = (side // 2 * 2 for side in values.shape)
     x0, x1 = slice(0, cols, 2), slice(1, cols, 2)
@@ -95,8 +102,9 @@ def _from_coarse(values: Float32, tolerance: Float32, across: Mask, down: Mask) 
     below = down[y1, x0] & down[y1, x1] & whole
     below[:-1] &= whole[1:]
     below[-1] = False
-    often = round(_COARSE_ITERATIONS * min(1.0, (_FULL_DESCENT_CELLS / mean.size) ** 0.5))
-    coarse = fit_surface(mean, slack, right, below, max(often, _ITERATIONS))
+    cells = pixels / 4
+    often = round(_COARSE_ITERATIONS * min(1.0, (_FULL_DESCENT_CELLS / cells) ** 0.5))
+    coarse = fit_surface(mean, slack, right, below, max(often, _ITERATIONS), cells)
     quarter = np.float32(0.25)
     tilt_x, tilt_y = (linked_slope(coarse, links, axis) * quarter for axis, links in ((1, right), (0, below)))
     fine = values.copy()

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.grid import places
-from nmaptool.depth.mixed import unmixed
+from nmaptool.depth.mixed import mixed_ends, unmixed
 from nmaptool.depth.steps import (
     JumpRule,
     all_steps,
@@ -65,7 +65,13 @@ def join_all(known: Mask) -> tuple[Mask, Mask]:
     return across, down
 
 
-def part_surfaces(heights: Float32, known: Mask, rule: JumpRule) -> Surfaces:
+def mixed_ends_of(heights: Float32, known: Mask, rule: JumpRule) -> tuple[int, int]:
+    """Return how many ends of jumps are clearly mixed, and how many there are; arguments as for `part_surfaces`."""
+    lines = _lines(heights, known, rule)
+    return (0, 0) if lines is None else mixed_ends(heights, known, rule, lines)
+
+
+def part_surfaces(heights: Float32, known: Mask, rule: JumpRule, smoothed: bool | None = None) -> Surfaces:
     """Find jumps and cut the links across them.
 
     Parameters
@@ -74,12 +80,14 @@ def part_surfaces(heights: Float32, known: Mask, rule: JumpRule) -> Surfaces:
     known : (H, W) bool
         Pixels that have a height.
     rule : JumpRule
+    smoothed : bool, optional
+        Whether outlines are smoothed. Default: found in the heights.
     """
     across, down = join_all(known)
     lines = _lines(heights, known, rule)
     if lines is None:
         return Surfaces(heights, across, down)
-    heights, mixed = unmixed(heights, known, rule, lines)
+    heights, mixed = unmixed(heights, known, rule, lines, smoothed)
     lines = cv2.dilate(lines, _CROSS)
     rows, cols = places(lines)
     for links, axis in ((down, 0), (across, 1)):

@@ -48,7 +48,21 @@ class _Ends:
         return np.asarray((self.run >= np.float32(rule.least_mixed)) & (self.run > np.float32(ratio) * self.slope))
 
 
-def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uint8]) -> tuple[Float32, int]:
+def mixed_ends(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uint8]) -> tuple[int, int]:
+    """Return how many ends of jumps are clearly mixed, and how many there are; arguments as for `unmixed`."""
+    place = places(lines)
+    ends = [end for axis in (0, 1) for end in _ends(heights, known, rule, axis, (place[0], place[1]))]
+    return sum(int(np.count_nonzero(end.mixed(rule, _PLAIN))) for end in ends), sum(len(end.jump) for end in ends)
+
+
+def is_smoothed(plain: int, ends: int) -> bool:
+    """Whether outlines are smoothed, if this many of the ends of jumps are clearly mixed."""
+    return plain >= _SMOOTHED_SHARE * ends
+
+
+def unmixed(
+    heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uint8], smoothed: bool | None = None
+) -> tuple[Float32, int]:
     """Return heights with the mixed pixels of smoothed outlines moved to the side that they mostly belong to.
 
     Parameters
@@ -57,6 +71,8 @@ def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uin
         As for `nmaptool.depth.jumps.part_surfaces`.
     lines : (H, W) uint8
         1 beside jumps.
+    smoothed : bool, optional
+        Whether outlines are smoothed. Default: found by `is_smoothed`.
 
     Returns
     -------
@@ -68,9 +84,11 @@ def unmixed(heights: Float32, known: Mask, rule: JumpRule, lines: NDArray[np.uin
     place = places(lines)
     ends = [end for axis in (0, 1) for end in _ends(heights, known, rule, axis, (place[0], place[1]))]
     plain = sum(int(np.count_nonzero(end.mixed(rule, _PLAIN))) for end in ends)
-    if not plain:
-        return heights, 0
-    ratio = _SMOOTHED if plain >= _SMOOTHED_SHARE * sum(len(end.jump) for end in ends) else _PLAIN
+    if smoothed is None:
+        if not plain:
+            return heights, 0
+        smoothed = is_smoothed(plain, sum(len(end.jump) for end in ends))
+    ratio = _SMOOTHED if smoothed else _PLAIN
     chosen = [(end, end.mixed(rule, ratio)) for end in ends]
     largest, moved_before = np.zeros(heights.shape, np.float32), np.zeros(heights.shape, bool)
     for end, mixed in chosen:

@@ -11,7 +11,7 @@ from nmaptool.depth.fit import fit_surface
 from nmaptool.depth.ground import find_ground
 from nmaptool.depth.jumps import Surfaces, join_all, part_surfaces
 from nmaptool.depth.outlines import continue_to_jumps
-from nmaptool.depth.rim import narrow_tolerance, widen_tolerance
+from nmaptool.depth.rim import slack_of
 from nmaptool.depth.scale import magnification
 from nmaptool.depth.slopes import jump_sizes, mean_curl, normals_of
 from nmaptool.depth.source import DepthSource, read_source
@@ -83,16 +83,11 @@ def depth_to_normals(
         jumps = jump_sizes(heights, known, across, down)
     with stages.stage("surface", 0.4):
         tolerance = tolerance_of(options, source)
-        slack = np.full(heights.shape, tolerance, np.float32)
-        if source.unsure:
-            widen_tolerance(slack, jumps)
-        elif rule is not None and parts.mixed and tolerance:
-            np.copyto(slack, rule.least_mixed, where=jumps > 0)
-        if tolerance and not source.unsure:
-            narrow_tolerance(slack, heights, jumps)
+        mixed = rule is not None and parts.mixed > 0
+        slack = slack_of(heights, jumps, tolerance, source.unsure, rule.least_mixed if rule and mixed else None)
         ground, word = _ground(options, source, heights, slack)
         if tolerance:
-            heights = fit_surface(heights, slack, across, down, descent_steps(tolerance, source))
+            heights = fit_surface(heights, slack, across, down, descent_steps(tolerance, source.step_px, heights.size))
         del slack
     with stages.stage("normals", 0.8):
         flat = ground if known.all() else ~known if ground is None else ground | ~known

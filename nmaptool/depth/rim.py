@@ -17,6 +17,30 @@ _SQUARE = np.ones((2 * _TURNING + 1, 2 * _TURNING + 1), np.uint8)
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 
 
+def slack_of(heights: Float32, jumps: Float32, tolerance: float, unsure: float, least_mixed: float | None) -> Float32:
+    """Return (H, W) float32: how far the surface may leave each height, in px.
+
+    Parameters
+    ----------
+    heights, jumps : (H, W) float32
+        Heights, and height of the jump at each pixel, in px.
+    tolerance : float
+        Away from jumps.
+    unsure : float
+        Noise of heights near edges.
+    least_mixed : float or None
+        Smallest difference of a mixed pixel from its side; None if there are no mixed pixels.
+    """
+    slack = np.full(heights.shape, tolerance, np.float32)
+    if unsure:
+        widen_tolerance(slack, jumps)
+    elif least_mixed is not None and tolerance:
+        np.copyto(slack, least_mixed, where=jumps > 0)
+    if tolerance and not unsure:
+        narrow_tolerance(slack, heights, jumps)
+    return slack
+
+
 def widen_tolerance(tolerance: Float32, jumps: Float32) -> None:
     """Increase the tolerance near each jump to a share of its height, in place.
 

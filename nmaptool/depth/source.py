@@ -16,7 +16,7 @@ from nmaptool.depth.meaning import Meaning, kind_of, meaning_of
 from nmaptool.depth.scale import Scale, in_px, settle_scale
 from nmaptool.depth.values import GreyValues, extremes, grey_values, noise_of, step_of
 from nmaptool.options import DepthOptions
-from nmaptool.types.picture import RasterImage
+from nmaptool.types.picture import Frame, RasterImage
 from nmaptool.types.plain_arrays import check_sizes
 
 # least noise of a lossy file near edges, in steps
@@ -90,10 +90,40 @@ def read_source(image: RasterImage, options: DepthOptions, mask: Float32 | None)
     orientation, image = image.orientation, image.upright()
     meaning = meaning_of(image, options)
     grey, cover = _surface(image, meaning, options, mask, orientation)
-    scale = settle_scale(image, grey, meaning, options)
+    source = _scaled(image, grey, meaning, options, grey, extremes(grey.values, grey.known))
+    return _without_holes(replace(source, cover=cover, orientation=orientation), options)
+
+
+def settled_source(
+    image: RasterImage, grey: GreyValues, meaning: Meaning, options: DepthOptions, ends: tuple[float, float]
+) -> DepthSource:
+    """Return the heights of a sample of a large picture, whose lowest and highest values are known; holes stay.
+
+    Raises
+    ------
+    InputError, UsageError
+        As `read_source`.
+    """
+    seen = extremes(grey.values, grey.known)
+    whole = grey
+    if seen != ends:  # the scale follows from the range of the whole picture
+        values = np.append(grey.values[grey.known], np.array(ends, np.float32))[None]
+        whole = replace(grey, values=values, known=np.ones(values.shape, bool), dropouts=None)
+    return _scaled(image, replace(grey, values=grey.values.copy()), meaning, options, whole, ends)
+
+
+def _scaled(
+    image: RasterImage,
+    grey: GreyValues,
+    meaning: Meaning,
+    options: DepthOptions,
+    whole: GreyValues,
+    in_use: tuple[float, float],
+) -> DepthSource:
+    """Return the source with the scale of ``whole``; the values of ``grey`` become heights, in place."""
+    scale = settle_scale(image, whole, meaning, options)
     step = step_of(grey)
     size = abs(scale.px_per_value)
-    in_use = extremes(grey.values, grey.known)
     most = size * max(map(abs, in_use))
     if most > _MOST_PX:
         raise InputError(
@@ -103,12 +133,14 @@ def read_source(image: RasterImage, options: DepthOptions, mask: Float32 | None)
     noise = noise_of(grey.values, grey.known, step)
     noise = noise if noise * size >= FINE_SLOPE else 0.0
     heights = grey.values
-    heights *= np.float32(scale.px_per_value)  # the values are a copy
-    lowest = extremes(heights, grey.known)[0]
-    source = DepthSource(
-        image, grey, cover, meaning, scale, heights, lowest, step * size, noise * size, in_use, orientation
-    )
-    return _without_holes(source, options)
+    heights *= np.float32(scale.px_per_value)
+    lowest = min(float(np.float32(end) * np.float32(scale.px_per_value)) for end in in_use)
+    return DepthSource(image, grey, None, meaning, scale, heights, lowest, step * size, noise * size, in_use)
+
+
+def largest_hole(frame: Frame) -> float:
+    """Width in px of the largest hole that is filled by itself."""
+    return max(_HOLE_PX, _HOLE_SHARE * frame.longer_side)
 
 
 def _surface(
@@ -141,7 +173,7 @@ def _without_holes(source: DepthSource, options: DepthOptions) -> DepthSource:
     elif options.fill == "none" or dropouts is None or kind_of(image) != "grey":  # such files have no holes by accident
         return source
     else:
-        most = max(_HOLE_PX, _HOLE_SHARE * image.frame.longer_side)
+        most = largest_hole(image.frame)
     if not dropouts.any():
         return source
     found = fill_holes(source.heights, grey.known, dropouts, most, source.least_jump_px)

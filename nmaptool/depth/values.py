@@ -79,7 +79,7 @@ class GreyValues:
     dropouts: Mask | None = None
 
 
-def grey_values(image: RasterImage, empty: tuple[float, ...] = ()) -> GreyValues:
+def grey_values(image: RasterImage, empty: tuple[float, ...] = (), *, part: bool = False) -> GreyValues:
     """Return the grey values of a depth or height picture.
 
     Parameters
@@ -87,6 +87,8 @@ def grey_values(image: RasterImage, empty: tuple[float, ...] = ()) -> GreyValues
     image : RasterImage
     empty : tuple of float
         Stored values that mean "no depth", besides NaN and infinity.
+    part : bool
+        Whether it is a part of a larger picture: then it is not narrowed to 8-bit codes, and may be empty.
 
     Raises
     ------
@@ -94,7 +96,7 @@ def grey_values(image: RasterImage, empty: tuple[float, ...] = ()) -> GreyValues
         If it is coloured, has unknown channels, or no value at all.
     """
     stored = image.pixels[..., 0]  # before 16 bits are narrowed to 8
-    if not image.is_float or _may_be_codes(image.pixels):
+    if not part and (not image.is_float or _may_be_codes(image.pixels)):
         image = codec.narrowed(image)
     values, averaged = _one_channel(image)
     known = np.ones(values.shape, bool)
@@ -120,7 +122,7 @@ def grey_values(image: RasterImage, empty: tuple[float, ...] = ()) -> GreyValues
         dropouts = None if dropouts is None else dropouts & opaque
     unknown = ~known
     nothing = int(np.count_nonzero(unknown))
-    if nothing == known.size:
+    if nothing == known.size and not part:
         what = (
             ", ".join(("transparent", *counts)) if set(counts) - {"NaN", "infinite"} else "transparent, NaN or infinite"
         )

@@ -33,20 +33,20 @@ from nmaptool.types.normal_map import UNIT_TOLERANCE
 
 # pixels further away than this many sigmas are ignored: together they have 1% of the weight of a Gaussian
 _REACH = 3.0
-_BLUR_REACH = 4.0
+BLUR_REACH = 4.0
 # upper limits of the width of a cell, as shares of its distance, of sigma and of the picture's longer side
 _CELL_PER_DISTANCE = 0.3
-_CELL_PER_SIGMA = 0.75
+CELL_PER_SIGMA = 0.75
 _CELL_PER_SIDE = 0.125
 # smaller sigmas act like 0, larger ones like infinity; within these limits their squares do not overflow
-_SIGMA_S_PX, _SIGMA_R = (1e-3, 1e6), (1e-6, 1e6)
+SIGMA_S_PX, SIGMA_R = (1e-3, 1e6), (1e-6, 1e6)
 # the direction of a shorter sum is rounding error
 _NO_DIRECTION = 1e-20
 # pixels per batch: few enough for the cache where NumPy sums them, enough for it to be fast
-_BATCH = 65536
+BATCH = 65536
 
 
-class _Cell(NamedTuple):
+class Cell(NamedTuple):
     """A square of 3^level pixels, the offset (rows, columns) of its centre, the logarithm of its mean weight."""
 
     level: int
@@ -62,15 +62,15 @@ def _log_weight(sigma: float, size: int, at: int) -> float:
     return math.log(np.exp(change).mean()) - at**2 / (2 * sigma**2)
 
 
-def _cells(sigma: float, shape: tuple[int, int]) -> list[_Cell]:
+def cells_of(sigma: float, shape: tuple[int, int]) -> list[Cell]:
     """Return the cells that tile the disc around a pixel, without those that a picture of this shape cannot fill."""
     coarsest = 0
-    while 3 ** (coarsest + 1) <= min(_CELL_PER_SIGMA * sigma, _CELL_PER_SIDE * max(shape)):
+    while 3 ** (coarsest + 1) <= min(CELL_PER_SIGMA * sigma, _CELL_PER_SIDE * max(shape)):
         coarsest += 1
     largest = 3**coarsest
     # the centre of a cell that overlaps the picture may lie up to half a cell outside it
     rows, cols = (side - 1 + largest - 1 for side in shape)
-    found: list[_Cell] = []
+    found: list[Cell] = []
 
     def add(level: int, dy: int, dx: int) -> None:
         size, distance = 3**level, math.hypot(dy, dx)
@@ -81,7 +81,7 @@ def _cells(sigma: float, shape: tuple[int, int]) -> list[_Cell]:
                     add(level - 1, y, x)
         elif distance <= _REACH * sigma and abs(dy) <= rows and abs(dx) <= cols:
             weight = _log_weight(sigma, size, abs(dy)) + _log_weight(sigma, size, abs(dx))
-            found.append(_Cell(level, dy, dx, weight))
+            found.append(Cell(level, dy, dx, weight))
 
     down, right = (math.ceil(min(_REACH * sigma, most) / largest) + 1 for most in (rows, cols))
     for y in range(-down, down + 1):
@@ -90,14 +90,14 @@ def _cells(sigma: float, shape: tuple[int, int]) -> list[_Cell]:
     return found
 
 
-class _Canvas:
+class FilterCanvas:
     """A picture surrounded by empty pixels, each plane flat in memory, so pixel offsets are offsets in memory.
 
     The empty pixels after the end of a row are also those before the start of the next. The picture has a border for
     the centres of cells; picture and border are the domain, where sums are computed.
     """
 
-    def __init__(self, vectors: Float32, cells: Sequence[_Cell]) -> None:
+    def __init__(self, vectors: Float32, cells: Sequence[Cell]) -> None:
         rows, cols = vectors.shape[:2]
         self.levels = max(cell.level for cell in cells)
         border = 3**self.levels // 2
@@ -107,10 +107,14 @@ class _Canvas:
         self.shape = (3, bottom + top, self.stride)
         self.domain = (slice(None), slice(top, bottom), slice(0, cols + 2 * border))
         self.picture = (slice(None), slice(top + border, bottom - border), slice(border, border + cols))
-        start, stop = top * self.stride, bottom * self.stride
-        self.batches = [slice(at, min(at + _BATCH, stop)) for at in range(start, stop, _BATCH)]
+        self.batches = self.batches_of(top, bottom)
         self.source = self.empty()
         self.source.reshape(self.shape)[self.picture] = np.moveaxis(vectors, -1, 0)
+
+    def batches_of(self, top: int, bottom: int) -> list[slice]:
+        """The places of rows in memory, in batches."""
+        start, stop = top * self.stride, bottom * self.stride
+        return [slice(at, min(at + BATCH, stop)) for at in range(start, stop, BATCH)]
 
     def empty(self) -> Float32:
         """Return (3, N) float32 zeros."""
@@ -121,7 +125,7 @@ class _Canvas:
         import cv2
 
         planes = self.source.reshape(self.shape)[self.domain]
-        reach = min(math.ceil(_BLUR_REACH * sigma), max(planes.shape))
+        reach = min(math.ceil(BLUR_REACH * sigma), max(planes.shape))
         kernel = cv2.getGaussianKernel(2 * reach + 1, sigma, cv2.CV_32F)
         sums = self.empty()
         for plane, out in zip(planes, sums.reshape(self.shape)[self.domain], strict=True):
@@ -136,7 +140,7 @@ class _Canvas:
         return unit(scaled.T).T
 
 
-class _Meter:
+class Meter:
     """Counts work done in any thread, and reports progress in the thread that created it."""
 
     def __init__(self, progress: Progress | None, whole: int) -> None:
@@ -151,7 +155,9 @@ class _Meter:
             self.progress("filtering", self.done / self.whole)
 
 
-def _weighted_sum(canvas: _Canvas, guide: Float32, sources: Float32, cells: Sequence[_Cell], batch: slice) -> Float32:
+def _weighted_sum(
+    canvas: FilterCanvas, guide: Float32, sources: Float32, cells: Sequence[Cell], batch: slice
+) -> Float32:
     """Return the (3, n) float32 sums of the cells around each pixel, weighted by distance and by guide similarity."""
     levels = np.array([cell.level for cell in cells], np.int64)
     shifts = np.array([cell.dy * canvas.stride + cell.dx for cell in cells], np.int64)
@@ -161,29 +167,42 @@ def _weighted_sum(canvas: _Canvas, guide: Float32, sources: Float32, cells: Sequ
     return total
 
 
-def _next_guide(canvas: _Canvas, guide: Float32, cells: Sequence[_Cell], meter: _Meter) -> Float32:
+def next_guide(
+    canvas: FilterCanvas,
+    guide: Float32,
+    cells: Sequence[Cell],
+    meter: Meter,
+    wanted: Sequence[slice] | None = None,
+) -> Float32:
     """Return the (3, N) float32 unit vectors after one pass; ``guide`` is scaled: its squared distances are exponents.
+
+    They are computed in the batches that are ``wanted``; None means everywhere.
 
     The sum of a cell is that of its nine parts, weighted by the similarity of their centres to its own: a cell across a
     crease represents the side of its centre.
     """
 
-    def everywhere(terms: Sequence[_Cell], out: Float32, *, to_unit: bool) -> None:
+    def fill(batches: Sequence[slice], terms: Sequence[Cell], out: Float32, *, to_unit: bool) -> None:
         def work(batch: slice) -> None:
             sums = _weighted_sum(canvas, guide, sources, terms, batch)
             out[:, batch] = canvas.directions(sums, batch) if to_unit else sums
             meter.add(len(terms))
 
-        map_parallel(canvas.batches, work)
+        map_parallel(batches, work)
         meter.add(0)  # another thread may have done the last batch
 
     sources = np.zeros((canvas.levels + 1, *canvas.source.shape), np.float32)
     sources[0] = canvas.source
     for level in range(canvas.levels):
         steps = (-(3**level), 0, 3**level)
-        everywhere([_Cell(level, dy, dx, 0.0) for dy in steps for dx in steps], sources[level + 1], to_unit=False)
+        fill(
+            canvas.batches,
+            [Cell(level, dy, dx, 0.0) for dy in steps for dx in steps],
+            sources[level + 1],
+            to_unit=False,
+        )
     result = canvas.empty()
-    everywhere(cells, result, to_unit=True)
+    fill(canvas.batches if wanted is None else wanted, cells, result, to_unit=True)
     return result
 
 
@@ -250,8 +269,8 @@ def rolling_guidance_image(
         [0, 1].
     """
     _check(normals, coverage, sigma_s_px, sigma_r, iterations)
-    sigma_s = min(max(sigma_s_px, _SIGMA_S_PX[0]), _SIGMA_S_PX[1])
-    sigma_r = min(max(sigma_r, _SIGMA_R[0]), _SIGMA_R[1])
+    sigma_s = min(max(sigma_s_px, SIGMA_S_PX[0]), SIGMA_S_PX[1])
+    sigma_r = min(max(sigma_r, SIGMA_R[0]), SIGMA_R[1])
     result = np.full(normals.shape, FLAT, np.float32)
     covered = coverage > 0
     if not covered.any():
@@ -259,14 +278,14 @@ def rolling_guidance_image(
     rows, cols = (np.flatnonzero(covered.any(axis=axis)) for axis in (1, 0))
     box = (slice(rows[0], rows[-1] + 1), slice(cols[0], cols[-1] + 1))
     vectors = normals[box] * coverage[box][..., None]
-    cells = _cells(sigma_s, vectors.shape[:2])
-    canvas = _Canvas(vectors, cells)
-    meter = _Meter(progress, 1 + (iterations - 1) * (9 * canvas.levels + len(cells)) * len(canvas.batches))
+    cells = cells_of(sigma_s, vectors.shape[:2])
+    canvas = FilterCanvas(vectors, cells)
+    meter = Meter(progress, 1 + (iterations - 1) * (9 * canvas.levels + len(cells)) * len(canvas.batches))
     guide = np.ascontiguousarray(canvas.directions(canvas.blurred(sigma_s), slice(None)))
     meter.add(1)
     for _ in range(1, iterations):
         guide *= np.float32(math.sqrt(0.5) / sigma_r)
-        guide = _next_guide(canvas, guide, cells, meter)
+        guide = next_guide(canvas, guide, cells, meter)
     found = np.moveaxis(guide.reshape(canvas.shape)[canvas.picture], 0, -1)
     result[box][covered[box]] = found[covered[box]]
     return result

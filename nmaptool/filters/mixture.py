@@ -29,12 +29,33 @@ def fit_mixture(lengths: Float64, weights: Float64) -> Mixture:
     -------
     Mixture
     """
-    edges = np.linspace(0, _LONGEST, _BINS + 1)
-    mass, _ = np.histogram(lengths.clip(0, _LONGEST), edges, weights=weights)
+    return fit_histogram(*length_histogram(lengths, weights))
+
+
+def length_histogram(lengths: Float64, weights: Float64) -> tuple[Float64, Float64]:
+    """Return the sums of weights, and of weights times lengths, in each bin; those of parts may be added.
+
+    Parameters
+    ----------
+    lengths, weights : (N,) float64
+        As for `fit_mixture`.
+    """
+    lengths = lengths.clip(0, _LONGEST)
+    mass, _ = np.histogram(lengths, _edges(), weights=weights)
+    inner, _ = np.histogram(lengths, _edges(), weights=weights * lengths)
+    return mass, inner
+
+
+def _edges() -> Float64:
+    return np.linspace(0, _LONGEST, _BINS + 1)
+
+
+def fit_histogram(mass: Float64, inner: Float64) -> Mixture:
+    """Model a histogram of residual lengths, as `length_histogram` makes it, by two Gaussians."""
+    edges = _edges()
     total = mass.sum()
     mass = mass / total
     # the means within the bins, so a spike inside one bin keeps its position
-    inner, _ = np.histogram(lengths.clip(0, _LONGEST), edges, weights=weights * lengths)
     x = np.where(mass > 0, inner / np.where(mass > 0, mass * total, 1), (edges[:-1] + edges[1:]) / 2)
     density = mass / np.diff(edges)
     among = np.cumsum(mass)

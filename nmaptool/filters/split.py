@@ -19,7 +19,7 @@ from nmaptool.options import SplitOptions
 from nmaptool.options.plain_values import plain_values
 from nmaptool.types.inputs import NormalsLike, as_normal_map
 from nmaptool.types.layer_set import LayerReport, LayerSet
-from nmaptool.types.normal_map import NormalMap
+from nmaptool.types.picture import Frame
 
 _SMALLEST_PX = 0.3
 
@@ -67,7 +67,7 @@ def split(
     seen = coverage > 0
     if not seen.any():
         raise InputError(f"{normal_map.name}: no pixel is covered, so there is nothing to split")
-    sigma_s_px = _in_px(options.sigma_s, normal_map)
+    sigma_s_px = sigma_in_px(options.sigma_s, normal_map.frame, normal_map.name)
     filtered = rolling_guidance_image(
         original,
         coverage,
@@ -98,12 +98,17 @@ def split(
     return LayerSet(normal_map, base_map, detail_map, report)
 
 
-def _in_px(sigma_s: Length, normal_map: NormalMap) -> float:
-    frame = normal_map.frame
+def sigma_in_px(sigma_s: Length, frame: Frame, name: str) -> float:
+    """Return the size of detail in px.
+
+    Raises
+    ------
+    UsageError
+        If it is in mm and the pitch is unknown, or less than 0.3 px.
+    """
     if sigma_s.is_absolute and frame.pitch_mm is None:
         raise UsageError(
-            f"`sigma_s='{sigma_s}'`: the size of a pixel in {normal_map.name} is not known; give px or %, such as "
-            "`sigma_s='1%'`"
+            f"`sigma_s='{sigma_s}'`: the size of a pixel in {name} is not known; give px or %, such as `sigma_s='1%'`"
         )
     pitch = frame.pitch_mm or 1.0
     sigma_s_px = sigma_s.to_mm(pitch, frame.longer_side) / pitch

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -96,9 +97,14 @@ def inspect_map(image: RasterLike, options: ReadOptions | None = None, *, mask: 
         coarse=image.coarse,
         color_chunks=image.color_chunks,
     )
-    doubts = [found for found in decoded.findings if found.code != "facing-away"]
-    doubts += facing_doubts(facts.away_share, normal_map.decoding, doubts, _LEAST_AWAY)
-    return dataclasses.replace(facts, findings=(*doubts, *_findings(facts)))
+    return with_findings(facts, decoded.findings)
+
+
+def with_findings(facts: Inspection, doubts: Iterable[Finding]) -> Inspection:
+    """Measurements with all findings: doubts of the decoder, and what follows from the measurements."""
+    found = [doubt for doubt in doubts if doubt.code != "facing-away" and doubt.code not in RULES]
+    found += facing_doubts(facts.away_share, facts.decoding, found, _LEAST_AWAY)
+    return dataclasses.replace(facts, findings=(*found, *_findings(facts)))
 
 
 def _foreground(normal_map: NormalMap, mask: MaskLike | None) -> Mask:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nmaptool.composition.compositor import matrix_of
+from nmaptool.composition.placing import matrix_of
 from nmaptool.io.recipes.scenes import Scene
 from nmaptool.studio.layers import maps_of
 from nmaptool.types.layers import Layer, LayerGroup

@@ -1,6 +1,11 @@
 from .arrays import read_array as read_array
 from .arrays import write_array as write_array
+from .blending import blend as blend
 from .conversion import convert as convert
 from .copying import copy as copy
+from .depths import depth as depth
+from .inspecting import inspect as inspect
 from .large_relief import relief as relief
+from .pasting import paste as paste
 from .pyramid import overview as overview
+from .splitting import split as split

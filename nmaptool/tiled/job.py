@@ -3,11 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 from nmaptool.io.stores.work import WorkFolder
 from nmaptool.options import ReadOptions, ReliefFiles, ReliefOptions
 from nmaptool.reliefs.targets import Weights
 from nmaptool.solver.tiling.grid import TileGrid
+
+
+class TileJob(Protocol):
+    """What the tasks of every pass know."""
+
+    @property
+    def folder(self) -> WorkFolder:
+        """Holds a record of each finished tile."""
+
+    @property
+    def grid(self) -> TileGrid:
+        """The tiles."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from nmaptool.solver.tiling.coarse import CoarseProblem, add_block, empty_sum
 from nmaptool.solver.tiling.grid import Tile
 from nmaptool.solver.tiling.islands import merge
 from nmaptool.tiled.assembly import assemble
-from nmaptool.tiled.job import ReliefJob
+from nmaptool.tiled.job import ReliefJob, TileJob
 from nmaptool.tiled.sweep import Records, Remainder, heights_name, sweep
 from nmaptool.types.shown import counted
 
@@ -89,7 +89,7 @@ class Swept:
 
 
 def run_step(
-    job: ReliefJob, pool: Pool, step: str, work: Callable[[Tile], object], tell: Callable[[float], object]
+    job: TileJob, pool: Pool, step: str, work: Callable[[Tile], object], tell: Callable[[float], object]
 ) -> Records:
     """Run one step for all tiles that have no record of it yet, and return all records."""
     folder, grid = job.folder, job.grid

@@ -136,12 +136,48 @@ def check_mask(mask: Float32, name: str, shape: tuple[int, ...], mask_name: str 
     InputError
         The message names the layer, ``name``, and the file of the mask, ``mask_name``, if there is one.
     """
-    subject = f"{mask_name}: the mask of {name}" if mask_name else f"the mask of {name}"
-    if mask.shape != shape:
-        found, wanted = (f"{s[1]} x {s[0]}" if len(s) == 2 else str(s) for s in (mask.shape, shape))
-        raise InputError(f"{subject} is {found}, expected {wanted}, the size of what it masks; resize it")
+    check_mask_size(name, mask.shape, shape, mask_name)
+    check_mask_values(mask, name, mask_name)
+    if not mask.any():
+        raise mask_is_black(name, mask_name)
+
+
+def check_mask_values(mask: Float32, name: str, mask_name: str = "") -> None:
+    """Refuse a mask that has values outside [0, 1] or not finite.
+
+    Raises
+    ------
+    InputError
+        As `check_mask`.
+    """
     low, high = float(mask.min()), float(mask.max())
     if not (low >= 0 and high <= 1):  # also for NaN
-        raise InputError(f"{subject} must lie between 0 and 1, but holds {low:g} to {high:g}; scale its values")
-    if not mask.any():
-        raise InputError(f"{subject} is entirely black, which hides everything; paint what to show white")
+        raise InputError(
+            f"{_mask_of(name, mask_name)} must lie between 0 and 1, but holds {low:g} to {high:g}; scale its values"
+        )
+
+
+def check_mask_size(name: str, found: tuple[int, ...], shape: tuple[int, ...], mask_name: str = "") -> None:
+    """Refuse a mask that has another shape than the layer.
+
+    Raises
+    ------
+    InputError
+        As `check_mask`.
+    """
+    if found != shape:
+        size, wanted = (f"{s[1]} x {s[0]}" if len(s) == 2 else str(s) for s in (found, shape))
+        raise InputError(
+            f"{_mask_of(name, mask_name)} is {size}, expected {wanted}, the size of what it masks; resize it"
+        )
+
+
+def mask_is_black(name: str, mask_name: str = "") -> InputError:
+    """The error about a mask without white."""
+    return InputError(
+        f"{_mask_of(name, mask_name)} is entirely black, which hides everything; paint what to show white"
+    )
+
+
+def _mask_of(name: str, mask_name: str) -> str:
+    return f"{mask_name}: the mask of {name}" if mask_name else f"the mask of {name}"

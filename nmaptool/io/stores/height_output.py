@@ -3,21 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nmaptool.core.errors import OutputError, UsageError, reason_of
-from nmaptool.io.output.targets import exists_already
-from nmaptool.io.stores.extra import fsspec_module
-from nmaptool.io.stores.names import local_path
+from nmaptool.io.stores.new_stores import NewStore
 from nmaptool.io.stores.opening import create_picture, open_writable
 from nmaptool.io.stores.work import chunk_of
-from nmaptool.io.stores.zarr_writing import make_room
-
-_ENDING = ".zarr"
 
 
 @dataclass(frozen=True)
@@ -55,24 +48,16 @@ class HeightOutput:
     overwrite: bool = False
 
     def __post_init__(self) -> None:
-        place = self.name.rstrip("/")
-        if not place.endswith(_ENDING):
-            raise UsageError(f"{self.name}: heights of a large map are written to a Zarr store, such as heights.zarr")
-        path = local_path(place)
-        if path is None:
-            files, root = fsspec_module(place).core.url_to_fs(place)
-            if files.exists(root) and not self.overwrite:
-                raise exists_already(Path(place))
-            return
-        if path.exists() and not self.overwrite:
-            raise exists_already(path)
-        if not path.parent.is_dir():
-            raise OutputError(f"{place}: the folder {path.parent} does not exist; create it first")
+        _ = self._store
+
+    @property
+    def _store(self) -> NewStore:
+        return NewStore(self.name, "the relief of a large map", self.overwrite)
 
     @property
     def partial_name(self) -> str:
         """The name of the store until it is complete."""
-        return f"{self.name.rstrip('/').removesuffix(_ENDING)}.partial{_ENDING}"
+        return self._store.partial_name
 
     def begin(self) -> None:
         """Create the store."""
@@ -99,17 +84,7 @@ class HeightOutput:
         """State the range of the heights, and give the store its name."""
         extent = {"height_min_mm": repr(low_mm), "height_max_mm": repr(high_mm)}
         open_writable(self.partial_name).add_attributes(extent)
-        place = self.name.rstrip("/")
-        make_room(place, self.overwrite)
-        path, partial = local_path(place), local_path(self.partial_name)
-        try:
-            if path is not None and partial is not None:
-                partial.replace(path)
-            else:
-                files, root = fsspec_module(place).core.url_to_fs(place)
-                files.mv(files._strip_protocol(self.partial_name), root, recursive=True)
-        except OSError as error:
-            raise OutputError(f"{place}: cannot be written ({reason_of(error)})") from None
+        self._store.finish()
 
 
 def write_heights(name: str, row: int, col: int, z_mm: NDArray[Any]) -> None:

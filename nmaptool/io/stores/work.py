@@ -98,7 +98,7 @@ class WorkFolder:
         zarr.create_array(
             f"{self.url}/{name}",
             shape=shape,
-            chunks=(chunk_of(tile),) * len(shape),
+            chunks=(chunk_of(tile), chunk_of(tile), *shape[2:]),
             dtype=dtype,
             compressors=codec,
             overwrite=True,
