@@ -10,7 +10,6 @@ from typing import NamedTuple
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 _FILE = "file://"
 ZARR_ENDING = ".zarr"
-_TIFF_ENDINGS = (".tif", ".tiff", ".btf", ".tf8")
 # the files that make a folder a Zarr array or group: of version 3, of version 2
 ZARR_FILES = ("zarr.json", ".zarray", ".zgroup")
 
@@ -77,15 +76,3 @@ def is_zarr(place: str) -> bool:
     if path.is_dir():
         return any((path / name).is_file() for name in ZARR_FILES) or path.suffix.lower() == ZARR_ENDING
     return not path.exists() and path.suffix.lower() == ZARR_ENDING
-
-
-def is_large_map(name: str, max_megapixels: float) -> bool:
-    """As `nmaptool.io.stores.opening.is_store`, but without loading what reads stores where the name rules them out."""
-    place, _ = split_name(name)
-    path = local_path(place)
-    ending = PurePosixPath(place).suffix.lower()
-    if path is not None and not path.is_dir() and ending not in (ZARR_ENDING, *_TIFF_ENDINGS):
-        return False
-    from nmaptool.io.stores.opening import is_store
-
-    return is_store(name, max_megapixels)
