@@ -1,0 +1,136 @@
+"""Clusters of Dask: processes on this machine, or a running scheduler."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import logging
+from collections.abc import Iterator
+from typing import Any
+
+from nmaptool._version import __version__
+from nmaptool.core.errors import ClusterError, UsageError
+from nmaptool.sets import worker as in_worker
+
+_PACKAGES = ("dask", "distributed")
+_CONNECT_S, _WORKERS_S = 10, 30
+
+
+def require_dask() -> None:
+    """Refuse to go on without the extra.
+
+    Raises
+    ------
+    UsageError
+    """
+    lacking = [name for name in _PACKAGES if importlib.util.find_spec(name) is None]
+    if lacking:
+        raise UsageError(
+            f'sets of jobs need {" and ".join(lacking)}; install them with: pip install "nmaptool-relief[cluster]"'
+        )
+
+
+@contextlib.contextmanager
+def local_client(workers: int, threads: int, folder: str) -> Iterator[Any]:
+    """Start processes on this machine, and end them with the block.
+
+    Parameters
+    ----------
+    workers : int
+    threads : int
+        Threads of the libraries in each process; each runs one item at a time.
+    folder : str
+        For the files of Dask.
+
+    Raises
+    ------
+    ClusterError
+        If they do not start.
+    """
+    import dask
+    from distributed import Client, LocalCluster
+
+    # a process that dies fails what it was given at once; the batch itself tries again what was really running
+    settings = {"distributed.scheduler.allowed-failures": 0, "distributed.comm.timeouts.connect": "30s"}
+    limits = dict.fromkeys(("OPENCV_FOR_THREADS_NUM", "OPENIMAGEIO_THREADS"), str(threads))
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(dask.config.set(settings))
+        stack.enter_context(_silent())
+        try:
+            cluster = stack.enter_context(
+                LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    host="127.0.0.1",
+                    dashboard_address=None,
+                    memory_limit=0,  # planned beforehand; Dask would pause or end a process at its share
+                    local_directory=folder,
+                    silence_logs=logging.CRITICAL,
+                    preload=[in_worker.__name__],
+                    env=limits,
+                )
+            )
+            client = stack.enter_context(Client(cluster))
+        except (OSError, RuntimeError, TimeoutError) as error:
+            raise ClusterError(
+                f"the worker processes do not start ({_first_line(error)}); use fewer `workers`"
+            ) from None
+        yield client
+
+
+@contextlib.contextmanager
+def remote_client(address: str) -> Iterator[Any]:
+    """Connect to a running scheduler.
+
+    Raises
+    ------
+    ClusterError
+        If it does not answer, or has no workers with this version of the package.
+    """
+    from distributed import Client
+
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(_silent())
+        try:
+            client = stack.enter_context(Client(address, timeout=_CONNECT_S, set_as_default=False))
+        except (OSError, ValueError, RuntimeError, TimeoutError) as error:
+            raise ClusterError(
+                f"{address}: no scheduler answers ({_first_line(error)}); start one with: dask scheduler"
+            ) from None
+        try:
+            client.wait_for_workers(1, timeout=_WORKERS_S)
+        except TimeoutError:
+            raise ClusterError(
+                f"{address}: the cluster has no workers; start one with: dask worker {address}"
+            ) from None
+        _check_versions(client, address)
+        yield client
+
+
+def _check_versions(client: Any, address: str) -> None:
+    try:
+        found = client.run(in_worker.version)
+    except Exception as error:  # noqa: BLE001 - whatever the worker raises as it loads the package
+        raise ClusterError(
+            f"{address}: a worker cannot load nmaptool ({_first_line(error)}); install version {__version__} there"
+        ) from None
+    for name, version in found.items():
+        if version != __version__:
+            raise ClusterError(f"{name}: has nmaptool {version}, and this is {__version__}; install the same version")
+
+
+def _first_line(error: BaseException) -> str:
+    return (str(error).strip() or type(error).__name__).splitlines()[0].rstrip(".")
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Keep Dask from reporting lost workers itself: the batch reports them."""
+    logger = logging.getLogger("distributed")
+    before = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        logger.setLevel(before)
