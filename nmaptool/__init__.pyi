@@ -75,9 +75,9 @@ from .meshes.clean import clean_mesh as clean_mesh
 from .options import BLEND_MODES as BLEND_MODES
 from .options import MATERIALS as MATERIALS
 from .options import BakeOptions as BakeOptions
+from .options import BatchOptions as BatchOptions
 from .options import BlendMode as BlendMode
 from .options import BlendOptions as BlendOptions
-from .options import BatchOptions as BatchOptions
 from .options import CanvasOptions as CanvasOptions
 from .options import CompareOptions as CompareOptions
 from .options import DepthOptions as DepthOptions

@@ -14,6 +14,7 @@ from cyclopts.exceptions import CycloptsError
 from nmaptool.core.errors import NmaptoolError, UsageError
 from nmaptool.core.mentions import written_name
 from nmaptool.core.text import listed
+from nmaptool.options.fields import Options
 from nmaptool_cli.arguments import prepared
 from nmaptool_cli.command import Command, command_of
 from nmaptool_cli.guard import usage
@@ -114,6 +115,7 @@ def parse(name: str, words: Sequence[str]) -> Parsed:
 
 def _outputs(command: Command) -> Iterator[str]:
     """Names of the arguments that name outputs: paths in the group of outputs, and paths without a flag."""
+    options: type[Options]
     for options in command.classes:
         if options.group == "Outputs":
             hints = get_type_hints(options)
@@ -174,10 +176,9 @@ def _flags(command: Command) -> Iterator[tuple[str, bool]]:
     """Every flag of a command with its short form, and whether it takes a value."""
     for parameter in command.parameters():
         if parameter.kind is parameter.KEYWORD_ONLY:
-            hint, *settings = parameter.annotation.__origin__, *parameter.annotation.__metadata__
-            for shown in settings:
+            for shown in parameter.annotation.__metadata__:
                 for flag in [shown.name] if isinstance(shown.name, str) else shown.name or ():
-                    yield flag, hint is not bool
+                    yield flag, parameter.annotation.__origin__ is not bool
 
 
 def _each(value: Any) -> Iterable[Any]:

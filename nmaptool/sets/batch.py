@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import importlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -135,9 +134,8 @@ class _Batch:
     def _run(
         self, client: Any, numbers: Sequence[int], threads: int | None, spool: Path | None
     ) -> Iterator[BatchResult]:
-        dispatch = Dispatch(client, self._items, self._begin, threads, spool)
-        with contextlib.closing(dispatch.results(numbers)) as found:
-            for number, result in found:
+        with Dispatch(client, self._items, self._begin, threads, spool) as dispatch:
+            for number, result in dispatch.results(numbers):
                 self._journal.end(self._items[number], result)
                 yield result
 

@@ -8,7 +8,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from nmaptool.core.errors import ClusterError
 from nmaptool.sets import worker as in_worker
@@ -52,6 +52,13 @@ class Dispatch:
         self._deaths: dict[int, int] = {}
         self._workers, self._counted = 0, -_COUNT_S
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._running:
+            self._stop()
+
     def results(self, numbers: Sequence[int]) -> Iterator[tuple[int, BatchResult]]:
         """Run the items of these numbers; return each number with its result, in the order in which they end.
 
@@ -61,20 +68,16 @@ class Dispatch:
             If the scheduler goes away.
         """
         waiting = deque(numbers)
-        try:
-            while waiting or self._running:
-                while waiting and len(self._running) < _AT_EACH * self._count():
-                    self._send(waiting.popleft())
-                future = self._next()
-                number, _ = self._running.pop(future.key)
-                result = self._result(number, future)
-                if result is None:
-                    waiting.appendleft(number)
-                else:
-                    yield number, result
-        finally:
-            if self._running:
-                self._stop()
+        while waiting or self._running:
+            while waiting and len(self._running) < _AT_EACH * self._count():
+                self._send(waiting.popleft())
+            future = self._next()
+            number, _ = self._running.pop(future.key)
+            result = self._result(number, future)
+            if result is None:
+                waiting.appendleft(number)
+            else:
+                yield number, result
 
     def _count(self) -> int:
         """Return the number of workers; those of a cluster may come and go."""
@@ -128,9 +131,10 @@ class Dispatch:
         return None
 
     def _died(self, item: BatchItem) -> str:
+        times = "" if self._spool is None else "twice "
         return (
-            f"{item.inputs[0]}: its process ended {'' if self._spool is None else 'twice '}in the middle (killed, or out "
-            "of memory); use fewer `workers`, or a smaller map"
+            f"{item.inputs[0]}: its process ended {times}in the middle (killed, or out of memory); use fewer `workers` "
+            "or a smaller map"
         )
 
     def _gone(self) -> ClusterError:

@@ -29,7 +29,7 @@ class SolverKeeper:
         self._kept: tuple[QuadSystem, str, Solver] | None = None
 
     def solver_of(self, system: QuadSystem, method: str) -> Solver | None:
-        """Return the kept solver if it is for an equal system; otherwise forget it, to free its memory, and return None.
+        """Return the kept solver if it is for an equal system; otherwise None, and forget it to free its memory.
 
         Parameters
         ----------

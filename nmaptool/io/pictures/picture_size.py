@@ -12,7 +12,7 @@ from nmaptool.io.pictures.normal_maps import split_layer
 from nmaptool.io.pictures.request import Request
 
 
-class _SizeKnown(Exception):
+class _SizeKnown(Exception):  # noqa: N818 - no error
     """Ends a reader once it has read the header."""
 
     def __init__(self, cols: int, rows: int) -> None:

@@ -30,11 +30,29 @@ def default_journal(items: Sequence[BatchItem]) -> Path | None:
         return Path(min(folders)) / JOURNAL_NAME
 
 
+@dataclass(frozen=True)
+class _Done:
+    """A finished item: its outputs as they were when it ended, and its exit code."""
+
+    outputs: dict[Path, _Signature]
+    exit_code: int
+
+
 @dataclass
 class _State:
-    """What the lines of a journal say."""
+    """What the lines of a journal say.
 
-    done: dict[str, dict[str, Any]] = field(default_factory=dict)
+    Attributes
+    ----------
+    done : dict
+        Finished items by recipe.
+    written : dict
+        The last known state of every file that an item has written.
+    begun : dict
+        The outputs of items that have begun and not ended, by recipe.
+    """
+
+    done: dict[str, _Done] = field(default_factory=dict)
     written: dict[Path, _Signature] = field(default_factory=dict)
     begun: dict[str, set[Path]] = field(default_factory=dict)
 
@@ -91,18 +109,18 @@ class Journal:
     def finished(self, item: BatchItem) -> BatchResult | None:
         """Return the result of an earlier run if the item is done, unchanged, and its outputs exist; otherwise None."""
         entry = self._state.done.get(item.recipe)
-        if entry is None or not all((self._folder / name).exists() for name in entry["outputs"]):
+        if entry is None or not all(self._is_still(*output) for output in entry.outputs.items()):
             return None
-        outputs = tuple(os.path.relpath(self._folder / name, item.folder) for name in entry["outputs"])
-        return BatchResult(item.inputs, outputs, entry["exit_code"], "skipped", recipe=item.recipe)
+        outputs = tuple(_shown(path, item) for path in entry.outputs)
+        return BatchResult(item.inputs, outputs, entry.exit_code, "skipped", recipe=item.recipe)
 
     def owns(self, item: BatchItem) -> bool:
         """Whether everything at the outputs of an item, if anything, was written by this batch and is unchanged."""
-        return all(self._is_ours(Path(item.folder, name).absolute()) for name in item.outputs)
+        return all(self._is_ours(_absolute(item, name)) for name in item.outputs)
 
     def begin(self, item: BatchItem) -> None:
         """Record that an item may be writing its outputs from now on; only for outputs that the batch `owns`."""
-        outputs = [Path(item.folder, name).absolute() for name in item.outputs]
+        outputs = [_absolute(item, name) for name in item.outputs]
         self._state.begun[item.recipe] = set(outputs)
         self._write({"state": "begun", **self._facts(item), "outputs": [self._name(path) for path in outputs]})
 
@@ -112,24 +130,29 @@ class Journal:
         if result.status != "done":
             self._write({"state": "failed", **self._facts(item)})
             return
-        outputs = {}
-        for name in result.outputs:
-            path = Path(item.folder, name).absolute()
-            _, *signature = identity(path)
-            outputs[self._name(path)] = signature
-            self._state.written[path] = (signature[0], signature[1])
-        self._write({"state": "done", **self._facts(item), "outputs": outputs, "exit_code": result.exit_code})
+        outputs = {path: _signature(path) for path in (_absolute(item, name) for name in result.outputs)}
+        self._state.written |= outputs
+        self._state.done[item.recipe] = _Done(outputs, result.exit_code)
+        named = {self._name(path): signature for path, signature in outputs.items()}
+        self._write({"state": "done", **self._facts(item), "outputs": named, "exit_code": result.exit_code})
 
     def _facts(self, item: BatchItem) -> dict[str, Any]:
         return {"recipe": item.recipe, "command": item.command, "inputs": item.inputs}
 
     def _is_ours(self, path: Path) -> bool:
-        if not os.path.lexists(path) or any(path in paths for paths in self._state.begun.values()):
+        if not os.path.lexists(path) or self._is_begun(path):
             return True
         if path.is_dir():
             return all(self._is_ours(each) for each in path.iterdir())
-        _, *signature = identity(path)
-        return self._state.written.get(path) == tuple(signature)
+        return self._state.written.get(path) == _signature(path)
+
+    def _is_still(self, path: Path, signature: _Signature) -> bool:
+        """Whether an output exists and no later item has written it."""
+        return path.exists() and self._state.written.get(path) == signature and not self._is_begun(path)
+
+    def _is_begun(self, path: Path) -> bool:
+        """Whether an item that has not ended may have written this file, or the folder that it is in."""
+        return any({path, *path.parents} & paths for paths in self._state.begun.values())
 
     def _name(self, path: Path) -> str:
         """Return a path relative to the journal, so that both can be moved together."""
@@ -157,8 +180,9 @@ class Journal:
                 state.begun[recipe] = {self._path(name) for name in entry["outputs"]}
             case "done":
                 state.begun.pop(recipe, None)
-                state.written |= {self._path(name): (size, time) for name, (size, time) in entry["outputs"].items()}
-                state.done[recipe] = {"outputs": list(entry["outputs"]), "exit_code": int(entry["exit_code"])}
+                outputs = {self._path(name): (int(size), int(time)) for name, (size, time) in entry["outputs"].items()}
+                state.written |= outputs
+                state.done[recipe] = _Done(outputs, int(entry["exit_code"]))
             case "failed":
                 state.begun.pop(recipe, None)
 
@@ -172,6 +196,24 @@ class Journal:
             self._stream.write(json.dumps(entry).encode() + b"\n")
         except OSError as error:
             raise OutputError(f"{self.path}: the journal cannot be written ({reason_of(error)})") from None
+
+
+def _absolute(item: BatchItem, name: str) -> Path:
+    return Path(os.path.abspath(os.path.join(item.folder, name)))  # noqa: PTH100, PTH118 - links stay
+
+
+def _signature(path: Path) -> _Signature:
+    _, size, time = identity(path)
+    return size, time
+
+
+def _shown(path: Path, item: BatchItem) -> str:
+    """Return an output as the item names it."""
+    for name in item.outputs:
+        declared = _absolute(item, name)
+        if path == declared or declared in path.parents:
+            return name if path == declared else str(Path(name) / path.relative_to(declared))
+    return str(path)
 
 
 def _lock(stream: BinaryIO, path: Path) -> None:

@@ -38,7 +38,8 @@ def expand(patterns: Sequence[str], folder: Path) -> list[str]:
         if not glob.has_magic(file) or (folder / file).exists():
             found.setdefault(pattern)
             continue
-        names = sorted(name for name in glob.glob(file, root_dir=folder, recursive=True) if (folder / name).is_file())
+        fitting = glob.glob(file, root_dir=folder, recursive=True)  # noqa: PTH207 - names as they are given
+        names = sorted(name for name in fitting if (folder / name).is_file())
         if not names:
             raise InputError(f"{pattern}: no file fits this pattern")
         found.update(dict.fromkeys(name + layer for name in names))
