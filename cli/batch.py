@@ -16,7 +16,6 @@ from nmaptool.types.batch import BatchJob, BatchResult
 from nmaptool_cli.command import command
 from nmaptool_cli.mentions import in_flags
 from nmaptool_cli.run import Run
-from nmaptool_cli.sets.items import job_of_words
 from nmaptool_cli.streams import standard_output
 
 # clears the line of the progress bar, which a JSON line on the same terminal would join
@@ -41,6 +40,7 @@ def batch(run: Run, /, *job: Annotated[str, Parameter(allow_leading_hyphen=True)
     """
     import nmaptool as nm
     from nmaptool.io.sets.tables import is_table, read_jobs
+    from nmaptool_cli.sets.items import job_of_words
 
     jobs: Iterable[BatchJob]
     if job and is_table(job[0]):

@@ -127,8 +127,6 @@ from .solids.cutting.cut import parts as parts
 from .solids.cutting.plan import plan_parts as plan_parts
 from .solids.solid import solid as solid
 from .solids.surface import surface_mesh as surface_mesh
-from .types.batch import BatchItem as BatchItem
-from .types.batch import BatchJob as BatchJob
 from .types.batch import BatchResult as BatchResult
 from .types.comparison import Comparison as Comparison
 from .types.comparison import Contender as Contender

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import os
@@ -15,10 +16,11 @@ from nmaptool.io.sets.identity import files_of, identity
 from nmaptool.io.sets.patterns import expand, fill, has_placeholder
 from nmaptool.types.batch import BatchItem, BatchJob
 from nmaptool_cli.mentions import in_flags
-from nmaptool_cli.sets.parsed import Parsed, flag_words, parse, split_words, takes_several
+from nmaptool_cli.sets.parsed import Parsed, flag_words, has_flag, parse, split_words, takes_several
 from nmaptool_cli.streams import STREAM, refuse_stream
 
 _LONGEST_HASH = 32
+_LIMIT = "--memory-limit"
 
 
 def job_of_words(words: Sequence[str]) -> BatchJob:
@@ -52,6 +54,17 @@ def items_of(jobs: Iterable[BatchJob]) -> list[BatchItem]:
     return items
 
 
+def ready(item: BatchItem, *, overwrite: bool, memory_limit: str | None) -> BatchItem:
+    """The item with the flags that the batch adds: leave to replace its outputs, and the limit of memory."""
+    words = list(item.words)
+    if overwrite and item.outputs and "--overwrite" not in words:
+        words.append("--overwrite")
+    limited = any(word.partition("=")[0] == _LIMIT for word in words)
+    if memory_limit is not None and not limited and has_flag(item.command, _LIMIT):
+        words.append(f"{_LIMIT}={memory_limit}")
+    return dataclasses.replace(item, words=tuple(words))
+
+
 def _located(job: BatchJob) -> Iterator[BatchItem]:
     """The items of one job; errors say where it is written."""
     try:
@@ -63,7 +76,7 @@ def _located(job: BatchJob) -> Iterator[BatchItem]:
 
 
 def _items_of(job: BatchJob) -> Iterator[BatchItem]:
-    flags = [*flag_words(job.command, dict(job.options)), *job.words]
+    flags = [*flag_words(job.command, job.options), *job.words]
     patterns, fixed = _patterns(job)
     refuse_stream("a batch reads files, so that it can go on where it stopped", *patterns, *fixed)
     parsed = parse(job.command, ["input", *fixed, *flags])

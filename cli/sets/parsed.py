@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
@@ -148,8 +148,8 @@ def split_words(name: str, words: Sequence[str]) -> tuple[list[str], list[str]]:
     return inputs, flags
 
 
-def flag_words(name: str, options: dict[str, Any]) -> list[str]:
-    """The options of a row of a table as words of the command line.
+def flag_words(name: str, options: Mapping[str, Any]) -> list[str]:
+    """The options of a row of a table as words of the command line; false and an empty list stand for the default.
 
     Raises
     ------
@@ -159,17 +159,21 @@ def flag_words(name: str, options: dict[str, Any]) -> list[str]:
     takes_value = {flag: takes for flag, takes in _flags(named_command(name)) if flag.startswith("--")}
     found: list[str] = []
     for key, value in options.items():
+        given = [each for each in _each(value) if each is not False]  # false is the default of every switch
         flag = flag_of(key)
-        if flag not in takes_value:
+        if given and flag not in takes_value:
             known = listed(sorted(each.removeprefix("--") for each in takes_value))
             raise UsageError(f"{written_name(key)}: is not an option of nmap {name}; use one of {known}")
-        for each in value if isinstance(value, list | tuple) else [value]:
-            if isinstance(each, bool) == takes_value[flag]:
-                wanted = "a value, not true or false" if takes_value[flag] else "true or false"
-                raise UsageError(f"{written_name(key)}: needs {wanted}")
-            if each is not False:
-                found.append(flag if each is True else f"{flag}={each}")
+        if any(isinstance(each, bool) == takes_value[flag] for each in given):
+            wanted = "a value, not true or false" if takes_value[flag] else "true or false"
+            raise UsageError(f"{written_name(key)}: needs {wanted}")
+        found += [flag if each is True else f"{flag}={each}" for each in given]
     return found
+
+
+def has_flag(name: str, flag: str) -> bool:
+    """Whether a command has a flag."""
+    return any(flag == known for known, _ in _flags(named_command(name)))
 
 
 def _flags(command: Command) -> Iterator[tuple[str, bool]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import importlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -19,8 +18,6 @@ from nmaptool.sets.dispatch import Dispatch
 from nmaptool.sets.planning import Shift, shifts, sizes_of
 from nmaptool.types.batch import BatchItem, BatchJob, BatchResult
 
-_TAKES_LIMIT = "relief"
-
 
 def batch(
     jobs: str | Path | Iterable[Mapping[str, Any] | BatchJob],
@@ -30,7 +27,7 @@ def batch(
 ) -> Iterator[BatchResult]:
     """Run commands for many inputs, several at a time, and go on where an earlier run stopped.
 
-    Each item runs exactly as its command line would, in a process of its own. What is finished is recorded in a journal
+    Each item runs exactly as its command line would, in its own process. What is finished is recorded in a journal
     beside the outputs: a second call skips items whose command, options, version and inputs are the same and whose
     outputs exist. Outputs that an earlier call wrote, and nobody has changed since, are replaced; no others are, unless
     the job says ``overwrite``.
@@ -44,7 +41,7 @@ def batch(
         the input's name and its place in the job.
     options : BatchOptions, optional
     progress : callable, optional
-        Called with "items" and the share of the items that have ended.
+        Called with a text such as "3 of 200" and the share of the items that have ended.
 
     Returns
     -------
@@ -80,7 +77,7 @@ def batch(
             for number, row in enumerate(rows, start=1)
         ]
     require_dask()
-    items: list[BatchItem] = importlib.import_module(in_worker.ITEMS).items_of(found)
+    items: list[BatchItem] = _command_line().items_of(found)
     return _results(items, options or BatchOptions(), progress)
 
 
@@ -89,18 +86,19 @@ def _results(items: Sequence[BatchItem], options: BatchOptions, progress: Progre
     path = options.journal or default_journal(items)
     ended = 0
     with Journal(path).open() as journal:
-        UNFINISHED.kept = _kept(0, len(items))
+        _tell(ended, len(items), progress)
         for result in _Batch(items, options, journal).results():
             ended += 1
-            UNFINISHED.kept = _kept(ended, len(items))
-            if progress is not None:
-                progress("items", ended / len(items))
+            _tell(ended, len(items), progress)
             yield result
     UNFINISHED.kept = ""
 
 
-def _kept(ended: int, count: int) -> str:
-    return f"{ended} of {count} items have ended; run the same command again to go on"
+def _tell(ended: int, count: int, progress: Progress | None) -> None:
+    """Report how many items have ended, also for the message of a run that is interrupted."""
+    UNFINISHED.kept = f"{ended} of {count} items have ended; run the same command again to go on"
+    if progress is not None and count:
+        progress(f"{ended} of {count}", ended / count)
 
 
 class _Batch:
@@ -142,11 +140,13 @@ class _Batch:
     def _begin(self, number: int) -> BatchItem:
         """Record that an item begins, and return it as it is to be run."""
         item = self._items[number]
-        words = list(item.words)
-        if self._options.memory_limit is not None and item.command == _TAKES_LIMIT and "--memory-limit" not in words:
-            words.append(f"--memory-limit={self._options.memory_limit}")
-        if self._journal.owns(item):
+        owned = self._journal.owns(item)
+        if owned:
             self._journal.begin(item)
-            if item.outputs and "--overwrite" not in words:
-                words.append("--overwrite")
-        return dataclasses.replace(item, words=tuple(words))
+        ready: BatchItem = _command_line().ready(item, overwrite=owned, memory_limit=self._options.memory_limit)
+        return ready
+
+
+def _command_line() -> Any:
+    """The module of the command line that knows its flags; the library, below it, cannot import it."""
+    return importlib.import_module(in_worker.ITEMS)

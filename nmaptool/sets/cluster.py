@@ -5,7 +5,10 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import logging
+import signal
+import sys
 from collections.abc import Iterator
+from multiprocessing import resource_tracker
 from typing import Any
 
 from nmaptool._version import __version__
@@ -48,7 +51,7 @@ def local_client(workers: int, threads: int, folder: str) -> Iterator[Any]:
         If they do not start.
     """
     import dask
-    from distributed import Client, LocalCluster
+    from distributed import Client
 
     # a process that dies fails what it was given at once; the batch itself tries again what was really running
     # Dask's own variables would give freed memory back to the system after every array: a fifth to a half of the time
@@ -61,25 +64,30 @@ def local_client(workers: int, threads: int, folder: str) -> Iterator[Any]:
         stack.enter_context(dask.config.set(settings))
         stack.enter_context(_silent())
         try:
-            cluster = stack.enter_context(
-                LocalCluster(  # type: ignore[no-untyped-call]
-                    n_workers=workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    host="127.0.0.1",
-                    dashboard_address=None,
-                    memory_limit=0,  # planned beforehand; Dask would pause or end a process at its share
-                    local_directory=folder,
-                    silence_logs=logging.CRITICAL,
-                    preload=[in_worker.__name__],
-                )
-            )
+            with _without_ctrl_c():
+                cluster = stack.enter_context(_processes(workers, folder))
             client = stack.enter_context(Client(cluster))  # type: ignore[no-untyped-call]
         except (OSError, RuntimeError, TimeoutError) as error:
             raise ClusterError(
                 f"the worker processes do not start ({_first_line(error)}); use fewer `workers`"
             ) from None
         yield client
+
+
+def _processes(workers: int, folder: str) -> Any:
+    from distributed import LocalCluster
+
+    return LocalCluster(  # type: ignore[no-untyped-call]
+        n_workers=workers,
+        threads_per_worker=1,
+        processes=True,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
+        memory_limit=0,  # planned beforehand; Dask would pause or end a process at its share
+        local_directory=folder,
+        silence_logs=logging.CRITICAL,
+        preload=[in_worker.__name__],
+    )
 
 
 def _threads(count: int) -> dict[str, int]:
@@ -133,12 +141,42 @@ def _first_line(error: BaseException) -> str:
 
 
 @contextlib.contextmanager
-def _silent() -> Iterator[None]:
-    """Keep Dask from reporting lost workers itself: the batch reports them."""
-    logger = logging.getLogger("distributed")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL)
+def _without_ctrl_c() -> Iterator[None]:
+    """Keep Ctrl-C in a terminal from the processes that the block starts: only the batch itself answers it.
+
+    They, and the thread that starts them again after they died, inherit the signals that are blocked. Other threads of
+    this process still receive it.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    _start_tracker()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        logger.setLevel(before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _start_tracker() -> None:
+    """Start the process in which Python counts semaphores, without its warning about those of a process that ended."""
+    quiet = "ignore:resource_tracker"
+    sys.warnoptions.append(quiet)
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        sys.warnoptions.remove(quiet)
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Keep Dask from reporting lost workers itself: the batch reports them."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "tornado", "asyncio")]
+    before = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, before, strict=True):
+            logger.setLevel(level)

@@ -14,6 +14,8 @@ from nmaptool.core.errors import ClusterError
 from nmaptool.sets import worker as in_worker
 from nmaptool.types.batch import BatchItem, BatchResult
 
+# called with the item, the cores that it may use, and the name of the file that says that it has begun
+Task = Callable[[BatchItem, int | None, str | None], BatchResult]
 # items at each worker, so that none waits for its next one
 _AT_EACH = 2
 # how often an item is begun whose process dies, and how often an item is sent in all
@@ -34,6 +36,8 @@ class Dispatch:
         Cores for each item; None for the threads of the worker.
     spool : Path or None
         Folder on this machine in which workers note what they begin; None if they are elsewhere.
+    task : callable
+        What a worker calls.
     """
 
     def __init__(
@@ -43,9 +47,10 @@ class Dispatch:
         begin: Callable[[int], BatchItem],
         threads: int | None,
         spool: Path | None,
+        task: Task = in_worker.run_item,
     ) -> None:
         self._client, self._items, self._begin = client, items, begin
-        self._threads, self._spool = threads, spool
+        self._threads, self._spool, self._task = threads, spool, task
         self._ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._running: dict[str, tuple[int, Any]] = {}
         self._sent: dict[int, int] = {}
@@ -91,7 +96,7 @@ class Dispatch:
         begun = None if self._spool is None else str(self._spool / f"{number}-{attempt}")
         key = f"nmap-{id(self):x}-{number}-{attempt}"
         item = self._begin(number)
-        future = self._client.submit(in_worker.run_item, item, self._threads, begun, key=key, pure=False)
+        future = self._client.submit(self._task, item, self._threads, begun, key=key, pure=False)
         self._running[key] = number, future
         future.add_done_callback(self._ended.put)
 
@@ -141,11 +146,13 @@ class Dispatch:
         return ClusterError("the scheduler has gone; run the same command again to go on with the other items")
 
     def _stop(self) -> None:
-        """Cancel what waits, and on this machine remove the unfinished files of what runs."""
+        """Cancel what waits, and on this machine end what runs and remove its unfinished files."""
         with contextlib.suppress(Exception):
-            if self._spool is not None:
-                self._client.run(in_worker.sweep, on_error="ignore")
             self._client.cancel([future for _, future in self._running.values()], force=True)
+            if self._spool is not None:
+                for nanny in self._client.cluster.workers.values():
+                    nanny.auto_restart = False
+                self._client.run(in_worker.stop, on_error="ignore")
 
 
 def _failed(item: BatchItem, message: str) -> BatchResult:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import signal
 from pathlib import Path
 from typing import Any
@@ -52,8 +53,9 @@ def version() -> str:
     return __version__
 
 
-def sweep() -> None:
-    """Remove the unfinished files of this process, just before it ends."""
+def stop() -> None:
+    """Remove the unfinished files of this process and end it."""
     from nmaptool.io.interruption import UNFINISHED
 
     UNFINISHED.sweep()
+    os._exit(0)

@@ -8,8 +8,6 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from nmaptool.io.pictures.normal_maps import split_layer
-
 # files that name other files: they are read to find these
 _MOST_BYTES = 16_000_000
 _READERS = {".toml": tomllib.loads, ".gltf": json.loads}
@@ -50,6 +48,8 @@ def identity(path: Path) -> tuple[str, int, int]:
 
 def _file(word: str, folder: Path) -> Path | None:
     """Return the file that a word names; None if there is none."""
+    from nmaptool.io.pictures.normal_maps import split_layer
+
     for name in dict.fromkeys((word, str(split_layer(word)[0]))):
         try:
             path = folder / name

@@ -75,8 +75,8 @@ def job_of(values: Mapping[str, Any], folder: Path, place: str) -> BatchJob:
     if "input" in options and "inputs" in options:
         raise InputError(f"{place}: input and inputs are both given; leave one of them out")
     inputs = options.pop("inputs", options.pop("input", None))
-    names = [inputs] if isinstance(inputs, str) else inputs
-    if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names) or not names:
+    names = [inputs] if isinstance(inputs, str | Path) else inputs
+    if not isinstance(names, list | tuple) or not names or not all(_is_name(name) for name in names):
         raise InputError(f'{place}: inputs must be a file name, a pattern or a list of them, such as "maps/*.png"')
     found: dict[str, Any] = {}
     for key, value in options.items():
@@ -84,7 +84,11 @@ def job_of(values: Mapping[str, Any], folder: Path, place: str) -> BatchJob:
         if name in found:
             raise InputError(f"{place}: {name} is given twice; leave one of them out")
         found[name] = _checked(value, name, place)
-    return BatchJob(" ".join(command.split()), tuple(names), found, folder=folder, place=place)
+    return BatchJob(" ".join(command.split()), tuple(map(str, names)), found, folder=folder, place=place)
+
+
+def _is_name(value: Any) -> bool:
+    return isinstance(value, str | Path) and str(value) != ""
 
 
 def _checked(value: Any, name: str, place: str) -> Any:
