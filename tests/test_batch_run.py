@@ -1,0 +1,304 @@
+"""``nmap batch`` as a whole: processes of Dask, good and bad files, resuming, and processes that die."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import cloudpickle
+import numpy as np
+import psutil
+import pytest
+
+import nmaptool as nm
+from nmaptool.core.errors import ClusterError
+from nmaptool.sets import cluster
+from nmaptool.sets import worker as in_worker
+from nmaptool.sets.cluster import local_client
+from nmaptool.sets.dispatch import Dispatch
+from nmaptool.types.batch import BatchItem
+
+# workers cannot import this module
+cloudpickle.register_pickle_by_value(sys.modules[__name__])
+
+
+@pytest.fixture
+def folder(tmp_path, dome, codes, png, monkeypatch):
+    """Three good maps, a text file, a grey picture and an empty file, in the folder ``maps`` of the current one."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "maps").mkdir()
+    for number, rise in enumerate((0.4, 0.6, 0.8)):
+        d = dome(rise=rise)
+        png(tmp_path / f"maps/good{number}.png", np.dstack([codes(d.normals, 16), d.inside.astype(np.uint16) * 65535]))
+    (tmp_path / "maps/bad.png").write_text("hello\n", encoding="utf-8")
+    png(tmp_path / "maps/grey.png", np.full((96, 96), 200, np.uint8))
+    (tmp_path / "maps/empty.png").touch()
+    return tmp_path
+
+
+def lines_of(done):
+    """The JSON lines of a batch, by the name of the input."""
+    found = [json.loads(line) for line in done.out.splitlines()]
+    return {Path(line["inputs"][0]).name: line for line in found}
+
+
+JOB = ("batch", "relief", "maps/*.png", "-o", "out/{stem}.stl", "--report", "out/{stem}.json", "--workers", "2")
+
+
+def test_good_and_bad_files_changed_options_and_a_second_run(folder, run):
+    done = run(*JOB, "--height", "4mm")
+    lines = lines_of(done)
+    assert done.code == 3
+    assert len(lines) == 6
+    status = {name: (line["status"], line["exit_code"]) for name, line in lines.items()}
+    assert status == {f"good{n}.png": ("done", 0) for n in range(3)} | dict.fromkeys(
+        ("bad.png", "grey.png", "empty.png"), ("failed", 3)
+    )
+    assert lines["good1.png"]["outputs"] == ["out/good1.stl", "out/good1.json"]
+    assert set(lines["good1.png"]) == {
+        *("inputs", "outputs", "exit_code", "status", "message", "warnings", "seconds", "recipe"),
+    }
+    assert "nmap batch: 6 items: 3 done, 3 failed\n" in done.err
+    for name in ("bad.png", "grey.png", "empty.png"):
+        single = run("relief", f"maps/{name}", "-o", "x.stl", "--height", "4mm")
+        assert single.err == f"nmap: error: {lines[name]['message']}\n"
+        assert f"nmap: error: {lines[name]['message']}\n" in done.err
+    assert run("relief", "maps/good0.png", "-o", "x.stl", "--height", "4mm").code == 0
+    assert (folder / "x.stl").read_bytes() == (folder / "out/good0.stl").read_bytes()
+
+    for name in ("bad.png", "grey.png", "empty.png"):
+        (folder / "maps" / name).unlink()
+    again = run(*JOB, "--height", "4mm")
+    assert again.code == 0
+    assert {line["status"] for line in lines_of(again).values()} == {"skipped"}
+    assert lines_of(again)["good1.png"]["outputs"] == lines["good1.png"]["outputs"]
+
+    before = (folder / "out/good1.stl").read_bytes()
+    (folder / "out/good2.stl").write_bytes(b"mine")
+    other = run(*JOB, "--height", "5mm", "--json", "-v")
+    lines = lines_of(other)
+    assert [lines[f"good{n}.png"]["status"] for n in range(3)] == ["done", "done", "refused"]
+    assert other.code == lines["good2.png"]["exit_code"] == 5
+    assert "good2.stl: already exists; give another name, or --overwrite" in lines["good2.png"]["message"]
+    assert (folder / "out/good1.stl").read_bytes() != before
+    assert (folder / "out/good2.stl").read_bytes() == b"mine"
+    assert lines["good1.png"]["report"]["options"]["height"] == "5mm"
+    assert "maps/good1.png: wrote" in other.err.replace(os.sep, "/")
+    assert [path.name for path in (folder / "out").glob(".*")] == [".nmap-batch.jsonl"]
+
+
+def test_a_table_of_several_commands_with_quiet_messages(folder, run):
+    (folder / "set").mkdir()
+    (folder / "set/jobs.csv").write_text(
+        "command,inputs,output,mode\n"
+        "inspect,../maps/good0.png,,\n"
+        "compose blend,../maps/good1.png;../maps/good2.png,x/{stem}.exr,rnm\n"
+        "compose convert,../maps/good?.png,{stem}-{number}.exr,\n",
+        encoding="utf-8",
+    )
+    refused = run("batch", "set/jobs.csv", "-q")
+    assert (refused.code, refused.out) == (2, "")
+    assert "set/jobs.csv, line 3: DETAIL is missing" in refused.err.replace(os.sep, "/")
+    (folder / "set/jobs.csv").write_text(
+        (folder / "set/jobs.csv")
+        .read_text(encoding="utf-8")
+        .replace("command,inputs", "command,inputs,inputs")
+        .replace("good0.png,", "good0.png,,")
+        .replace(";../maps", ",../maps")
+        .replace("?.png,", "?.png,,"),
+        encoding="utf-8",
+    )
+    done = run("batch", "set/jobs.csv", "-q")
+    results = [json.loads(line) for line in done.out.splitlines()]
+    assert done.err == ""
+    assert {line["status"] for line in results} == {"done"}, results
+    assert sorted(path.name for path in (folder / "set").rglob("*.exr")) == [
+        *("good0-1.exr", "good1-2.exr", "good1.exr", "good2-3.exr"),
+    ]
+    assert done.code == max(line["exit_code"] for line in results)
+
+
+def test_from_python_with_an_own_journal(folder):
+    shares = []
+    options = nm.BatchOptions(workers=1, journal=folder / "set.jsonl")
+    jobs = [{"command": "inspect", "inputs": "maps/good*.png", "json": True}]
+    results = list(nm.batch(jobs, options, progress=lambda text, share: shares.append((text, share))))
+    assert [result.status for result in results] == ["done"] * 3
+    assert [result.report["findings"] != [] for result in results] == [bool(result.exit_code) for result in results]
+    assert shares[0] == ("0 of 3", 0)
+    assert shares[-1] == ("3 of 3", 1)
+    assert [result.status for result in nm.batch(jobs, options)] == ["skipped"] * 3
+    codes = {result.exit_code for result in results}
+    assert {result.exit_code for result in nm.batch(jobs, options)} == codes
+    assert list(nm.batch([])) == []
+
+
+def test_without_the_extra_one_line_says_what_to_install(folder, run, fails, monkeypatch):
+    monkeypatch.setattr(cluster.importlib.util, "find_spec", lambda name: None)
+    fails(run(*JOB), 2, r'sets of jobs need dask and distributed; install them with: pip install "nmaptool-relief\[cl')
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "pattern"),
+    [
+        ((), 2, "COMMAND is missing"),
+        (("relief", "none*.png", "-o", "a.stl"), 3, r"none\*\.png: no file fits this pattern"),
+        (("relief", "maps/*.png", "-o", "a.stl"), 2, r"a\.stl: is the output of maps/bad\.png and of maps/empty\.png"),
+        (("relief", "maps/*.png", "-o", "{stem}.stl", "--heigth", "3mm"), 2, "Unknown option: --heigth"),
+        (("relief", "-", "-o", "a.stl"), 2, "-: a batch reads files"),
+        (("jobs.toml",), 3, r"jobs\.toml: no such file"),
+        (("jobs.toml", "--height", "3mm"), 2, "--height: a table of jobs holds all options; write it there"),
+        (("relief", "maps/*.png", "-o", "{stem}.stl", "--workers", "0"), 2, "--workers 0: must lie between 1 and"),
+        (("relief", "maps/*.png", "-o", "{stem}.stl", "--scheduler", "x"), 2, "--scheduler x: must be the address"),
+    ],
+)
+def test_refused_before_any_work(words, code, pattern, folder, refused):
+    refused(code, pattern, "batch", *words)
+
+
+def kill_some(item, threads, begun):
+    """A task that ends its process for some items: always, once, or never."""
+    first = not Path(begun).with_name(Path(begun).name.replace("-2", "-1")).exists() or begun.endswith("-1")
+    Path(begun).touch()
+    if item.command == "kill" or (item.command == "kill once" and first):
+        os.kill(os.getpid(), signal.SIGKILL if hasattr(signal, "SIGKILL") else signal.SIGTERM)
+    time.sleep(0.02)
+    return nm.BatchResult(item.inputs, item.outputs, 0, "done")
+
+
+def fail_to_run(item, threads, begun):
+    raise ValueError("no such thing\nand more")
+
+
+def test_a_process_that_dies_is_tried_once_more_and_the_others_go_on(tmp_path):
+    names = ["kill", "kill once", *["work"] * 8]
+    items = [BatchItem(name, (), (f"{number}.png",), (), (), "", ".") for number, name in enumerate(names)]
+    (tmp_path / "spool").mkdir()
+    sent = []
+
+    def begin(number):
+        sent.append(number)
+        return items[number]
+
+    with local_client(2, 1, str(tmp_path)) as client:
+        with Dispatch(client, items, begin, 1, tmp_path / "spool", task=kill_some) as dispatch:
+            found = dict(dispatch.results(range(10)))
+        with Dispatch(client, items, begin, 1, tmp_path / "spool", task=fail_to_run) as dispatch:
+            ((_, failed),) = dispatch.results([5])
+    assert found[0].message == (
+        "0.png: its process ended twice in the middle (killed, or out of memory); use fewer `workers` or a smaller map"
+    )
+    assert (found[0].status, found[0].exit_code) == ("failed", 8)
+    assert {found[number].status for number in range(1, 10)} == {"done"}
+    assert sent.count(1) >= 2
+    assert (failed.status, failed.message) == ("failed", "5.png: the worker cannot run it (no such thing)")
+
+
+def test_a_killed_process_costs_no_item(folder):
+    """Kill the process of a real item while it runs; all items end, with the bytes of an undisturbed run."""
+    jobs = [{"command": "relief", "inputs": "maps/good*.png", "output": "out/{stem}.stl", "solver": "amg"}]
+    killed = threading.Event()
+
+    def kill():
+        while not killed.is_set():
+            for child in psutil.Process().children(recursive=True):
+                if (
+                    "spawn_main" in " ".join(child.cmdline())
+                    and (folder / "out").exists()
+                    and child.memory_info().rss > 1
+                ):
+                    child.kill()
+                    killed.set()
+                    return
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    try:
+        results = list(nm.batch(jobs, nm.BatchOptions(workers=1, journal=folder / "set.jsonl")))
+    finally:
+        killed.set()
+        thread.join()
+    assert [result.status for result in results] == ["done"] * 3, results
+    assert {path.name for path in (folder / "out").glob("*.stl")} == {f"good{n}.stl" for n in range(3)}
+
+
+SCHEDULER = """
+import sys, time
+from distributed import LocalCluster
+if __name__ == "__main__":
+    with LocalCluster(n_workers=1, threads_per_worker=2, processes=True, dashboard_address="127.0.0.1:0") as cluster:
+        print(cluster.scheduler_address, flush=True)
+        time.sleep(120)
+"""
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    """The process of a cluster, and its address."""
+    script = tmp_path / "cluster.py"
+    script.write_text(SCHEDULER, encoding="utf-8")
+    with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            yield process, process.stdout.readline().strip()
+        finally:
+            process.kill()
+
+
+def test_a_running_cluster_and_its_end(folder, run, scheduler):
+    process, address = scheduler
+    done = run("batch", "relief", "maps/good*.png", "-o", "out/{stem}.stl", "--scheduler", address)
+    assert (done.code, [line["status"] for line in lines_of(done).values()]) == (0, ["done"] * 3), done.err
+    results = nm.batch(
+        [{"command": "relief", "inputs": "maps/good*.png", "output": "out/{stem}.ply"}],
+        nm.BatchOptions(scheduler=address),
+    )
+    next(results)
+    process.kill()
+    with pytest.raises(
+        ClusterError, match="^the scheduler has gone; run the same command again to go on with the other"
+    ):
+        list(results)
+
+
+def test_a_cluster_that_does_not_answer_or_has_another_version(folder, run, fails, monkeypatch):
+    monkeypatch.setattr(cluster, "_CONNECT_S", 0.2)
+    words = ("batch", "inspect", "maps/good*.png", "--scheduler", "tcp://127.0.0.1:9")
+    fails(run(*words), 8, r"tcp://127\.0\.0\.1:9: no scheduler answers \(.*\); start one with: dask scheduler")
+
+    class Client:
+        def run(self, function):
+            return {"tcp://10.0.0.7:1": "0.0.7"}
+
+    with pytest.raises(
+        ClusterError, match=r"^tcp://10\.0\.0\.7:1: has nmaptool 0\.0\.7, and this is .*; install the same"
+    ):
+        cluster._check_versions(Client(), "tcp://a:1")
+    Client.run = lambda self, function: (_ for _ in ()).throw(ModuleNotFoundError("No module named 'nmaptool'"))
+    with pytest.raises(
+        ClusterError, match=r"^tcp://a:1: a worker cannot load nmaptool \(No module named 'nmaptool'\); "
+    ):
+        cluster._check_versions(Client(), "tcp://a:1")
+    assert in_worker.version() == nm.__version__
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows sends Ctrl-C to a whole console only")
+def test_ctrl_c_ends_the_batch_with_one_line_and_no_unfinished_file(folder):
+    command = [sys.executable, "-c", "from nmaptool_cli.start import run\nrun()", *JOB, "--solver", "amg"]
+    for number in range(40):
+        (folder / f"maps/more{number}.png").write_bytes((folder / "maps/good0.png").read_bytes())
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as process:
+        while b'"done"' not in process.stdout.readline():
+            pass
+        os.killpg(process.pid, signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+    lines = [line for line in err.decode().splitlines() if "interrupted" in line]
+    assert process.returncode == 130, err
+    assert len(lines) == 1
+    assert " of 46 items have ended; run the same command again to go on" in lines[0]
+    assert [line for line in err.decode().splitlines() if not line.startswith("nmap: error: ")] == []
+    assert {path.name for path in (folder / "out").glob(".*")} == {".nmap-batch.jsonl"}
