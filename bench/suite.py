@@ -16,6 +16,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "solids": (),
     "plates": (),
     "tiled": ("--side", "8192"),
+    "batch": (),
     "files": (),
     "compression": (),
 }

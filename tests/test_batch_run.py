@@ -260,7 +260,7 @@ def test_a_running_cluster_and_its_end(folder, run, scheduler):
     next(results)
     process.kill()
     with pytest.raises(
-        ClusterError, match="^the scheduler has gone; run the same command again to go on with the other"
+        ClusterError, match=r"^the scheduler has gone; run the same command again to go on with the other"
     ):
         list(results)
 

@@ -1,0 +1,106 @@
+"""A set of maps against the ideal: ``python -m bench.batch [--maps 200] [--size 512]``.
+
+The ideal is the time of reading, solving and writing each map in one warm process and one thread, over the cores.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+import nmaptool as nm
+from bench.checks import line
+from bench.maps import scene
+from bench.report import Report
+from bench.table import table
+from nmaptool.core.parallel import at_most, cores
+
+_MOST_RATIO = 1.2
+_HEIGHT = "4mm"
+# maps that are measured alone, before and after the batch
+_ALONE = 24
+
+
+def write_maps(folder: Path, count: int, size: int) -> list[Path]:
+    """Maps of one size and mask whose normals lean to different sides."""
+    picture = scene(size, size)
+    random = np.random.default_rng(5)
+    paths = [folder / f"map{number:03}.png" for number in range(count)]
+    for path in paths:
+        normals = picture.normals + random.normal(0, 0.05, 3).astype(np.float32)
+        normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+        cover = picture.motif.astype(np.float32)
+        nm.write_normal_map(nm.NormalMap(normals, cover, nm.Frame(size, size)), path)
+    return paths
+
+
+def seconds_alone(paths: list[Path], folder: Path) -> list[float]:
+    """Seconds of reading, solving and writing each map in this process and one thread."""
+    options = nm.ReliefOptions(height=nm.length(_HEIGHT))
+    found = []
+    with at_most(1):
+        for path in paths:
+            started = time.perf_counter()
+            relief = nm.relief(nm.read_normal_map(path), options=options)
+            nm.write_relief(relief, folder / f"{path.stem}.stl", overwrite=True)
+            found.append(time.perf_counter() - started)
+    return found
+
+
+def seconds_of_batch(folder: Path, out: Path) -> tuple[float, list[float]]:
+    """Seconds of the whole command from start to exit, and those that each item took in its process."""
+    words = ["batch", "relief", str(folder / "*.png"), "-o", str(out / "{stem}.stl"), "--height", _HEIGHT, "-q"]
+    started = time.perf_counter()
+    done = subprocess.run(
+        [sys.executable, "-c", "from nmaptool_cli.start import run\nrun()", *words], capture_output=True, check=True
+    )
+    wall = time.perf_counter() - started
+    return wall, [json.loads(each)["seconds"] for each in done.stdout.splitlines()]
+
+
+def main() -> None:
+    """Measure, print the results and, with --write, store them."""
+    report = Report("batch", __doc__)
+    report.argument("--maps", type=int, default=200, help="number of maps (default 200)")
+    report.argument("--size", type=int, default=512, help="px along each side (default 512)")
+    options = report.begin()
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "maps").mkdir()
+        (folder / "alone").mkdir()
+        paths = write_maps(folder / "maps", options.maps, options.size)
+        seconds_alone(paths[:2], folder / "alone")  # loads modules before timing
+        alone = seconds_alone(paths[:_ALONE], folder / "alone")
+        wall, items = seconds_of_batch(folder / "maps", folder / "out")
+        alone += seconds_alone(paths[-_ALONE:], folder / "alone")
+        again, _ = seconds_of_batch(folder / "maps", folder / "out")
+        with contextlib.suppress(OSError):
+            shutil.rmtree(folder / "out")
+    mean, busy = float(np.mean(alone)), cores()
+    ideal = mean * options.maps / busy
+    rows = [
+        [f"{options.maps} maps of {options.size} px to STL", f"{wall:.1f}"],
+        [f"one map alone, mean of {len(alone)}", f"{mean:.3f}"],
+        ["one map in the batch, mean", f"{float(np.mean(items)):.3f}"],
+        [f"ideal: {options.maps} x alone / {busy} cores", f"{ideal:.1f}"],
+        ["the same batch again: every item skipped", f"{again:.1f}"],
+    ]
+    report.end(
+        "The whole command from start to exit, with its worker processes; the ideal was measured before and after it.",
+        table(("job", "wall s"), rows),
+        line(f"a batch of {options.maps} maps of {options.size} px over the ideal", wall / ideal, _MOST_RATIO, "x"),
+    )
+
+
+if __name__ == "__main__":
+    main()
