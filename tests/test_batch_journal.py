@@ -19,7 +19,7 @@ def place(tmp_path):
 
 
 def item_of(place, recipe="1", outputs=("out/a.stl",)):
-    return BatchItem("relief", (), ("a.png",), (), outputs, recipe, str(place.parent.parent))
+    return BatchItem("relief", (), {}, ("a.png",), (), outputs, recipe, str(place.parent.parent))
 
 
 def write(place, name="a.stl", data=b"x"):
@@ -143,7 +143,7 @@ def test_a_journal_that_cannot_be_written_is_refused(place, tmp_path):
 
 def test_the_journal_lies_in_the_deepest_folder_of_all_outputs(tmp_path):
     def place(*outputs):
-        return default_journal([BatchItem("relief", (), (), (), outputs, "", str(tmp_path))])
+        return default_journal([BatchItem("relief", (), {}, (), (), outputs, "", str(tmp_path))])
 
     assert place("out/a.stl", "out/b.stl") == tmp_path / "out" / JOURNAL_NAME
     assert place("out/x/a.stl", "out/y/b.stl") == tmp_path / "out" / JOURNAL_NAME

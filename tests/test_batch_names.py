@@ -1,5 +1,7 @@
 """Patterns and placeholders of a batch, and the items that they make."""
 
+from pathlib import Path
+
 import pytest
 
 from nmaptool.core.errors import InputError, UsageError
@@ -74,18 +76,17 @@ def test_every_input_becomes_an_item_with_its_own_files(folder):
         "relief", "maps/*.png", "-o", "{stem}.stl", "--mask={stem}-mask.png", "--delta", "-3", "-o", "{number}.exr"
     )
     assert [item.inputs for item in found] == [("maps/a.png",), ("maps/b.png",)]
-    assert found[1].words == (
-        *("relief", "maps/b.png", "-o", "b.stl", "--mask=b-mask.png", "--delta", "-3", "-o", "2.exr"),
-    )
+    assert found[1].arguments == ("maps/b.png",)
+    assert found[1].flags == {"output": (Path("b.stl"), Path("2.exr")), "mask": "b-mask.png", "delta": -3}
     assert found[1].outputs == ("b.stl", "2.exr")
     assert found[1].folder == str(folder)
 
 
 def test_a_second_input_may_have_placeholders_or_stay(folder):
     (with_names,) = items("compose", "blend", "maps/b.png", "maps/deep/{stem}.png", "-o", "x.exr")
-    assert with_names.words[2:4] == ("maps/b.png", "maps/deep/b.png")
+    assert with_names.arguments == ("maps/b.png", "maps/deep/b.png")
     same = items("compose", "blend", "maps/*.png", "maps/c.exr", "-o", "{stem}.exr")
-    assert [item.words[3] for item in same] == ["maps/c.exr"] * 2
+    assert [item.arguments[1] for item in same] == ["maps/c.exr"] * 2
     assert str(folder / "maps/c.exr") in {str(folder / name) for name in same[0].files}
     (converted,) = items("compose", "convert", "maps/c.exr", "{stem}.png")
     assert converted.outputs == ("c.png",)
@@ -158,7 +159,8 @@ def test_the_files_that_a_recipe_names_are_inputs(folder):
 
 def test_the_batch_adds_leave_to_replace_and_the_limit_of_memory(folder):
     (item,) = items("relief", "maps/a.png", "-o", "a.stl")
-    assert ready(item, overwrite=True, memory_limit="1GB").words[-2:] == ("--overwrite", "--memory-limit=1GB")
+    more = ready(item, overwrite=True, memory_limit="1GB").flags
+    assert more == {**item.flags, "overwrite": True, "memory_limit": "1GB"}
     assert ready(item, overwrite=False, memory_limit=None) == item
     (item,) = items("inspect", "maps/a.png")
     assert ready(item, overwrite=True, memory_limit="1GB") == item

@@ -13,7 +13,7 @@ GB = 10**9
 
 
 def item_of(*files):
-    return BatchItem("relief", (), files[:1], files, (), "", ".")
+    return BatchItem("relief", (), {}, files[:1], files, (), "", ".")
 
 
 def plan(needed, free=16, machine=8, **options):

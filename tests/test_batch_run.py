@@ -176,7 +176,7 @@ def fail_to_run(item, threads, begun):
 
 def test_a_process_that_dies_is_tried_once_more_and_the_others_go_on(tmp_path):
     names = ["kill", "kill once", *["work"] * 8]
-    items = [BatchItem(name, (), (f"{number}.png",), (), (), "", ".") for number, name in enumerate(names)]
+    items = [BatchItem(name, (), {}, (f"{number}.png",), (), (), "", ".") for number, name in enumerate(names)]
     (tmp_path / "spool").mkdir()
     sent = []
 

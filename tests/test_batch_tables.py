@@ -58,28 +58,24 @@ def table(tmp_path):
 
 def test_a_toml_table_has_defaults_and_a_table_for_each_job(table):
     first, second, third, fourth = items_of(read_jobs(table("jobs.toml", TOML)))
-    assert first.words == ("relief", "maps/a.png", "--height=4mm", "--output=out/a.stl", "--per-pixel", "--mu=0.2")
-    assert second.outputs == ("out/b.stl",)
-    assert set(third.words[2:]) == {"--height=5mm", "--output=out/a.exr", "--output=out/a.ply", "--delta=-3"}
-    assert fourth.words == ("compose", "convert", "maps/b.png", "--output=out/b.exr")
+    four = nm.length("4mm")
+    assert first.flags == {"height": four, "output": (Path("out/a.stl"),), "per_pixel": True, "mu": 0.2}
+    assert (second.arguments, second.outputs) == (("maps/b.png",), ("out/b.stl",))
+    outputs = (Path("out/a.exr"), Path("out/a.ply"))
+    assert third.flags == {"height": nm.length("5mm"), "output": outputs, "delta": -3}
+    assert (fourth.command, fourth.flags) == ("compose convert", {"output": Path("out/b.exr")})
     assert Path(fourth.folder) == table("x", "").parent
     assert fourth.place.endswith("jobs.toml, job 3")
 
 
 def test_a_csv_table_may_have_semicolons_a_mark_and_repeated_columns(table):
     first, second, third = items_of(read_jobs(table("jobs.csv", CSV)))
-    assert set(first.words) == {
-        *(
-            "relief",
-            "maps/a.png",
-            "--output=out/a.stl",
-            "--output=out/a.exr",
-            "--height=4mm",
-            "--per-pixel",
-            "--mu=0.2",
-        ),
-    }
-    assert (second.words, third.words) == (("inspect", "maps/a.png"), ("inspect", "maps/b.png"))
+    outputs = (Path("out/a.stl"), Path("out/a.exr"))
+    assert first.flags == {"output": outputs, "height": nm.length("4mm"), "per_pixel": True, "mu": 0.2}
+    assert [(item.command, item.arguments) for item in (second, third)] == [
+        ("inspect", ("maps/a.png",)),
+        ("inspect", ("maps/b.png",)),
+    ]
     assert second.place.endswith("jobs.csv, line 4")
 
 
@@ -134,7 +130,7 @@ def test_a_csv_table_that_cannot_be_read_is_refused(table, text, message):
         ('command = "relief"\nheight = true\n', "height: needs a value, not true or false"),
         ('command = "relief"\nper-pixel = 3\n', "per-pixel: needs true or false"),
         ('command = "relief"\nheight = "4"\n', "--height 4: expected a number with a unit"),
-        ('command = "relief"\noutput = "{x}.stl"\n', r"--output=\{x\}\.stl: the placeholder \{x\} is unknown"),
+        ('command = "relief"\noutput = "{x}.stl"\n', r"\{x\}\.stl: the placeholder \{x\} is unknown"),
     ],
 )
 def test_a_job_with_a_wrong_option_is_refused_with_its_place(table, row, message):

@@ -16,11 +16,11 @@ from nmaptool.io.sets.identity import files_of, identity
 from nmaptool.io.sets.patterns import expand, fill, has_placeholder
 from nmaptool.types.batch import BatchItem, BatchJob
 from nmaptool_cli.mentions import in_flags
-from nmaptool_cli.sets.parsed import Parsed, flag_words, has_flag, parse, split_words, takes_several
+from nmaptool_cli.sets.parsed import Parsed, flag_words, named_command, parse, split_words, takes_several
 from nmaptool_cli.streams import STREAM, refuse_stream
 
 _LONGEST_HASH = 32
-_LIMIT = "--memory-limit"
+_LIMIT = "memory_limit"
 
 
 def job_of_words(words: Sequence[str]) -> BatchJob:
@@ -56,13 +56,12 @@ def items_of(jobs: Iterable[BatchJob]) -> list[BatchItem]:
 
 def ready(item: BatchItem, *, overwrite: bool, memory_limit: str | None) -> BatchItem:
     """The item with the flags that the batch adds: leave to replace its outputs, and the limit of memory."""
-    words = list(item.words)
-    if overwrite and item.outputs and "--overwrite" not in words:
-        words.append("--overwrite")
-    limited = any(word.partition("=")[0] == _LIMIT for word in words)
-    if memory_limit is not None and not limited and has_flag(item.command, _LIMIT):
-        words.append(f"{_LIMIT}={memory_limit}")
-    return dataclasses.replace(item, words=tuple(words))
+    flags = dict(item.flags)
+    if overwrite and item.outputs:
+        flags["overwrite"] = True
+    if memory_limit is not None and _LIMIT in named_command(item.command).option_names:
+        flags.setdefault(_LIMIT, memory_limit)
+    return dataclasses.replace(item, flags=flags)
 
 
 def _located(job: BatchJob) -> Iterator[BatchItem]:
@@ -82,9 +81,7 @@ def _items_of(job: BatchJob) -> Iterator[BatchItem]:
     parsed = parse(job.command, ["input", *fixed, *flags])
     refuse_stream("the items of a batch write files", *parsed.texts(outputs=True))
     for number, source in enumerate(expand(patterns, job.folder), start=1):
-        put = partial(fill, source=source, number=number)
-        words = (*job.command.split(), source, *(put(word) for word in (*fixed, *flags)))
-        yield _item(job, source, words, parsed, put)
+        yield _item(job, source, parsed.of(source, partial(fill, source=source, number=number)))
 
 
 def _patterns(job: BatchJob) -> tuple[list[str], list[str]]:
@@ -101,17 +98,14 @@ def _patterns(job: BatchJob) -> tuple[list[str], list[str]]:
     return patterns, fixed
 
 
-def _item(job: BatchJob, source: str, words: tuple[str, ...], template: Parsed, put: partial[str]) -> BatchItem:
+def _item(job: BatchJob, source: str, parsed: Parsed) -> BatchItem:
     """One item, with what identifies it."""
-    parsed = template.filled(put)
-    first = next(iter(template.values))
-    parsed.values[first] = source if isinstance(template.values[first], str) else (source, *parsed.values[first][1:])
-    read = [str(path) for path in files_of(parsed.texts(outputs=False), job.folder)]
+    read = tuple(str(path) for path in files_of(parsed.texts(outputs=False), job.folder))
     facts = [job.command, parsed.lasting(), __version__, [identity(Path(name)) for name in read]]
     recipe = hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:_LONGEST_HASH]
     outputs = tuple(name for name in parsed.texts(outputs=True) if name != STREAM)
     folder = os.fspath(job.folder.absolute())
-    return BatchItem(job.command, words, (source,), tuple(read), outputs, recipe, folder, job.place)
+    return BatchItem(job.command, parsed.arguments, parsed.flags, (source,), read, outputs, recipe, folder, job.place)
 
 
 def _refuse_shared(items: Sequence[BatchItem]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
@@ -55,10 +55,12 @@ def named_command(name: str) -> Command:
     """
     from nmaptool_cli.main import app
 
-    known = command_names()
-    if name not in known:
-        raise UsageError(f"{name}: is not a command for a batch; use {listed(known)}")
-    return command_of(app.parse_commands(name.split())[1][-1].default_command)
+    words = name.split()
+    chain, apps, _ = app.parse_commands(words)
+    found = apps[-1].default_command
+    if list(chain) != words or name in _NOT_IN_SETS or not hasattr(found, "command"):
+        raise UsageError(f"{name}: is not a command for a batch; use {listed(command_names())}")
+    return command_of(found)
 
 
 @dataclass(frozen=True)
@@ -67,28 +69,45 @@ class Parsed:
 
     Parameters
     ----------
-    values : mapping
-        The arguments that are given, by name.
+    values : dict
+        What is given, by name: the files first.
+    positional : frozenset of str
+        Names of the files that have no flag.
     outputs : frozenset of str
-        Names of the arguments that name files or folders to write.
+        Names of files or folders to write.
     """
 
     values: dict[str, Any]
+    positional: frozenset[str]
     outputs: frozenset[str]
+
+    @property
+    def arguments(self) -> tuple[Any, ...]:
+        """The files that have no flag."""
+        given = [value for name, value in self.values.items() if name in self.positional]
+        return tuple(each for value in given for each in _each(value))
+
+    @property
+    def flags(self) -> dict[str, Any]:
+        """The values of the flags that are given, by name."""
+        return {name: value for name, value in self.values.items() if name not in self.positional}
 
     def texts(self, *, outputs: bool) -> list[str]:
         """The texts among the outputs, or among all other values."""
         chosen = [value for name, value in self.values.items() if (name in self.outputs) == outputs]
-        return [text for value in chosen for text in _texts(value)]
+        return [str(each) for value in chosen for each in _each(value) if isinstance(each, str | Path)]
 
-    def lasting(self) -> dict[str, Any]:
+    def lasting(self) -> dict[str, list[str]]:
         """The values that change what is written, as texts, in an order that does not depend on that of the flags."""
         kept = {name: value for name, value in self.values.items() if name not in _WITHOUT_EFFECT}
         return {name: [str(each) for each in _each(kept[name])] for name in sorted(kept)}
 
-    def filled(self, fill: Any) -> Parsed:
-        """The same with ``fill(text)`` for every text."""
-        return dataclasses.replace(self, values={name: _filled(value, fill) for name, value in self.values.items()})
+    def of(self, source: str, fill: Callable[[str], str]) -> Parsed:
+        """The same with ``fill(text)`` for every text, and an input as the first file."""
+        values = {name: _filled(value, fill) for name, value in self.values.items()}
+        first = next(iter(values))
+        values[first] = source if isinstance(values[first], str) else (source, *values[first][1:])
+        return dataclasses.replace(self, values=values)
 
 
 def parse(name: str, words: Sequence[str]) -> Parsed:
@@ -110,7 +129,8 @@ def parse(name: str, words: Sequence[str]) -> Parsed:
         if isinstance(error.__cause__, NmaptoolError):
             raise error.__cause__ from None
         raise UsageError(f"{usage(error)} (see nmap {name} --help)") from None
-    return Parsed(dict(bound.arguments), frozenset(_outputs(command)))
+    files = [each.name for each in command.parameters() if each.kind is not each.KEYWORD_ONLY]
+    return Parsed(dict(bound.arguments), frozenset(files), frozenset(_outputs(command)))
 
 
 def _outputs(command: Command) -> Iterator[str]:
@@ -171,11 +191,6 @@ def flag_words(name: str, options: Mapping[str, Any]) -> list[str]:
     return found
 
 
-def has_flag(name: str, flag: str) -> bool:
-    """Whether a command has a flag."""
-    return any(flag == known for known, _ in _flags(named_command(name)))
-
-
 def _flags(command: Command) -> Iterator[tuple[str, bool]]:
     """Every flag of a command with its short form, and whether it takes a value."""
     for parameter in command.parameters():
@@ -189,11 +204,9 @@ def _each(value: Any) -> Iterable[Any]:
     return value if isinstance(value, list | tuple) else (value,)
 
 
-def _texts(value: Any) -> list[str]:
-    return [str(each) for each in _each(value) if isinstance(each, str | Path)]
-
-
-def _filled(value: Any, fill: Any) -> Any:
+def _filled(value: Any, fill: Callable[[str], str]) -> Any:
     if isinstance(value, list | tuple):
         return tuple(_filled(each, fill) for each in value)
-    return fill(str(value)) if isinstance(value, str | Path) else value
+    if isinstance(value, Path):
+        return Path(fill(str(value)))
+    return fill(value) if isinstance(value, str) else value

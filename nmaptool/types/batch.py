@@ -46,8 +46,10 @@ class BatchItem:
     Parameters
     ----------
     command : str
-    words : tuple of str
-        The words of the command line after the name of the program.
+    arguments : tuple
+        The files that its command line names without a flag.
+    flags : mapping
+        The parsed values of its flags, by the names of their options.
     inputs : tuple of str
         The inputs, relative to ``folder``.
     files : tuple of str
@@ -63,7 +65,8 @@ class BatchItem:
     """
 
     command: str
-    words: tuple[str, ...]
+    arguments: tuple[Any, ...]
+    flags: Mapping[str, Any]
     inputs: tuple[str, ...]
     files: tuple[str, ...]
     outputs: tuple[str, ...]
