@@ -58,6 +58,7 @@ def local_client(workers: int, threads: int, folder: str) -> Iterator[Any]:
     settings: dict[str, Any] = {
         "distributed.scheduler.allowed-failures": 0,
         "distributed.comm.timeouts.connect": "30s",
+        "distributed.worker.profile.enabled": False,  # it would look at every thread a hundred times a second
         "distributed.nanny.pre-spawn-environ": {"OPENBLAS_NUM_THREADS": 1, "MKL_NUM_THREADS": 1} | _threads(threads),
     }
     with contextlib.ExitStack() as stack:
