@@ -6,6 +6,7 @@ import json
 import sys
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -48,7 +49,8 @@ def batch(run: Run, /, *job: Annotated[str, Parameter(allow_leading_hyphen=True)
             raise UsageError(f"{job[1]}: a table of jobs holds all options; write it there")
         jobs = read_jobs(job[0])
     else:
-        jobs = [job_of_words([*job, *_passed_on(run)])]
+        jobs = [job_of_words(job)]
+    jobs = [replace(each, words=(*each.words, *_passed_on(run))) for each in jobs]
     codes: Counter[int] = Counter()
     found: Counter[str] = Counter()
     with run.progress() as progress:

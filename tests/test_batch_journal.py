@@ -99,6 +99,17 @@ def test_a_folder_is_owned_if_everything_in_it_is(place):
     assert state(place, item) == (True, False)
 
 
+def test_a_store_is_owned_while_its_contents_stay(place):
+    item = item_of(place, outputs=("out/a.zarr",))
+    with Journal(place).open() as journal:
+        journal.begin(item)
+        write(place, "a.zarr/c/0/0")
+        journal.end(item, result(("out/a.zarr",)))
+    assert state(place, item) == (True, True)
+    write(place, "a.zarr/c/0/0", b"changed")
+    assert state(place, item) == (True, False)
+
+
 def test_the_folder_of_the_outputs_can_be_moved(place, tmp_path):
     finish(place, item_of(place))
     place.parent.rename(tmp_path / "moved")

@@ -13,7 +13,15 @@ from nmaptool_cli.sets.parsed import command_names, takes_several
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """A folder of empty files, which is also the current folder."""
-    for name in ("maps/b.png", "maps/a.png", "maps/c.exr", "maps/deep/a.png", "maps/.hidden.png", "odd[1].png"):
+    for name in (
+        "maps/b.png",
+        "maps/a.png",
+        "maps/c.exr",
+        "maps/deep/a.png",
+        "maps/.hidden.png",
+        "odd[1].png",
+        "maps/store.zarr/a",
+    ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).touch()
     (tmp_path / "maps/folder.png").mkdir()
@@ -29,11 +37,12 @@ def items(*words):
     ("patterns", "found"),
     [
         (["maps/*.png"], ["maps/a.png", "maps/b.png"]),
-        (["maps/b.png", "maps/*"], ["maps/b.png", "maps/a.png", "maps/c.exr"]),
+        (["maps/b.png", "maps/*.*"], ["maps/b.png", "maps/a.png", "maps/c.exr", "maps/store.zarr"]),
         (["maps/**/a.png"], ["maps/a.png", "maps/deep/a.png"]),
         (["maps/[bc].*"], ["maps/b.png", "maps/c.exr"]),
         (["maps/*.exr:detail"], ["maps/c.exr:detail"]),
         (["odd[1].png", "missing.png"], ["odd[1].png", "missing.png"]),
+        (["maps/*.zarr"], ["maps/store.zarr"]),
     ],
 )
 def test_patterns_are_expanded_in_order_and_once(folder, patterns, found):
@@ -143,6 +152,10 @@ def test_the_recipe_changes_with_options_and_inputs_only(folder):
     assert recipe("--mask", "mask.png") != masked
     (folder / "maps/a.png").write_bytes(b"1")
     assert recipe("--height", "4mm", "--mu=0.2") != plain
+    (store,) = items("relief", "maps/store.zarr", "-o", "a.zarr")
+    assert store.files == ("maps/store.zarr",)
+    (folder / "maps/store.zarr/a").write_bytes(b"1")
+    assert items("relief", "maps/store.zarr", "-o", "a.zarr")[0].recipe != store.recipe
 
 
 def test_the_files_that_a_recipe_names_are_inputs(folder):

@@ -1,6 +1,7 @@
 """``nmap batch`` as a whole: processes of Dask, good and bad files, resuming, and processes that die."""
 
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -287,18 +288,38 @@ def test_a_cluster_that_does_not_answer_or_has_another_version(folder, run, fail
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows sends Ctrl-C to a whole console only")
-def test_ctrl_c_ends_the_batch_with_one_line_and_no_unfinished_file(folder):
+@pytest.mark.parametrize("number", [signal.SIGINT, 9])
+def test_a_batch_that_is_stopped_goes_on_to_the_same_bytes(number, folder, run):
     command = [sys.executable, "-c", "from nmaptool_cli.start import run\nrun()", *JOB, "--solver", "amg"]
-    for number in range(40):
-        (folder / f"maps/more{number}.png").write_bytes((folder / "maps/good0.png").read_bytes())
+    for name in ("bad.png", "grey.png", "empty.png"):
+        (folder / "maps" / name).unlink()
+    for copy in range(8):
+        (folder / f"maps/more{copy}.png").write_bytes((folder / "maps/good0.png").read_bytes())
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as process:
         while b'"done"' not in process.stdout.readline():
             pass
-        os.killpg(process.pid, signal.SIGINT)
+        if number == signal.SIGINT:  # as a terminal does
+            os.killpg(process.pid, number)
+        else:
+            process.kill()
         _, err = process.communicate(timeout=60)
-    lines = [line for line in err.decode().splitlines() if "interrupted" in line]
-    assert process.returncode == 130, err
-    assert len(lines) == 1
-    assert " of 46 items have ended; run the same command again to go on" in lines[0]
-    assert [line for line in err.decode().splitlines() if not line.startswith("nmap: error: ")] == []
-    assert {path.name for path in (folder / "out").glob(".*")} == {".nmap-batch.jsonl"}
+    if number == signal.SIGINT:
+        (line,) = err.decode().splitlines()
+        assert process.returncode == 130
+        assert line.startswith("nmap: error: interrupted; ")
+        assert line.endswith(" of 11 items have ended; run the same command again to go on")
+        assert {path.name for path in (folder / "out").glob(".*")} == {".nmap-batch.jsonl"}
+    done = run(*JOB, "--solver", "amg")
+    lines = lines_of(done)
+    assert done.code == 0, done.err
+    assert len(lines) == 11
+    assert {line["status"] for line in lines.values()} == {"done", "skipped"}
+    assert run("relief", "maps/good0.png", "-o", "x.stl", "--solver", "amg").code == 0
+    for copy in range(8):
+        assert (folder / f"out/more{copy}.stl").read_bytes() == (folder / "x.stl").read_bytes()
+
+
+def test_a_process_that_imports_its_script_may_not_start_a_batch(folder, monkeypatch):
+    monkeypatch.setattr(multiprocessing.current_process(), "_inheriting", True, raising=False)
+    with pytest.raises(ClusterError, match=r'so the call belongs below if __name__ == "__main__":$'):
+        nm.batch([{"command": "inspect", "inputs": "maps/good0.png"}])

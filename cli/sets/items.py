@@ -117,8 +117,8 @@ def _refuse_shared(items: Sequence[BatchItem]) -> None:
             other = owners.setdefault(path, item)
             if other is not item:
                 raise UsageError(
-                    f"{name}: is the output of {other.inputs[0]} and of {item.inputs[0]}; use {{stem}}, {{parent}} or "
-                    "{number} in its name"
+                    f"{name}: is the output of {other.inputs[0]} and of {item.inputs[0]}; use {{stem}}, {{name}}, "
+                    "{parent} or {number} in it"
                 )
     for item in items:
         for name in item.files:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import logging
+import multiprocessing
 import signal
 import sys
 from collections.abc import Iterator
@@ -16,16 +17,19 @@ from nmaptool.core.errors import ClusterError, UsageError
 from nmaptool.sets import worker as in_worker
 
 _PACKAGES = ("dask", "distributed")
+_GUARD = 'new processes import the script that calls batch, so the call belongs below if __name__ == "__main__":'
 _CONNECT_S, _WORKERS_S = 10, 30
 
 
 def require_dask() -> None:
-    """Refuse to go on without the extra.
+    """Refuse to go on without the extra, or in a process that is only just starting.
 
     Raises
     ------
-    UsageError
+    UsageError, ClusterError
     """
+    if getattr(multiprocessing.current_process(), "_inheriting", False):  # it imports the script that started it
+        raise ClusterError(_GUARD)
     lacking = [name for name in _PACKAGES if importlib.util.find_spec(name) is None]
     if lacking:
         raise UsageError(
@@ -69,8 +73,9 @@ def local_client(workers: int, threads: int, folder: str) -> Iterator[Any]:
                 cluster = stack.enter_context(_processes(workers, folder))
             client = stack.enter_context(Client(cluster))  # type: ignore[no-untyped-call]
         except (OSError, RuntimeError, TimeoutError) as error:
+            reason = _first_line(error)
             raise ClusterError(
-                f"the worker processes do not start ({_first_line(error)}); use fewer `workers`"
+                f"the worker processes do not start ({reason}); use fewer `workers`, and note that {_GUARD}"
             ) from None
         yield client
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 # files that name other files: they are read to find these
+STORE_ENDING = ".zarr"
 _MOST_BYTES = 16_000_000
 _READERS = {".toml": tomllib.loads, ".gltf": json.loads}
 
@@ -35,15 +36,22 @@ def files_of(words: Iterable[str], folder: Path) -> list[Path]:
 
 
 def identity(path: Path) -> tuple[str, int, int]:
-    """Return the name of a file with its size in bytes and the time of its last change in ns; -1 if it is missing.
+    """Return the name of a file or store with its size in bytes and the time of its last change in ns.
 
-    Not a hash of its contents: a set may hold terabytes, and every run of the batch would read all of them.
+    Both are -1 if it is missing. It is not a hash of the contents: a set may hold terabytes, and every run of the batch
+    would read all of them.
     """
     try:
-        state = path.stat()
+        inner = [each.stat() for each in path.rglob("*") if each.is_file()] if path.is_dir() else []
+        states = inner or [path.stat()]
     except OSError:
         return str(path), -1, -1
-    return str(path), state.st_size, state.st_mtime_ns
+    return str(path), sum(each.st_size for each in states), max(each.st_mtime_ns for each in states)
+
+
+def is_input(path: Path) -> bool:
+    """Whether a path is a file, or a store, which is a folder."""
+    return path.is_file() or (path.suffix == STORE_ENDING and path.is_dir())
 
 
 def _file(word: str, folder: Path) -> Path | None:
@@ -53,7 +61,7 @@ def _file(word: str, folder: Path) -> Path | None:
     for name in dict.fromkeys((word, str(split_layer(word)[0]))):
         try:
             path = folder / name
-            if name and path.is_file():
+            if name and is_input(path):
                 return path
         except (OSError, ValueError):  # too long, or not a name
             continue

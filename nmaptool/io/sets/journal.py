@@ -142,9 +142,9 @@ class Journal:
     def _is_ours(self, path: Path) -> bool:
         if not os.path.lexists(path) or self._is_begun(path):
             return True
-        if path.is_dir():
-            return all(self._is_ours(each) for each in path.iterdir())
-        return self._state.written.get(path) == _signature(path)
+        if self._state.written.get(path) == _signature(path):
+            return True
+        return path.is_dir() and all(self._is_ours(each) for each in path.iterdir())
 
     def _is_still(self, path: Path, signature: _Signature) -> bool:
         """Whether an output exists and no later item has written it."""

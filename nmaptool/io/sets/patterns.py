@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from nmaptool.core.errors import InputError, UsageError
+from nmaptool.io.sets.identity import is_input
 
 PLACEHOLDERS = ("stem", "name", "parent", "number")
 _BRACED = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
@@ -39,7 +40,7 @@ def expand(patterns: Sequence[str], folder: Path) -> list[str]:
             found.setdefault(pattern)
             continue
         fitting = glob.glob(file, root_dir=folder, recursive=True)  # noqa: PTH207 - names as they are given
-        names = sorted(name for name in fitting if (folder / name).is_file())
+        names = sorted(name for name in fitting if is_input(folder / name))
         if not names:
             raise InputError(f"{pattern}: no file fits this pattern")
         found.update(dict.fromkeys(name + layer for name in names))
