@@ -1,5 +1,6 @@
 """``nmap batch`` as a whole: processes of Dask, good and bad files, resuming, and processes that die."""
 
+import contextlib
 import json
 import multiprocessing
 import os
@@ -18,6 +19,7 @@ import pytest
 import nmaptool as nm
 from nmaptool.core.errors import ClusterError
 from nmaptool.sets import cluster
+from nmaptool.sets import dispatch as dispatch_module
 from nmaptool.sets import worker as in_worker
 from nmaptool.sets.cluster import local_client
 from nmaptool.sets.dispatch import Dispatch
@@ -200,32 +202,45 @@ def test_a_process_that_dies_is_tried_once_more_and_the_others_go_on(tmp_path):
 
 
 def test_a_killed_process_costs_no_item(folder):
-    """Kill the process of a real item while it runs; all items end, with the bytes of an undisturbed run."""
+    """Kill the process of a real item as soon as it is sent; all items end."""
     jobs = [{"command": "relief", "inputs": "maps/good*.png", "output": "out/{stem}.stl", "solver": "amg"}]
-    killed = threading.Event()
+    journal, killed, ended = folder / "set.jsonl", [], threading.Event()
 
     def kill():
-        while not killed.is_set():
-            for child in psutil.Process().children(recursive=True):
-                if (
-                    "spawn_main" in " ".join(child.cmdline())
-                    and (folder / "out").exists()
-                    and child.memory_info().rss > 1
-                ):
-                    child.kill()
-                    killed.set()
-                    return
+        while not (killed or ended.is_set()):
             time.sleep(0.005)
+            if journal.exists() and b"begun" in journal.read_bytes():
+                with contextlib.suppress(psutil.Error):
+                    (worker,) = (c for c in psutil.Process().children() if "spawn_main" in " ".join(c.cmdline()))
+                    worker.kill()
+                    killed.append(worker.pid)
 
     thread = threading.Thread(target=kill)
     thread.start()
     try:
-        results = list(nm.batch(jobs, nm.BatchOptions(workers=1, journal=folder / "set.jsonl")))
+        results = list(nm.batch(jobs, nm.BatchOptions(workers=1, journal=journal)))
     finally:
-        killed.set()
+        ended.set()
         thread.join()
+    assert len(killed) == 1
     assert [result.status for result in results] == ["done"] * 3, results
     assert {path.name for path in (folder / "out").glob("*.stl")} == {f"good{n}.stl" for n in range(3)}
+
+
+def test_a_cluster_that_has_lost_its_workers(tmp_path, monkeypatch):
+    class Client:
+        status = "running"
+
+        def nthreads(self):
+            return {}
+
+    monkeypatch.setattr(dispatch_module, "_ALONE_S", 0.3)
+    waiting = Dispatch(Client(), [], lambda number: None, 1, tmp_path)
+    with pytest.raises(ClusterError, match=r"^there has been no worker for 0 s; run the same command again to go on"):
+        waiting._next()
+    Client.status = "closed"
+    with pytest.raises(ClusterError, match=r"^the scheduler has gone; "):
+        waiting._next()
 
 
 SCHEDULER = """

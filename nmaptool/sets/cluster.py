@@ -127,7 +127,11 @@ def remote_client(address: str) -> Iterator[Any]:
                 f"{address}: the cluster has no workers; start one with: dask worker {address}"
             ) from None
         _check_versions(client, address)
-        yield client
+        try:
+            yield client
+        finally:
+            with contextlib.suppress(Exception):  # whatever is wrong with the connection, it is no longer needed
+                client.run(in_worker.forget, on_error="ignore")
 
 
 def _check_versions(client: Any, address: str) -> None:

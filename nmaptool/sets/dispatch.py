@@ -20,7 +20,8 @@ Task = Callable[[BatchItem, int | None, str | None], BatchResult]
 _AT_EACH = 2
 # how often an item is begun whose process dies, and how often an item is sent in all
 _ATTEMPTS, _MOST_SENT = 2, 8
-_LOOK_S, _PATIENCE_S, _COUNT_S = 0.2, 20.0, 5.0
+_LOOK_S, _PATIENCE_S, _COUNT_S, _ALONE_S = 0.2, 20.0, 5.0, 60.0
+_GO_ON = "run the same command again to go on with the other items"
 
 
 class Dispatch:
@@ -55,7 +56,7 @@ class Dispatch:
         self._running: dict[str, tuple[int, Any]] = {}
         self._sent: dict[int, int] = {}
         self._deaths: dict[int, int] = {}
-        self._workers, self._counted = 0, -_COUNT_S
+        self._workers, self._counted, self._alone_since = 0, -_COUNT_S, time.monotonic()
 
     def __enter__(self) -> Self:
         return self
@@ -74,7 +75,7 @@ class Dispatch:
         """
         waiting = deque(numbers)
         while waiting or self._running:
-            while waiting and len(self._running) < _AT_EACH * self._count():
+            while waiting and len(self._running) < _AT_EACH * max(1, self._count()):
                 self._send(waiting.popleft())
             future = self._next()
             number, _ = self._running.pop(future.key)
@@ -88,7 +89,7 @@ class Dispatch:
         """Return the number of workers; those of a cluster may come and go."""
         now = time.monotonic()
         if now - self._counted >= _COUNT_S:
-            self._workers, self._counted = max(1, len(self._client.nthreads())), now
+            self._workers, self._counted = len(self._client.nthreads()), now
         return self._workers
 
     def _send(self, number: int) -> None:
@@ -108,10 +109,18 @@ class Dispatch:
                 return self._ended.get(timeout=_LOOK_S)
             if self._client.status == "running":
                 lost_since = None
+                self._require_workers()
                 continue
             lost_since = lost_since or time.monotonic()
             if self._client.status == "closed" or time.monotonic() - lost_since > _PATIENCE_S:
                 raise self._gone()
+
+    def _require_workers(self) -> None:
+        """Wait for new workers only so long."""
+        if self._count():
+            self._alone_since = time.monotonic()
+        elif time.monotonic() - self._alone_since > _ALONE_S:
+            raise ClusterError(f"there has been no worker for {_ALONE_S:.0f} s; {_GO_ON}")
 
     def _result(self, number: int, future: Any) -> BatchResult | None:
         """Return the result of an item; None if it is to be sent again."""
@@ -143,7 +152,7 @@ class Dispatch:
         )
 
     def _gone(self) -> ClusterError:
-        return ClusterError("the scheduler has gone; run the same command again to go on with the other items")
+        return ClusterError(f"the scheduler has gone; {_GO_ON}")
 
     def _stop(self) -> None:
         """Cancel what waits, and on this machine end what runs and remove its unfinished files."""

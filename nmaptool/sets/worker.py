@@ -48,6 +48,11 @@ def solvers(dask_worker: Any) -> tuple[int, int]:
     return (0, 0) if runner is None else (runner.keeper.prepared, runner.keeper.reused)
 
 
+def forget(dask_worker: Any) -> None:
+    """Free what this worker keeps between items, for a cluster that goes on without the batch."""
+    vars(dask_worker).pop(_RUNNER, None)
+
+
 def version() -> str:
     """Return the version of this package on a worker."""
     return __version__

@@ -7,6 +7,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from nmaptool.types.shown import OneLine
+
 BatchStatus = Literal["done", "skipped", "failed", "refused"]
 
 
@@ -75,8 +77,8 @@ class BatchItem:
     place: str = ""
 
 
-@dataclass(frozen=True)
-class BatchResult:
+@dataclass(frozen=True, repr=False)
+class BatchResult(OneLine):
     """How one item of a batch ended.
 
     Attributes
@@ -110,6 +112,10 @@ class BatchResult:
     recipe: str = ""
     notes: tuple[str, ...] = ()
     report: Any = None
+
+    def _line(self) -> str:
+        ended = f", {self.message}" if self.message else f" in {self.seconds:.2f} s" if self.status == "done" else ""
+        return f"{' '.join(self.inputs)}: {self.status}{ended}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the plain values of its JSON line: without notes, and with a report only if there is one."""
