@@ -6,6 +6,7 @@ The ideal is the time of reading, solving and writing each map in one warm proce
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
 import subprocess
 import sys
@@ -62,6 +63,14 @@ def seconds_alone(paths: list[Path], folder: Path) -> list[Seconds]:
     return found
 
 
+def seconds_of_plain(paths: list[Path], folder: Path) -> float:
+    """Seconds of as many plain processes as there are cores, from their start to their end; each does its share."""
+    count, started = cores(), time.perf_counter()
+    with multiprocessing.get_context("spawn").Pool(count) as pool:
+        pool.starmap(seconds_alone, [(paths[first::count], folder) for first in range(count)], chunksize=1)
+    return time.perf_counter() - started
+
+
 def seconds_of_batch(folder: Path, out: Path) -> tuple[Seconds, list[float]]:
     """Time of the whole command from start to exit with its processes, and the wall time of each item."""
     words = ["batch", "relief", str(folder / "*.png"), "-o", str(out / "{stem}.stl"), "--height", _HEIGHT, "-q"]
@@ -88,7 +97,9 @@ def main() -> None:
         paths = write_maps(folder / "maps", options.maps, options.size)
         seconds_alone(paths[:2], folder / "alone")  # loads modules before timing
         alone = seconds_alone(paths[:_ALONE], folder / "alone")
+        plain = [seconds_of_plain(paths[: len(paths) // 2], folder / "alone")]
         batch, items = seconds_of_batch(folder / "maps", folder / "out")
+        plain += [seconds_of_plain(paths[len(paths) // 2 :], folder / "alone")]
         alone += seconds_alone(paths[-_ALONE:], folder / "alone")
         again, _ = seconds_of_batch(folder / "maps", folder / "out")
     wall, cpu = (float(np.mean(each)) for each in zip(*alone, strict=True))
@@ -97,6 +108,7 @@ def main() -> None:
         [f"{options.maps} maps of {options.size} px to STL", f"{batch.wall:.1f}", f"{batch.cpu:.1f}"],
         [f"one map alone, mean of {len(alone)}", f"{wall:.3f}", f"{cpu:.3f}"],
         ["one map in the batch, mean", f"{float(np.mean(items)):.3f}", ""],
+        [f"{cores()} plain processes, each with its share", f"{sum(plain):.1f}", ""],
         [f"ideal: alone x {options.maps} / {cores()} cores", f"{wall * share:.1f}", f"{cpu * options.maps:.1f}"],
         ["the same batch again: every item skipped", f"{again.wall:.1f}", f"{again.cpu:.1f}"],
     ]
@@ -107,6 +119,7 @@ def main() -> None:
         "\n".join(
             (
                 line(f"{what}, wall", batch.wall / (wall * share), _MOST_RATIO, "x"),
+                line(f"{what} of plain processes, wall", batch.wall / sum(plain), _MOST_RATIO, "x"),
                 line(f"{what}, CPU", batch.cpu / (cpu * options.maps), _MOST_RATIO, "x"),
             )
         ),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -53,6 +54,13 @@ def named_command(name: str) -> Command:
     UsageError
         If a batch cannot run it.
     """
+    command: Command = _function(name).command
+    return command
+
+
+@functools.cache
+def _function(name: str) -> Any:
+    """The function that the parser calls for the command of this name."""
     from nmaptool_cli.main import app
 
     words = name.split()
@@ -60,7 +68,7 @@ def named_command(name: str) -> Command:
     found = apps[-1].default_command
     if list(chain) != words or name in _NOT_IN_SETS or not hasattr(found, "command"):
         raise UsageError(f"{name}: is not a command for a batch; use {listed(command_names())}")
-    return command_of(found)
+    return found
 
 
 @dataclass(frozen=True)
@@ -120,7 +128,7 @@ def parse(name: str, words: Sequence[str]) -> Parsed:
     """
     from nmaptool_cli.main import app
 
-    command = named_command(name)
+    command = command_of(_function(name))
     try:
         ready = prepared([*name.split(), *words], command)
         _, bound, _ = app.parse_args(ready, exit_on_error=False, print_error=False)

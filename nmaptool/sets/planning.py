@@ -15,7 +15,7 @@ from nmaptool.types.batch import BatchItem
 
 # measured at 4096 x 4096 px: what a process holds before its first map, and what reading, writing and pictures need
 # beside the solver's arrays, in bytes per px of the largest input and of each other one
-PROCESS_BYTES = 250_000_000
+PROCESS_BYTES = 400_000_000
 _BYTES_PER_PX, _BYTES_PER_OTHER_PX = 100, 24
 # a mesh in memory, and its renderings, in bytes for each byte of its file
 _BYTES_PER_MESH_BYTE = 12
