@@ -103,7 +103,7 @@ def main() -> None:
         alone += seconds_alone(paths[-_ALONE:], folder / "alone")
         again, _ = seconds_of_batch(folder / "maps", folder / "out")
     wall, cpu = (float(np.mean(each)) for each in zip(*alone, strict=True))
-    share, what = options.maps / cores(), f"a batch of {options.maps} maps of {options.size} px over the ideal"
+    share, what = options.maps / cores(), f"a batch of {options.maps} maps of {options.size} px"
     rows = [
         [f"{options.maps} maps of {options.size} px to STL", f"{batch.wall:.1f}", f"{batch.cpu:.1f}"],
         [f"one map alone, mean of {len(alone)}", f"{wall:.3f}", f"{cpu:.3f}"],
@@ -118,9 +118,9 @@ def main() -> None:
         table(("job", "wall s", "CPU s"), rows),
         "\n".join(
             (
-                line(f"{what}, wall", batch.wall / (wall * share), _MOST_RATIO, "x"),
-                line(f"{what} of plain processes, wall", batch.wall / sum(plain), _MOST_RATIO, "x"),
-                line(f"{what}, CPU", batch.cpu / (cpu * options.maps), _MOST_RATIO, "x"),
+                line(f"{what} over the ideal, wall", batch.wall / (wall * share), _MOST_RATIO, "x"),
+                line(f"{what} over plain processes, wall", batch.wall / sum(plain), _MOST_RATIO, "x"),
+                line(f"{what} over the ideal, CPU", batch.cpu / (cpu * options.maps), _MOST_RATIO, "x"),
             )
         ),
     )

@@ -18,8 +18,8 @@ from nmaptool.sets import worker as in_worker
 
 _PACKAGES = ("dask", "distributed")
 _GUARD = 'new processes import the script that calls batch, so the call belongs below if __name__ == "__main__":'
-# glibc keeps the memory of arrays up to 32 MB for the next ones; Dask's variables would give it back to the system after
-# every array, and clearing it anew takes a fifth of the time of small maps
+# glibc keeps the memory of arrays up to 32 MB for the next ones; Dask's variables would give it back to the system
+# after every array, and clearing it anew takes a fifth of the time of small maps
 _MALLOC = {"MALLOC_MMAP_THRESHOLD_": 32 << 20, "MALLOC_TRIM_THRESHOLD_": 256 << 20, "MALLOC_TOP_PAD_": 64 << 20}
 _CONNECT_S, _WORKERS_S = 10, 30
 
