@@ -61,6 +61,7 @@ def test_a_pattern_without_files_is_refused(folder):
         ("out/{parent}/{name}.json", "out/lions/a.b.png.json"),
         ("{number}-{number:3}-{number:03}", "7-007-007"),
         ("{{{stem}}} }}", "{a.b} }"),
+        ("{stem}_{row}_{col}.stl", "a.b_{row}_{col}.stl"),
         ("plain", "plain"),
     ],
 )
@@ -179,3 +180,5 @@ def test_the_batch_adds_leave_to_replace_and_the_limit_of_memory(folder):
     assert ready(item, overwrite=True, memory_limit="1GB") == item
     (item,) = items("relief", "maps/a.png", "-o", "a.stl", "--overwrite", "--memory-limit", "2GB")
     assert ready(item, overwrite=True, memory_limit="1GB") == item
+    (item,) = items("relief", "maps/a.png", "-o", "{stem}_{row}_{col}.stl", "--parts", "2x2")
+    assert ready(item, overwrite=True, memory_limit=None) == item

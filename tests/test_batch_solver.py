@@ -1,6 +1,7 @@
 """One solver for systems that are equal, and the heights of a batch, bit for bit those of single runs."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -109,6 +110,25 @@ def test_a_set_has_one_set_up_and_the_bytes_of_single_runs(flags, maps, tmp_path
 
 def timeless(line):
     return re.sub(r"\d\.\d\d s$", "", line)
+
+
+def test_every_file_of_an_item_is_told(maps, tmp_path):
+    """Also those of commands that do not report their outputs, and none of a run that writes nothing."""
+
+    def outputs(*words):
+        (item,) = items_of([job_of_words([str(word) for word in words])])
+        result = ItemRunner().run(item)
+        assert result.status == "done", result
+        return {Path(name).relative_to(tmp_path).as_posix() for name in result.outputs}
+
+    one = maps / "0.png"
+    assert outputs("compose", "pack", one, "-o", tmp_path / "a.psd") == {"a.psd"}
+    assert outputs("relief", one, "-o", tmp_path / "b.stl", "--dry-run") == set()
+    assert outputs("relief", one, "--save-recipe", tmp_path / "b.toml") == {"b.toml"}
+    layers = outputs("compose", "split", one, "-o", tmp_path / "layers")
+    assert layers == {path.relative_to(tmp_path).as_posix() for path in (tmp_path / "layers").iterdir()}
+    parts = outputs("relief", one, "-o", tmp_path / "p_{row}_{col}.stl", "--parts", "1x2")
+    assert parts == {"p_0_0.stl", "p_1_0.stl"}
 
 
 def test_a_session_keeps_its_own_solvers(maps):

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from nmaptool.core.parallel import at_most
+from nmaptool.io.sets.identity import identity
 from nmaptool.solver.kept import SolverKeeper, keeping
 from nmaptool.types.batch import BatchItem, BatchResult, BatchStatus
 from nmaptool_cli.guard import EXIT_LIMIT, EXIT_OUTPUT, EXIT_USAGE, run_guarded
@@ -54,13 +55,22 @@ class ItemRunner:
             except OSError as error:
                 place = error.filename or item.folder
                 return _unstarted(item, f"{place}: is not accessible to the worker ({error.strerror})")
+            before = {name: identity(Path(name)) for name in item.outputs}
             written: list[str] = []
             token = WRITTEN.set(written)
             try:
                 code, out, err = _called(item)
             finally:
                 WRITTEN.reset(token)
+            written += [name for name, known in before.items() if _is_new(name, known, written)]
             return _result(item, code, written, out, err, had_outputs, time.perf_counter() - started)
+
+
+def _is_new(name: str, before: tuple[str, int, int], written: list[str]) -> bool:
+    """Whether an output is written that the run has not told, such as a store."""
+    path = Path(name)
+    told = any(path in (Path(each), *Path(each).parents) for each in written)
+    return not told and identity(path) not in (before, (name, -1, -1)) and os.path.lexists(path)
 
 
 def _called(item: BatchItem) -> tuple[int, str, str]:

@@ -21,6 +21,8 @@ from nmaptool_cli.streams import STREAM, refuse_stream
 
 _LONGEST_HASH = 32
 _LIMIT = "memory_limit"
+# they make names of files that the batch does not know beforehand, so it cannot tell whose files would be replaced
+_PARTS = {"part", "parts"}
 
 
 def job_of_words(words: Sequence[str]) -> BatchJob:
@@ -57,7 +59,7 @@ def items_of(jobs: Iterable[BatchJob]) -> list[BatchItem]:
 def ready(item: BatchItem, *, overwrite: bool, memory_limit: str | None) -> BatchItem:
     """The item with the flags that the batch adds: leave to replace its outputs, and the limit of memory."""
     flags = dict(item.flags)
-    if overwrite and item.outputs:
+    if overwrite and item.outputs and not _PARTS & flags.keys():
         flags["overwrite"] = True
     if memory_limit is not None and _LIMIT in named_command(item.command).option_names:
         flags.setdefault(_LIMIT, memory_limit)

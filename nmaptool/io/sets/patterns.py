@@ -11,6 +11,8 @@ from nmaptool.core.errors import InputError, UsageError
 from nmaptool.io.sets.identity import is_input
 
 PLACEHOLDERS = ("stem", "name", "parent", "number")
+# commands fill these themselves, for the parts of a relief
+_LEFT = ("{row}", "{col}")
 _BRACED = re.compile(r"\{\{|\}\}|\{([^{}]*)\}")
 _NUMBER = re.compile(r"number:0?(\d{1,2})")
 
@@ -92,6 +94,8 @@ def fill(text: str, source: str, number: int) -> str:
     def value(found: re.Match[str]) -> str:
         if found[1] is None:
             return found[0][0]
+        if found[0] in _LEFT:
+            return found[0]
         padded = _NUMBER.fullmatch(found[1])
         if padded is not None:
             return f"{number:0{padded[1]}}"
