@@ -17,6 +17,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "plates": (),
     "tiled": ("--side", "8192"),
     "sweeps": (),
+    "batch": (),
     "files": (),
     "compression": (),
 }

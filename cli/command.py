@@ -54,6 +54,17 @@ class Command:
 
     def __call__(self, *files: Any, **words: Any) -> int | None:
         """Run the command with the parsed arguments."""
+        given, named = self.read(words)
+        return self.function(Run(given, named, words, self.per_input), *files)
+
+    def read(self, words: dict[str, Any]) -> tuple[dict[type[Options], Options], dict[type[Options], dict[str, Any]]]:
+        """Take the options out of the parsed flags; return those by class, and the ones that are given.
+
+        Raises
+        ------
+        UsageError
+            If an option is not accepted.
+        """
         given: dict[type[Options], Options] = {}
         named: dict[type[Options], dict[str, Any]] = {}
         for options in self.classes:
@@ -61,7 +72,12 @@ class Command:
             named[options] = read_values(options, {name: words.pop(name) for name in names if name in words})
             if options not in self.completed:
                 given[options] = options(**named[options])
-        return self.function(Run(given, named, words, self.per_input), *files)
+        return given, named
+
+    @property
+    def option_names(self) -> set[str]:
+        """Names of the options that flags set."""
+        return {field.name for options in self.classes for field in dataclasses.fields(options)}
 
     def parameters(self) -> Iterator[inspect.Parameter]:
         """File names first, then every flag."""

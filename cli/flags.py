@@ -36,6 +36,7 @@ _ORDER = (
     "Large maps",
     "Picture",
     "Studio",
+    "Batch",
     "Reading",
     "Run",
 )

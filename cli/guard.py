@@ -31,7 +31,7 @@ def run_guarded(command: Callable[[], Any]) -> int:
     """Run a command and return its exit code."""
     if _ending.locked():  # left locked by an earlier command of the same process
         _ending.release()
-    UNFINISHED.is_complete = False
+    UNFINISHED.is_complete, UNFINISHED.kept = False, ""
     CTRL_C.clear()
     try:
         code = command()
@@ -52,7 +52,7 @@ def _failed(error: Exception) -> int:
             return _fail(str(cause), cause.exit_code)
         case CycloptsError():
             command = " ".join(("nmap", *(error.command_chain or ())))
-            return _fail(f"{_usage(error)} (see {command} --help)", EXIT_USAGE)
+            return _fail(f"{usage(error)} (see {command} --help)", EXIT_USAGE)
         case MemoryError():
             return _fail("out of memory; use a smaller map", EXIT_LIMIT)
         case BrokenPipeError():
@@ -74,11 +74,11 @@ def interrupted() -> int:
     """Print that the command was interrupted, only once for all threads, and return the exit code."""
     if not _ending.acquire(False):
         return EXIT_INTERRUPTED
-    left = "all outputs were written" if UNFINISHED.is_complete else "nothing was written"
+    left = UNFINISHED.kept or ("all outputs were written" if UNFINISHED.is_complete else "nothing was written")
     return _fail(f"interrupted; {left}", EXIT_INTERRUPTED)
 
 
-def _usage(error: CycloptsError) -> str:
+def usage(error: CycloptsError) -> str:
     """The parser's error in words for a designer."""
     if isinstance(error, CoercionError) and error.token is not None and error.target_type in (int, float):
         kind = "a whole number" if error.target_type is int else "a number"

@@ -48,6 +48,7 @@ for _name, _help in (
     ("compare", "Compare gSfG with Poisson reconstruction on a mesh."),
     ("relief", "Make a relief in millimetres from one or two normal maps."),
     ("preview", "Show reliefs in a material, without OpenGL: pictures, sections and films."),
+    ("batch", "Run a command for many files, several at a time."),
     ("studio", "Shape a relief in the browser, under a light that you move."),
     ("smooth", "Remove the fine detail of a mesh, or exaggerate it."),
     ("train", "Train a filter on your own meshes."),

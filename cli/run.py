@@ -7,6 +7,7 @@ import json
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -24,6 +25,9 @@ from nmaptool_cli.streams import STDOUT, Inputs, names_in, readable, refuse_inpu
 if TYPE_CHECKING:
     from nmaptool.io.output.transaction import Outputs
     from nmaptool_cli.per_input import PerInput
+
+# takes the names of all files that a run has written, for a batch
+WRITTEN: ContextVar[list[str] | None] = ContextVar("written files", default=None)
 
 _Given = TypeVar("_Given", bound=Options)
 _Result = TypeVar("_Result")
@@ -170,6 +174,9 @@ class Run:
             if watched is not None and progress is not None:
                 value = watched(value, progress)
             report = outputs.write(value, report)
+        watched_names = WRITTEN.get()
+        if watched_names is not None:
+            watched_names += map(str, outputs.paths)
         if done is not None:
             done()
         self.warn(*loop_warnings(self._named, self._given.get(FilterOptions)))

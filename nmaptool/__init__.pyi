@@ -9,6 +9,7 @@ from .composition.place_layers import place_layers as place_layers
 from .composition.recipe_parsing import parse_recipe as parse_recipe
 from .composition.recipe_toml import to_toml as to_toml
 from .composition.transform import transform as transform
+from .core.errors import ClusterError as ClusterError
 from .core.errors import ConvergenceError as ConvergenceError
 from .core.errors import InputError as InputError
 from .core.errors import LimitError as LimitError
@@ -74,6 +75,7 @@ from .meshes.clean import clean_mesh as clean_mesh
 from .options import BLEND_MODES as BLEND_MODES
 from .options import MATERIALS as MATERIALS
 from .options import BakeOptions as BakeOptions
+from .options import BatchOptions as BatchOptions
 from .options import BlendMode as BlendMode
 from .options import BlendOptions as BlendOptions
 from .options import CanvasOptions as CanvasOptions
@@ -120,10 +122,12 @@ from .reliefs.inputs import pitch_of as pitch_of
 from .reliefs.integrate import integrate as integrate
 from .reliefs.relief import relief as relief
 from .reliefs.session import ReliefSession as ReliefSession
+from .sets.batch import batch as batch
 from .solids.cutting.cut import parts as parts
 from .solids.cutting.plan import plan_parts as plan_parts
 from .solids.solid import solid as solid
 from .solids.surface import surface_mesh as surface_mesh
+from .types.batch import BatchResult as BatchResult
 from .types.comparison import Comparison as Comparison
 from .types.comparison import Contender as Contender
 from .types.comparison import CurvePoint as CurvePoint

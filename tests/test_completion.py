@@ -18,7 +18,7 @@ FILES = {
     "zsh": [f".zsh/completions/_cyclopts_{name}" for name in NAMES],
     "fish": [f".config/fish/completions/{name}.fish" for name in NAMES],
 }
-VERBS = ["inspect", "bake", "compare", "preview", "relief", "smooth", "studio", "train"]
+VERBS = ["batch", "inspect", "bake", "compare", "preview", "relief", "smooth", "studio", "train"]
 EDITS = ["split", "blend", "paste", "depth", "stack", "transform", "convert", "pack", "unpack"]
 COMMANDS = [(verb,) for verb in VERBS] + [("compose", edit) for edit in EDITS]
 needs_bash = pytest.mark.skipif(os.name == "nt" or shutil.which("bash") is None, reason="needs bash")
@@ -139,7 +139,7 @@ def test_bash_completes_every_command_and_flag(tmp_path, scripts, name):
 @needs_bash
 def test_bash_completes_partial_words_and_values(tmp_path, scripts):
     cases = {
-        ("nmap", "ba"): {"bake"},
+        ("nmap", "ba"): {"bake", "batch"},
         ("nmap", "--inst"): {"--install-completion"},
         ("nmap", "bake", "head.ply", "--filt"): {"--filter"},
         ("nmap", "bake", "--filter", ""): {"rnf", "grnf", "learned"},

@@ -92,6 +92,7 @@ assert state() == before
 COMPOSE = ("blend", "convert", "depth", "pack", "paste", "split", "stack", "transform", "unpack")
 COMMANDS = (
     "bake",
+    "batch",
     "compare",
     "compose",
     *(f"compose {name}" for name in COMPOSE),

@@ -57,6 +57,7 @@ def values():
     found.append(nm.RecipePlate({"shape": "round"}, texts=({"text": "ANNO"},)))
     found.append(nm.ReliefSession(normal_map).parts())
     found.append(nm.read_scene(Path(__file__).parents[1] / "samples" / "scene.toml"))
+    found.append(nm.BatchResult(("a.png",), ("a.stl",), 0, "done"))
     results = [relief, composition, depth, layers, smoothed]
     found += [*results, *(result.report for result in results), relief.height, layers.report.mixture]
     found += [comparison, *comparison.contenders.values(), *comparison.rendered_views.values(), workspace, unpacked]

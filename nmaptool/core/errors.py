@@ -86,6 +86,10 @@ class RendererError(NmaptoolError, RuntimeError, exit_code=6):
     """No OpenGL context is available, or it cannot draw (exit code 6)."""
 
 
+class ClusterError(NmaptoolError, RuntimeError, exit_code=8):
+    """A Dask cluster that cannot be started or reached, has gone, or lost the process of a job (exit code 8)."""
+
+
 class ConvergenceError(NmaptoolError, ArithmeticError, exit_code=7):
     """A solve that did not reach its tolerance (exit code 7).
 

@@ -18,6 +18,7 @@ _Task = TypeVar("_Task")
 _Result = TypeVar("_Result")
 
 _here = threading.local()
+_allowed: contextvars.ContextVar[int | None] = contextvars.ContextVar("allowed cores", default=None)
 
 
 def for_each_band(rows: int, rows_at_once: int, work: Callable[[slice], object]) -> None:
@@ -67,11 +68,21 @@ def one_by_one() -> Iterator[None]:
         _here.busy = before
 
 
+@contextlib.contextmanager
+def at_most(threads: int) -> Iterator[None]:
+    """Let work in this context use at most so many cores, so that other processes can use the rest."""
+    token = _allowed.set(threads)
+    try:
+        yield
+    finally:
+        _allowed.reset(token)
+
+
 def cores() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    """Cores that this process may use, or fewer under `at_most`."""
+    found = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    allowed = _allowed.get()
+    return found if allowed is None else min(found, allowed)
 
 
 class _Round:

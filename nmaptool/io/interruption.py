@@ -19,10 +19,13 @@ class Unfinished:
     ----------
     is_complete : bool
         Whether all output of the run is in its final place.
+    kept : str
+        What an interrupted run leaves, for its message; empty for nothing, as usual.
     """
 
     def __init__(self) -> None:
         self.is_complete = False
+        self.kept = ""
         self._files: set[Path] = set()
         self._folders: list[Path] = []  # a folder comes before the folders in it
         self._temporary: set[Path] = set()

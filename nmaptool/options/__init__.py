@@ -4,6 +4,7 @@ Nothing heavy is imported here, so that ``nmap --help`` stays quick.
 """
 
 from nmaptool.options.bake import BakeOptions, DetailEncoding, Geometry, MeshReadOptions, Renderer, Shading
+from nmaptool.options.batch import BatchOptions
 from nmaptool.options.blend_modes import BLEND_MODES, BlendMode
 from nmaptool.options.compare import CompareOptions
 from nmaptool.options.compose import (
@@ -37,6 +38,7 @@ __all__ = [
     "Anchor",
     "BackgroundMode",
     "BakeOptions",
+    "BatchOptions",
     "Bits",
     "BlendMode",
     "BlendOptions",

@@ -8,6 +8,7 @@ from nmaptool.core.errors import UsageError
 from nmaptool.options import SolverName
 from nmaptool.options.fields import choice_of
 from nmaptool.solver.islands import Islands
+from nmaptool.solver.kept import current_keeper
 from nmaptool.solver.memory import kind_of, plan
 from nmaptool.solver.method import DirectMethod, Method
 from nmaptool.solver.solve import Solution, Solver
@@ -52,7 +53,8 @@ def prepare(
     ----------
     system : QuadSystem
     method : str
-        A `nmaptool.options.SolverName`.
+        A `nmaptool.options.SolverName`. Under `nmaptool.solver.kept.keeping`, the last solver is returned again for
+        equal weights, held vertices and method.
     memory_limit_bytes : int, optional
         Memory that the solve may use. Default: the free memory of the machine.
     like : Solver, optional
@@ -66,6 +68,17 @@ def prepare(
         If it needs more memory than allowed; only the map of unknowns and the weights of the box around them have been
         allocated by then.
     """
+    keeper = current_keeper()
+    if keeper is not None and like is None:
+        kept = keeper.solver_of(system, method)
+        if kept is not None:
+            kept.check_memory(memory_limit_bytes)
+            return kept
+        return keeper.keep(system, method, _prepare(system, method, memory_limit_bytes, None))
+    return _prepare(system, method, memory_limit_bytes, like)
+
+
+def _prepare(system: QuadSystem, method: str, memory_limit_bytes: int | None, like: Solver | None) -> Solver:
     window = window_of(system)
     inside = window.system(system)
     chosen = choose(inside, method)

@@ -1,0 +1,1 @@
+"""Sets of jobs on Dask: planning by memory, processes, resuming."""
