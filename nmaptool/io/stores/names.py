@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path, PurePosixPath
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 _FILE = "file://"
 ZARR_ENDING = ".zarr"
-_TIFF_ENDINGS = (".tif", ".tiff", ".btf", ".tf8")
+_TIFF_ENDINGS = (".tif", ".tiff")
+OutputKind = Literal["zarr", "tiles", "tiff"]
 # the files that make a folder a Zarr array or group: of version 3, of version 2
 ZARR_FILES = ("zarr.json", ".zarray", ".zgroup")
 
@@ -79,13 +80,16 @@ def is_zarr(place: str) -> bool:
     return not path.exists() and path.suffix.lower() == ZARR_ENDING
 
 
-def is_large_map(name: str, max_megapixels: float) -> bool:
-    """As `nmaptool.io.stores.opening.is_store`, but without loading what reads stores where the name rules them out."""
-    place, _ = split_name(name)
-    path = local_path(place)
-    ending = PurePosixPath(place).suffix.lower()
-    if path is not None and not path.is_dir() and ending not in (ZARR_ENDING, *_TIFF_ENDINGS):
-        return False
-    from nmaptool.io.stores.opening import is_store
+def output_kind(name: str) -> OutputKind | None:
+    """What a name stands for: a Zarr store, a folder of tiles (without an ending, or with a slash), a TIFF.
 
-    return is_store(name, max_megapixels)
+    >>> [output_kind(name) for name in ("map.zarr", "tiles/", "tiles", "map.tif", "map.png")]
+    ['zarr', 'tiles', 'tiles', 'tiff', None]
+    """
+    place, _ = split_name(name)
+    ending = Path(place.rstrip("/")).suffix.lower()
+    if ending == ZARR_ENDING:
+        return "zarr"
+    if name.endswith(("/", "\\")) or not ending:
+        return "tiles"
+    return "tiff" if ending in _TIFF_ENDINGS else None
