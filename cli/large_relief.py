@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nmaptool.core.errors import UsageError
-from nmaptool.io.stores.recognising import is_large_map
+from nmaptool.io.stores.recognition import is_large_map
 from nmaptool.options import PartOptions, ReadOptions, ReliefFiles, ReliefOptions, SolidOptions, TilingOptions
 from nmaptool.options.formats import LARGE_ENDING, MESH_FORMATS, is_recipe
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions

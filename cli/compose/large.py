@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from nmaptool.core.errors import UsageError
-from nmaptool.io.stores.names import is_large_map
+from nmaptool.io.stores.recognition import is_large_map
 from nmaptool.options import TilingOptions
 from nmaptool.options.formats import LARGE_ENDING
 from nmaptool_cli.outputs import ReportOutputs

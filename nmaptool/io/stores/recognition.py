@@ -1,4 +1,4 @@
-"""Recognise large maps by their names, where that is enough, so that plain commands load nothing for them."""
+"""Whether a name is that of a large map."""
 
 from __future__ import annotations
 
