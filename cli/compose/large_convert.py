@@ -57,7 +57,7 @@ def as_given(path: Path) -> str:
 
 def is_large(name: str, output: str, reading: ReadOptions) -> bool:
     """Whether a map is converted by windows: from or to a store, or from a large TIFF."""
-    from nmaptool.io.stores.picture_output import output_kind
+    from nmaptool.io.stores.names import output_kind
     from nmaptool.io.stores.recognition import is_large_map
 
     made_by_windows = output != STREAM and output_kind(output) in ("zarr", "tiles")

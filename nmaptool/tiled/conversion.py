@@ -17,8 +17,9 @@ from nmaptool.io.output.conversion import kept_attributes, recipe_of
 from nmaptool.io.output.writing import write_together
 from nmaptool.io.pictures.normal_maps import map_attributes
 from nmaptool.io.pictures.writer import write_image
+from nmaptool.io.stores.names import output_kind
 from nmaptool.io.stores.normal_maps import NormalMapStore, open_normal_map
-from nmaptool.io.stores.picture_output import check_output, output_kind, write_windows
+from nmaptool.io.stores.picture_output import check_output, write_windows
 from nmaptool.io.stores.picture_plan import Make, PicturePlan
 from nmaptool.io.stores.windows import grid_windows
 from nmaptool.maps.zero_code import ZERO_CODES

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from nmaptool.core.errors import UsageError
 from nmaptool.core.progress import Progress
-from nmaptool.io.stores.names import local_path, split_name
+from nmaptool.io.stores.names import local_path, output_kind, split_name
 from nmaptool.io.stores.opening import open_picture
-from nmaptool.io.stores.picture_output import check_output, output_kind, write_windows
+from nmaptool.io.stores.picture_output import check_output, write_windows
 from nmaptool.io.stores.picture_plan import PicturePlan
 
 

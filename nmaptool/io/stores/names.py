@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path, PurePosixPath
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 _URL = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+://")
 _FILE = "file://"
 ZARR_ENDING = ".zarr"
+_TIFF_ENDINGS = (".tif", ".tiff")
+OutputKind = Literal["zarr", "tiles", "tiff"]
 # the files that make a folder a Zarr array or group: of version 3, of version 2
 ZARR_FILES = ("zarr.json", ".zarray", ".zgroup")
 
@@ -76,3 +78,18 @@ def is_zarr(place: str) -> bool:
     if path.is_dir():
         return any((path / name).is_file() for name in ZARR_FILES) or path.suffix.lower() == ZARR_ENDING
     return not path.exists() and path.suffix.lower() == ZARR_ENDING
+
+
+def output_kind(name: str) -> OutputKind | None:
+    """What a name stands for: a Zarr store, a folder of tiles (without an ending, or with a slash), a TIFF.
+
+    >>> [output_kind(name) for name in ("map.zarr", "tiles/", "tiles", "map.tif", "map.png")]
+    ['zarr', 'tiles', 'tiles', 'tiff', None]
+    """
+    place, _ = split_name(name)
+    ending = Path(place.rstrip("/")).suffix.lower()
+    if ending == ZARR_ENDING:
+        return "zarr"
+    if name.endswith(("/", "\\")) or not ending:
+        return "tiles"
+    return "tiff" if ending in _TIFF_ENDINGS else None

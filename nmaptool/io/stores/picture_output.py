@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from nmaptool.io.output.targets import check_folders, check_places
 from nmaptool.io.output.writing import write_together
 from nmaptool.io.pictures.metadata import PREFIX, one_line
 from nmaptool.io.pictures.writer import write_image
-from nmaptool.io.stores.names import ZARR_ENDING, split_name
+from nmaptool.io.stores.names import output_kind
 from nmaptool.io.stores.picture_plan import Make, PicturePlan
 from nmaptool.io.stores.tiles import tiles_in
 from nmaptool.io.stores.windows import grid_windows
@@ -26,25 +26,8 @@ from nmaptool.io.stores.zarr_writing import CHUNK, make_room
 TIFF_TILE_PX = 512
 # tiles of a TIFF that are made at once
 _TILES_AT_ONCE = 4
-_TIFF_ENDINGS = (".tif", ".tiff")
 # what a TIFF of 32-bit offsets can hold, less its directory
 _CLASSIC_BYTES = (1 << 32) - (1 << 25)
-OutputKind = Literal["zarr", "tiles", "tiff"]
-
-
-def output_kind(name: str) -> OutputKind | None:
-    """What a name stands for: a Zarr store, a folder of tiles (without an ending, or with a slash), a TIFF.
-
-    >>> [output_kind(name) for name in ("map.zarr", "tiles/", "tiles", "map.tif", "map.png")]
-    ['zarr', 'tiles', 'tiles', 'tiff', None]
-    """
-    place, _ = split_name(name)
-    ending = Path(place.rstrip("/")).suffix.lower()
-    if ending == ZARR_ENDING:
-        return "zarr"
-    if name.endswith(("/", "\\")) or not ending:
-        return "tiles"
-    return "tiff" if ending in _TIFF_ENDINGS else None
 
 
 def check_output(name: str, *, pyramid: bool = False, overwrite: bool = False) -> None:
