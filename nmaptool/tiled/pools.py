@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from typing import Any
 
-from nmaptool.core.errors import InputError, LimitError, NmaptoolError
+from nmaptool.core.errors import InputError, LimitError, ClusterError
 from nmaptool.core.parallel import one_by_one
 from nmaptool.solver.tiling.grid import Tile
 
@@ -72,7 +72,7 @@ class DaskPool:
         ------
         LimitError
             If workers die at the same tile again and again.
-        NmaptoolError
+        ClusterError
             If there are no workers, or the scheduler goes away.
         """
         from concurrent.futures import CancelledError
@@ -82,7 +82,7 @@ class DaskPool:
         try:
             threads = sum(self._client.nthreads().values())
             if not threads:
-                raise NmaptoolError("the cluster has no workers; start some with `dask worker`, and run again")
+                raise ClusterError("the cluster has no workers; start some with `dask worker`, and run again")
             first = [self._submit(work, tile) for _, tile in zip(range(_WAITING * threads), rest, strict=False)]
             running = distributed.as_completed(first)
             try:
@@ -101,9 +101,9 @@ class DaskPool:
                 f"lack of memory; use fewer `workers`, a smaller `tile` or a larger `memory_limit`; {_GO_ON}"
             ) from None
         except (distributed.comm.core.CommClosedError, CancelledError, TimeoutError, OSError) as error:
-            if isinstance(error, NmaptoolError):
+            if isinstance(error, ClusterError):
                 raise
-            raise NmaptoolError(
+            raise ClusterError(
                 f"the connection to the scheduler was lost ({type(error).__name__}); {_GO_ON}"
             ) from None
 
@@ -141,7 +141,7 @@ def local_pool(workers: int, memory_bytes: int | None = None) -> Iterator[DaskPo
                 silence_logs=logging.CRITICAL,
             )
         except (RuntimeError, OSError, TimeoutError) as error:
-            raise NmaptoolError(
+            raise ClusterError(
                 f"worker processes could not be started ({error}); run again, or use `workers=1`"
             ) from None
         with cluster, distributed.Client(cluster) as client:
@@ -154,13 +154,13 @@ def cluster_pool(address: str) -> Iterator[DaskPool]:
 
     Raises
     ------
-    NmaptoolError
+    ClusterError
         If it cannot be reached.
     """
     try:
         client = _distributed().Client(address, timeout=10)
     except (OSError, ValueError) as error:
-        raise NmaptoolError(
+        raise ClusterError(
             f"`scheduler={address!r}`: cannot be reached ({type(error).__name__}); start one with `dask scheduler`"
         ) from None
     with client:
