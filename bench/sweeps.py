@@ -60,7 +60,9 @@ def history(folder: Path, normals: str, mask: str, background: BackgroundMode, o
     grid = TileGrid(_SIDE, _SIDE, _TILE, overlap * _FACTOR, _FACTOR)
     beta, delta = to_pixels(options.beta, options.delta, _SIDE, per_pixel=False)
     weights = Weights(0.0, beta, delta)
-    job = ReliefJob(WorkFolder(str(folder)), grid, normals, files, sources.reading, None, options, weights, 0.1, 8)
+    job = ReliefJob(
+        WorkFolder(str(folder)), grid, normals, files, sources.greys, sources.reading, None, options, weights, 0.1, 8
+    )
     pool = HerePool()
     records = assembled(job, pool, None)
     return solve(job, pool, "load", records, coarse_problem(job), None).history

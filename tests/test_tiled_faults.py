@@ -266,3 +266,19 @@ def test_the_report_tells_what_was_done(case: Case, tmp_path: Path) -> None:
     assert (report["tile"], report["tiles"], report["workers"]) == (128, 20, 2)
     assert report["relief"]["residual"] <= 1e-8
     assert report["outputs"] == [str(output)]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of the size of a file")
+def test_a_full_disk_is_one_line_and_the_run_goes_on(case: Case, tmp_path: Path) -> None:
+    """A limit on the size of files stands in for a full disk."""
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, resource.RLIM_INFINITY))"
+    command = _command(case, tmp_path / "heights.zarr")
+    command[2] = f"{limit}; {command[2]}"
+    failed = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert failed.returncode == 5
+    assert failed.stderr.startswith("nmap: error: ")
+    assert failed.stderr.count("\n") == 1
+    assert "run again" in failed.stderr
+    subprocess.run(_command(case, tmp_path / "heights.zarr"), check=True)
+    subprocess.run(_command(case, tmp_path / "whole.zarr"), check=True)
+    assert _bytes(tmp_path / "heights.zarr") == _bytes(tmp_path / "whole.zarr")

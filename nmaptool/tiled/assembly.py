@@ -19,6 +19,7 @@ from nmaptool.solver.system import QuadSystem
 from nmaptool.solver.tiling.grid import Box, Tile, inside, of_vertices
 from nmaptool.solver.tiling.islands import Labels, label_faces, label_vertices
 from nmaptool.solver.tiling.tile import face_means, lines_of, restricted
+from nmaptool.tiled.inputs import GREYS
 from nmaptool.tiled.job import ReliefJob
 
 # bits of the state of a vertex
@@ -31,13 +32,6 @@ def _map(name: str, settled: ReadOptions) -> Any:
     from nmaptool.io.stores.normal_maps import reopen_normal_map
 
     return reopen_normal_map(name, settled)
-
-
-@lru_cache(maxsize=8)
-def _grey(name: str) -> Any:
-    from nmaptool.io.stores.grey import open_grey
-
-    return open_grey(name)
 
 
 @lru_cache(maxsize=8)
@@ -68,9 +62,9 @@ def window_of_maps(job: ReliefJob, window: Box) -> ReliefMaps:
     """Read a window of all inputs."""
     files = job.files
     greys: dict[str, Float32 | None] = {}
-    for name in ("mask", "wall_mask", "mu_map", "beta_map", "delta_map"):
-        file = getattr(files, name)
-        greys[name] = None if file is None else _grey(file).window(*window)
+    for name in GREYS:
+        picture = job.greys.get(name)
+        greys[name] = None if picture is None else picture.window(*window)
     factors = check_weights({name: greys[f"{name}_map"] for name in ("mu", "beta", "delta")})
     detail = None
     if files.detail is not None and job.detail_reading is not None:

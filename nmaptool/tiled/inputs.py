@@ -6,12 +6,16 @@ import dataclasses
 from dataclasses import dataclass
 
 from nmaptool.core.errors import InputError, UsageError
+from nmaptool.io.stores.grey import GreyStore, open_grey
 from nmaptool.io.stores.heights import open_heights
 from nmaptool.io.stores.normal_maps import open_normal_map
 from nmaptool.io.stores.opening import open_picture
 from nmaptool.options import ReadOptions, ReliefFiles
 from nmaptool.reliefs.inputs import SAME_PITCH
 from nmaptool.types.plain_arrays import check_sizes
+
+# inputs that hold one value for each pixel
+GREYS = ("mask", "wall_mask", "mu_map", "beta_map", "delta_map")
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,8 @@ class Sources:
         Kind of the original's background.
     reading, detail_reading : ReadOptions
         How the maps are read, with nothing left to detect.
+    greys : dict of str to GreyStore
+        The mask and the maps of weights, by the names of their fields.
     stamps : dict of str to str
         For each input, a text that changes when it does.
     warnings : tuple of str
@@ -39,6 +45,7 @@ class Sources:
     background: str
     reading: ReadOptions
     detail_reading: ReadOptions | None
+    greys: dict[str, GreyStore]
     stamps: dict[str, str]
     warnings: tuple[str, ...] = ()
 
@@ -107,6 +114,7 @@ def open_sources(original: str, files: ReliefFiles, reading: ReadOptions) -> Sou
         first.decoding.background,
         first.settled,
         None if detail is None else detail.settled,
+        {role: open_grey(file) for role, file in given.items() if role in GREYS},
         stamps,
         tuple(first.decoding.warnings),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from nmaptool.io.stores.grey import GreyStore
 from nmaptool.io.stores.work import WorkFolder
 from nmaptool.options import ReadOptions, ReliefFiles, ReliefOptions
 from nmaptool.reliefs.targets import Weights
@@ -35,6 +36,8 @@ class ReliefJob:
         Name of the map.
     files : ReliefFiles
         Names of the other inputs.
+    greys : dict of str to GreyStore
+        The mask and the maps of weights, by the names of their fields. How each is read was found once.
     reading, detail_reading : ReadOptions
         How the maps are read, with nothing left to detect.
     options : ReliefOptions
@@ -49,6 +52,7 @@ class ReliefJob:
     grid: TileGrid
     original: str
     files: ReliefFiles
+    greys: dict[str, GreyStore]
     reading: ReadOptions
     detail_reading: ReadOptions | None
     options: ReliefOptions

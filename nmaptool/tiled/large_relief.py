@@ -194,6 +194,7 @@ def _job(
         made.grid,
         sources.original,
         files,
+        sources.greys,
         sources.reading,
         sources.detail_reading,
         options,

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from typing import Any
 
-from nmaptool.core.errors import InputError, LimitError, ClusterError
+from nmaptool.core.errors import ClusterError, InputError, LimitError, NmaptoolError, OutputError, reason_of
 from nmaptool.core.parallel import one_by_one
 from nmaptool.solver.tiling.grid import Tile
 
@@ -78,6 +78,7 @@ class DaskPool:
         from concurrent.futures import CancelledError
 
         distributed = _distributed()
+        gone = distributed.comm.core.CommClosedError, CancelledError, TimeoutError, OSError
         rest = iter(tiles)
         try:
             threads = sum(self._client.nthreads().values())
@@ -87,7 +88,9 @@ class DaskPool:
             running = distributed.as_completed(first)
             try:
                 for future in running:
-                    future.result()
+                    error = future.exception()
+                    if error is not None:
+                        raise _TaskError from error
                     done()
                     following = next(rest, None)
                     if following is not None:
@@ -95,17 +98,27 @@ class DaskPool:
             except BaseException:
                 self._client.cancel(list(running.futures))
                 raise
-        except distributed.KilledWorker as error:
-            raise LimitError(
-                f"workers died {_TRIES + 1} times at one tile, the last {error.last_worker.address}, most likely for "
-                f"lack of memory; use fewer `workers`, a smaller `tile` or a larger `memory_limit`; {_GO_ON}"
-            ) from None
-        except (distributed.comm.core.CommClosedError, CancelledError, TimeoutError, OSError) as error:
-            if isinstance(error, ClusterError):
-                raise
-            raise ClusterError(
-                f"the connection to the scheduler was lost ({type(error).__name__}); {_GO_ON}"
-            ) from None
+        except _TaskError as failed:
+            raise _told(failed.__cause__) from None
+        except gone as error:
+            raise ClusterError(f"the connection to the scheduler was lost ({type(error).__name__}); {_GO_ON}") from None
+
+
+class _TaskError(Exception):
+    """A task failed; its cause is the error."""
+
+
+def _told(error: BaseException | None) -> BaseException:
+    """The error of a task as the user is to see it."""
+    if isinstance(error, _distributed().KilledWorker):
+        return LimitError(
+            f"workers died {_TRIES + 1} times at one tile, the last {error.last_worker.address}, most likely for "
+            f"lack of memory; use fewer `workers`, a smaller `tile` or a larger `memory_limit`; {_GO_ON}"
+        )
+    if isinstance(error, OSError) and not isinstance(error, NmaptoolError):
+        return OutputError(f"a worker cannot write ({reason_of(error)}); {_GO_ON}")
+    assert error is not None
+    return error
 
 
 @contextlib.contextmanager
