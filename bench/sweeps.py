@@ -59,10 +59,8 @@ def history(folder: Path, normals: str, mask: str, background: BackgroundMode, o
     sources = open_sources(normals, files, ReadOptions(background_color="none"))
     grid = TileGrid(_SIDE, _SIDE, _TILE, overlap * _FACTOR, _FACTOR)
     beta, delta = to_pixels(options.beta, options.delta, _SIDE, per_pixel=False)
-    weights = Weights(0.0, beta, delta)
-    job = ReliefJob(
-        WorkFolder(str(folder)), grid, normals, files, sources.greys, sources.reading, None, options, weights, 0.1, 8
-    )
+    weights, read = Weights(0.0, beta, delta), (sources.greys, sources.reading, None)
+    job = ReliefJob(WorkFolder(str(folder)), grid, normals, files, *read, options, weights, 0.1, 8)
     pool = HerePool()
     records = assembled(job, pool, None)
     return solve(job, pool, "load", records, coarse_problem(job), None).history
