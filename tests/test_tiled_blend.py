@@ -131,3 +131,12 @@ def test_two_workers_write_the_same_bytes(tmp_path, maps):
     assert len(files) == 5
     for file in files:
         assert (tmp_path / "two.zarr" / file).read_bytes() == (tmp_path / "one.zarr" / file).read_bytes()
+
+
+def test_an_input_that_was_replaced_is_opened_again(tmp_path, maps):
+    nm.tiled.blend(*maps, str(tmp_path / "out.zarr"), tiling=HERE)
+    for name, seed in zip(maps, (7, 8), strict=True):
+        as_store(bumps(80, 100, seed), name, chunk=128)
+    nm.tiled.blend(*maps, str(tmp_path / "out.zarr"), writing=FLOAT, tiling=HERE, overwrite=True)
+    expected = nm.blend(whole(maps[0]), whole(maps[1])).normal_map
+    assert np.array_equal(pixels(str(tmp_path / "out.zarr"))[..., :3], expected.normals)

@@ -133,3 +133,13 @@ def test_what_is_no_depth_picture_is_refused(tmp_path):
         nm.tiled.depth(name, str(tmp_path / "out.png"))
     with pytest.raises(OutputError, match="already exists"):
         nm.tiled.depth(name, name)
+
+
+def test_wider_holes_are_filled_with_a_wider_overlap(tmp_path):
+    values = forms()
+    values[100:150, 120:220] = np.nan
+    chosen = nm.DepthOptions(background="none", fill=nm.length("60px"))
+    done, stored, expected = compared(tmp_path, values, chosen, tiling=nm.TilingOptions(tile=128, workers=1))
+    assert done.overlap == 192
+    assert done.report.filled_pixels == expected.report.filled_pixels == 5000
+    assert np.abs(stored[..., :3] - expected.normal_map.normals).max() < 1e-4

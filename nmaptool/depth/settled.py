@@ -105,7 +105,7 @@ class SettledDepth:
     def margin(self) -> int:
         """Pixels around a window that its normals depend on; a multiple of 64, on which coarse grids begin."""
         needed = (FIT_MARGIN_PX if self.tolerance else JUMP_MARGIN_PX) + (self.longest if self.fill_px else 0)
-        return -(-needed // 64) * 64
+        return _in_steps(needed)
 
 
 def settle_empty(
@@ -187,10 +187,8 @@ def settle_depth(
             plain, found = plain + one, found + other
     fill = 0.0
     fills_all = isinstance(options.fill, Length)
-    longest = LONGEST_HOLE_PX
     if isinstance(options.fill, Length):
         fill = in_px(options.fill, image.frame.cols, source.scale.pitch_mm, "fill", image.name)
-        longest = max(longest, 2 * int(np.ceil(fill)))
     elif options.fill != "none" and kind_of(image) == "grey":
         fill = min(largest_hole(image.frame), LONGEST_HOLE_PX)
     settled = SettledDepth(
@@ -206,7 +204,26 @@ def settle_depth(
         source.least_jump_px,
         fill,
         fills_all,
-        longest,
+        _longest(fill),
         image.frame.rows * image.frame.cols,
     )
     return settled, source
+
+
+def most_margin_px(options: DepthOptions, frame: Frame) -> int:
+    """Return the largest `SettledDepth.margin` that options may lead to, before anything is read."""
+    fill = 0.0
+    if isinstance(options.fill, Length):
+        pitch = frame.pitch_mm if options.width is None else options.width.to_mm(1.0, 1) / frame.cols
+        known = pitch is not None or not options.fill.is_absolute
+        fill = in_px(options.fill, frame.cols, pitch, "fill", "") if known else 0.0
+    return _in_steps(FIT_MARGIN_PX + _longest(fill))
+
+
+def _longest(fill_px: float) -> int:
+    """Most rows or columns of a hole that is filled."""
+    return max(LONGEST_HOLE_PX, 2 * int(np.ceil(fill_px)))
+
+
+def _in_steps(pixels: int) -> int:
+    return -(-pixels // 64) * 64

@@ -13,9 +13,9 @@ from nmaptool.core.arrays import Float32, Mask
 from nmaptool.core.errors import InputError
 from nmaptool.core.progress import Progress, Stages
 from nmaptool.depth.settled import (
-    JUMP_MARGIN_PX,
     EmptyRule,
     SettledDepth,
+    most_margin_px,
     settle_depth,
     settle_empty,
 )
@@ -121,7 +121,7 @@ def depth(
         sample = sample_of_depths(picture, frame, opened_mask(image, mask, frame))
         rule, meaning, grey = settle_empty(sample.image, sample.mask, options)
         stamps = stamps_of(image, mask)
-    made = cut(frame.rows, frame.cols, tiling, overlap=3 * JUMP_MARGIN_PX, bytes_per_pixel=_BYTES_PER_PIXEL)
+    made = cut(frame.rows, frame.cols, tiling, overlap=most_margin_px(options, frame), bytes_per_pixel=_BYTES_PER_PIXEL)
     attributes = {"recipe": recipe_text("depth", options)}
     layout = MapLayout(
         frame.rows, frame.cols, frame.pitch_mm, made.grid.tile, True, writing or WriteOptions(), attributes

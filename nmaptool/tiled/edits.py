@@ -22,7 +22,7 @@ from nmaptool.core.units import memory_text
 from nmaptool.core.vectors import inner_vertices, mean_abs_curl
 from nmaptool.io.pictures.layer_names import Holds
 from nmaptool.io.stores.grey import GreyStore, open_grey
-from nmaptool.io.stores.names import split_name
+from nmaptool.io.stores.names import ZARR_FILES, split_name
 from nmaptool.io.stores.new_stores import NewStore
 from nmaptool.io.stores.normal_maps import NormalMapStore, reopen_normal_map
 from nmaptool.io.stores.opening import open_picture
@@ -101,22 +101,46 @@ def cut(rows: int, cols: int, tiling: TilingOptions, *, overlap: int = 0, bytes_
     )
 
 
-@lru_cache(maxsize=8)
 def map_of(name: str, settled: ReadOptions) -> NormalMapStore:
     """A normal map, opened once in each process."""
+    return _map(name, settled, _written(name))
+
+
+def grey_of(name: str) -> GreyStore:
+    """A mask, opened once in each process."""
+    return _grey(name, _written(name))
+
+
+def picture_of(name: str, layer: str | None, holds: Holds) -> PictureStore:
+    """A picture, opened once in each process."""
+    return _picture(name, layer, holds, _written(name))
+
+
+@lru_cache(maxsize=8)
+def _map(name: str, settled: ReadOptions, written: int) -> NormalMapStore:
     return reopen_normal_map(name, settled)
 
 
 @lru_cache(maxsize=8)
-def grey_of(name: str) -> GreyStore:
-    """A mask, opened once in each process."""
+def _grey(name: str, written: int) -> GreyStore:
     return open_grey(name)
 
 
 @lru_cache(maxsize=8)
-def picture_of(name: str, layer: str | None, holds: Holds) -> PictureStore:
-    """A picture, opened once in each process."""
+def _picture(name: str, layer: str | None, holds: Holds, written: int) -> PictureStore:
     return open_picture(name, layer, holds=holds)
+
+
+def _written(name: str) -> int:
+    """When a store was created, or a file written, for those on this machine; workers may live longer than a store."""
+    place = split_name(name)
+    if place.path is None:
+        return 0
+    within = place.path / (place.layer or "")
+    for file in (*(within / entry for entry in ZARR_FILES), place.path):
+        with contextlib.suppress(OSError):
+            return file.stat().st_mtime_ns
+    return 0
 
 
 def stamps_of(*names: str | None) -> dict[str, str]:
