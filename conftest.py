@@ -36,7 +36,7 @@ def pytest_configure(config: pytest.Config) -> None:
         from nmaptool.core import parallel
 
         threads = min(parallel.cores(), max(2, parallel.cores() // config.workerinput["workercount"]))
-        parallel.cores = lambda: threads
+        parallel.cores_of_process = lambda: threads
 
 
 @contextlib.contextmanager

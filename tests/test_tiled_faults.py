@@ -35,7 +35,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Case:
 
 
 def _relief(case: Case, output: Path, options: ReliefOptions = _OPTIONS, **more: Any) -> Any:
-    settings: dict[str, Any] = {"tiling": TilingOptions(tile=64, workers=0), **more}
+    settings: dict[str, Any] = {"tiling": TilingOptions(tile=128, workers=0), **more}
     return nm.tiled.relief(case.original, str(output), options, settings.pop("files", case.masked), **settings)
 
 
@@ -90,7 +90,7 @@ def test_a_damaged_record_is_done_again(case: Case, tmp_path: Path) -> None:
 def test_a_damaged_chunk_of_the_work_folder_is_named(case: Case, tmp_path: Path) -> None:
     with pytest.raises(_StopError):
         _relief(case, tmp_path / "heights.zarr", progress=_stop_at("solving", 0.1))
-    chunk = tmp_path / "heights.zarr.work" / "weight" / "c" / "3" / "4"
+    chunk = tmp_path / "heights.zarr.work" / "weight" / "c" / "1" / "2"
     chunk.write_bytes(b"no chunk")
     with pytest.raises(nm.InputError, match=r"work: a chunk of weight is missing or damaged .*; remove the folder"):
         _relief(case, tmp_path / "heights.zarr")
@@ -143,7 +143,7 @@ def test_the_lock_of_a_dead_process_does_not_count(tmp_path: Path) -> None:
         (nm.OutputError, r"heights\.zarr: already exists", {"exists": True}),
         (
             nm.UsageError,
-            r"are written to a Zarr store, such as heights\.zarr",
+            r"is written to a Zarr store, such as -o map\.zarr",
             {"name": "h.tif"},
         ),
         (nm.OutputError, r"the folder .* does not exist; create it first", {"name": "no/h.zarr"}),

@@ -28,7 +28,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Case:
 
 
 def _tiled(case: Case, output: Path, options: ReliefOptions, **more: Any) -> tuple[Any, Any]:
-    settings: dict[str, Any] = {"tiling": TilingOptions(tile=64, workers=0), "at": "corners", **more}
+    settings: dict[str, Any] = {"tiling": TilingOptions(tile=128, workers=0), "at": "corners", **more}
     report = nm.tiled.relief(case.original, str(output), options, settings.pop("files", case.files), **settings)
     return report, zarr.open_array(str(output))[:]
 
@@ -63,7 +63,7 @@ def test_tiles_give_the_heights_and_the_report_of_the_whole(case: Case, tmp_path
             ours, theirs = getattr(found.relief, field.name), getattr(whole.report, field.name)
             assert ours == (pytest.approx(theirs, rel=1e-6) if isinstance(theirs, float) else theirs), field.name
     assert found.relief.residual <= options.tolerance
-    assert found.tiles == 63
+    assert found.tiles == 20
     assert found.sweeps <= 8
     assert sorted(path.name for path in tmp_path.iterdir()) == ["heights.zarr"]
 
@@ -117,7 +117,7 @@ def test_the_cut_does_not_change_the_heights(case: Case, tmp_path: Path) -> None
 def test_two_workers_give_the_bytes_of_one_process(case: Case, tmp_path: Path) -> None:
     options = ReliefOptions(width=WIDTH, height=nm.length("3mm"))
     first, z = _tiled(case, tmp_path / "here.zarr", options)
-    second, other = _tiled(case, tmp_path / "workers.zarr", options, tiling=TilingOptions(tile=64, workers=2))
+    second, other = _tiled(case, tmp_path / "workers.zarr", options, tiling=TilingOptions(tile=128, workers=2))
     assert z.tobytes() == other.tobytes()
     assert first.relief.history == second.relief.history
     assert second.workers == 2

@@ -80,9 +80,13 @@ def at_most(threads: int) -> Iterator[None]:
 
 def cores() -> int:
     """Cores that this process may use, or fewer under `at_most`."""
-    found = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    allowed = _allowed.get()
+    found, allowed = cores_of_process(), _allowed.get()
     return found if allowed is None else min(found, allowed)
+
+
+def cores_of_process() -> int:
+    """Cores that the system gives this process."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class _Round:
