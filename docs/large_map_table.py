@@ -41,6 +41,10 @@ def _time(hours: float) -> str:
     return f"{hours:.0f} h" if hours < 72 else f"{hours / 24:.0f} days"
 
 
+def _size(count: int) -> str:
+    return f"{count / 1e9:.3g} GB" if count < 1e12 else f"{count / 1e12:.3g} TB"
+
+
 def table() -> str:
     """The table as Markdown."""
     head = ("map", "2 workers", f"{_WORKERS} workers", "tile px", "overlap px", "coarse face px")
@@ -50,7 +54,7 @@ def table() -> str:
         how = plan(side, side, 2, int(memory))
         grid = how.grid
         times = (_time(_hours(side, how, workers)) for workers in (2, _WORKERS))
-        sizes = (f"{size / 1e9:.3g} GB" for size in (how.worker_bytes, how.coarse_bytes, how.disk_bytes))
+        sizes = (_size(size) for size in (how.worker_bytes, how.coarse_bytes, how.disk_bytes))
         cut = (f"{length}" for length in (grid.tile, grid.overlap, grid.factor))
         rows.append((f"{side * side / 1e9:.0f} Gpx", *times, *cut, *sizes))
     lines = [f"| {' | '.join(row)} |" for row in rows]
