@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -14,6 +13,7 @@ from nmaptool.options import PartOptions, ReadOptions, ReliefFiles, ReliefOption
 from nmaptool.options.formats import LARGE_ENDING, MESH_FORMATS, is_recipe
 from nmaptool.options.plates import FrameOptions, MachineOptions, PlateOptions, TextOptions
 from nmaptool.options.relief_presets import PresetOptions
+from nmaptool_cli.outputs import as_given
 from nmaptool_cli.part_outputs import check_part_names
 from nmaptool_cli.relief_outputs import ReliefOutputs
 from nmaptool_cli.run import Run
@@ -88,7 +88,7 @@ def _outputs(run: Run, name: str, given: ReliefOutputs) -> tuple[str, list[str]]
             raise UsageError(f"`{option}`: is not for large maps; make a smaller one, or parts")
     if given.dry_run or given.save_recipe is not None:
         raise UsageError(f"`{'dry_run' if given.dry_run else 'save_recipe'}`: is not for large maps")
-    stores = [_url(path) for path in given.output if path.suffix.lower() == LARGE_ENDING]
+    stores = [as_given(path) for path in given.output if path.suffix.lower() == LARGE_ENDING]
     others = [str(path) for path in given.output if path.suffix.lower() != LARGE_ENDING]
     if len(stores) != 1:
         raise UsageError(f"{name}: is a large map; name one Zarr store for its heights, such as -o heights.zarr")
@@ -101,11 +101,6 @@ def _outputs(run: Run, name: str, given: ReliefOutputs) -> tuple[str, list[str]]
                 "a folder of PNG tiles, or parts of meshes"
             )
     return stores[0], others
-
-
-def _url(path: Path) -> str:
-    """A path or URL as it was given: a path has only one slash after the scheme."""
-    return re.sub(r"^(\w{2,}):/(?!/)", r"\1://", str(path))
 
 
 def _parts_of(others: Sequence[str]) -> list[str]:

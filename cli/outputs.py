@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -156,3 +157,8 @@ def by_folder(paths: list[Path]) -> Iterator[str]:
     for folder, names in folders.items():
         place = "" if folder == Path() else f"{folder}: "
         yield str(folder / names[0]) if len(names) == 1 else place + " ".join(names)
+
+
+def as_given(path: Path) -> str:
+    """The text of a path or URL: a path has only one slash after the scheme."""
+    return re.sub(r"^(\w{2,}):[/\\](?![/\\])", r"\1://", str(path))

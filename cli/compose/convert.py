@@ -9,7 +9,8 @@ from nmaptool.core.errors import UsageError
 from nmaptool.options import ReadOptions, WriteOptions
 from nmaptool_cli.command import command
 from nmaptool_cli.compose.edits import finish_edit
-from nmaptool_cli.compose.large_convert import ConvertOutputs, as_given, is_large, large_convert
+from nmaptool_cli.compose.large_convert import ConvertOutputs, is_large, large_convert
+from nmaptool_cli.outputs import as_given
 from nmaptool_cli.run import Run
 from nmaptool_cli.streams import display_name
 

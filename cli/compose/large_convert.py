@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nmaptool.core.errors import UsageError
@@ -48,11 +46,6 @@ class ConvertOutputs(MapOutputs):
         given = "pyramid" if self.pyramid else None if self.tile is None else f"tile={self.tile}"
         if given is not None:
             raise UsageError(f"`{given}`: applies to Zarr stores, folders of tiles and large maps; leave it out")
-
-
-def as_given(path: Path) -> str:
-    """The text of a path or URL: a path has only one slash after the scheme."""
-    return re.sub(r"^(\w{2,}):[/\\](?![/\\])", r"\1://", str(path))
 
 
 def is_large(name: str, output: str, reading: ReadOptions) -> bool:
